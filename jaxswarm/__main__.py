@@ -1,0 +1,5 @@
+"""``python -m jaxswarm``."""
+
+from jaxswarm.cli import main
+
+main()

@@ -1,0 +1,181 @@
+"""The command line: parse, call one library function, print. Results on stdout, the rest on stderr."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from jaxswarm.errors import InputError
+
+app = typer.Typer(
+    name="jaxswarm",
+    help="Finds the physical effect a robot model lacks, adds it, and shows the error before and after.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Logs = Annotated[list[Path], typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")]
+RobotName = Annotated[str, typer.Option("--robot", help="Built-in name, .urdf or .toml file.")]
+Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
+Validation = Annotated[Path | None, typer.Option("--validation", help="Log to score on.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
+MotionCutoff = Annotated[
+    float | None, typer.Option(min=0.01, help="Low-pass of the motion [Hz]; found from the data.")
+]
+TorqueCutoff = Annotated[
+    float | None, typer.Option(min=0.01, help="Low-pass shared by torque and model [Hz].")
+]
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one message and exit code 2."""
+    try:
+        app(standalone_mode=True)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise SystemExit(130) from None
+
+
+def _start() -> None:
+    """Double precision, and compiled code kept on disk between commands."""
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
+        home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        jax.config.update("jax_compilation_cache_dir", str(home / "jaxswarm" / "compiled"))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def _status():
+    """A spinner on stderr that shows the stage, and nothing where stderr is no terminal."""
+    from rich.console import Console
+
+    return Console(stderr=True).status("starting", spinner="dots")
+
+
+@app.command()
+def identify(
+    logs: Logs,
+    robot: RobotName,
+    effects: Annotated[str, typer.Option(help="none, or name[@joint[:partner]],...")],
+    out: Out,
+    validation: Validation = None,
+    optimizer: Annotated[str, typer.Option(help="least_squares or a swarm.")] = "least_squares",
+    runs: Annotated[int, typer.Option(min=1, help="Runs of the swarm.")] = 10,
+    steps: Annotated[int, typer.Option(min=1, help="Steps of the swarm.")] = 500,
+    whiten: Annotated[
+        bool, typer.Option("--whiten/--raw", help="Swarm: coordinates whitened by R, or parameters.")
+    ] = True,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the swarm.")] = 0,
+    motion_cutoff: MotionCutoff = None,
+    torque_cutoff: TorqueCutoff = None,
+    json: Json = False,
+) -> None:
+    """Identify a declared model from logs and score it on motion it was not fitted to."""
+    _start()
+    from jaxswarm.identify import print_identification
+    from jaxswarm.identify.run import Options, identify_files
+
+    options = Options(optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff)
+    with _status() as status:
+        report = identify_files(logs, robot, effects, out, validation, options, status.update)
+    _show(report, json, lambda: print_identification(report, out))
+
+
+@app.command()
+def predict(
+    model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
+    log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],
+    out: Annotated[Path, typer.Option("--out", help="CSV file to write.")],
+    json: Json = False,
+) -> None:
+    """Predict the torque of an identified model along a log, at its own time stamps."""
+    _start()
+    from jaxswarm.identify.run import predict_file
+
+    result = predict_file(model, log, out)
+    _show(result, json, lambda: print(f"{result['samples']} samples written to {result['out']}"))
+
+
+@app.command()
+def effects(json: Json = False) -> None:
+    """List the effects: what can be declared and what is asked of a residual."""
+    _start()
+    from jaxswarm.effects import REGISTRY
+
+    rows = [
+        {
+            "effect": law.name,
+            "scope": law.scope,
+            "law": law.summary,
+            "parameters": {
+                p.name: {"unit": p.unit, "lower": p.lower, "upper": p.upper, "linear": p.linear}
+                for p in law.parameters
+            },
+            "reference": law.reference,
+        }
+        for law in sorted(REGISTRY.values(), key=lambda law: law.name)
+    ]
+    _table(rows, json, ("effect", "scope", "law", "reference"))
+
+
+@app.command()
+def robots(json: Json = False) -> None:
+    """List the built-in robots."""
+    _start()
+    from jaxswarm.robot import BUILTIN_ROBOTS
+
+    rows = []
+    for name, make in sorted(BUILTIN_ROBOTS.items()):
+        arm = make()
+        about = (make.__doc__ or "").strip().splitlines()[0]
+        rows.append({"robot": name, "joints": list(arm.joints), "about": about})
+    _table(rows, json, ("robot", "joints", "about"))
+
+
+@app.command()
+def optimizers(json: Json = False) -> None:
+    """List the optimizers and the papers they come from."""
+    _start()
+    from jaxswarm.swarm import OPTIMIZERS
+
+    rows = [
+        {
+            "optimizer": name,
+            "about": entry.description,
+            "reference": entry.reference,
+            "reconstruction": entry.reconstruction,
+        }
+        for name, entry in OPTIMIZERS.items()
+    ]
+    _table(rows, json, ("optimizer", "about", "reference"))
+
+
+def _show(result: Any, json: bool, text) -> None:
+    if json:
+        from jaxswarm.outputs import to_json
+
+        sys.stdout.write(to_json(result))
+    else:
+        text()
+
+
+def _table(rows: list[dict], json: bool, columns: tuple[str, ...]) -> None:
+    def text() -> None:
+        from rich.console import Console
+        from rich.table import Table
+
+        table = Table(*columns)
+        for row in rows:
+            cells = (row[c] for c in columns)
+            table.add_row(*(", ".join(c) if isinstance(c, list) else str(c) for c in cells))
+        Console().print(table)
+
+    _show(rows, json, text)

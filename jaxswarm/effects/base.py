@@ -1,0 +1,179 @@
+r"""What an effect is: one law, one table of its parameters, and the registry that knows them all.
+
+A rigid body does not account for everything a motor must supply. Whatever else there is enters as a
+sum, ``tau = rigid body + sum of laws``; friction has the sign of the velocity. A :class:`Law` is
+
+* ``torque(p, s)``: the torque [N m or N] one joint needs on top, for one sample ``s`` (a
+  :class:`Sample` of scalars) and a dictionary ``p`` of parameters; a *global* law sees a sample of
+  ``(n,)`` arrays and returns ``(n,)``;
+* ``rate(p, s)``, only for a law with memory: the time derivative of its scalar ``s.state``;
+* a table of :class:`Parameter`: names, units, bounds, and which ones enter linearly.
+
+Everything else follows from these: columns of a regression (the derivative with respect to the linear
+parameters), the search box of the others, units in the report, the name on the command line. Some
+effects are no added torque but another motion or another clock (a soft joint, a delay, a tilted base);
+those carry ``warp`` instead, see :mod:`jaxswarm.effects.warps`.
+
+Registering a law with :func:`register` makes it known everywhere.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.errors import InputError, nearest
+
+
+class Sample(NamedTuple):
+    """What a joint law sees at one instant: scalars of its own joint, and of a partner joint.
+
+    Attributes:
+        t: Time since the start of the log [s].
+        q: Position [rad or m].
+        dq: Velocity [rad/s or m/s].
+        ddq: Acceleration [rad/s^2 or m/s^2].
+        direction: Smooth sign of ``dq`` in [-1, 1], ``tanh(dq / width)`` with the declared width.
+        load: Torque of the rigid-body model on this joint [N m or N]; never the measured torque.
+        temperature: Temperature channel [deg C], NaN where the log has none.
+        dq_other, ddq_other: Velocity and acceleration of the partner joint of a coupling law.
+        direction_sum: Smooth sign of ``dq + dq_other``, the way a motor driven by both joints turns.
+        state: The law's own memory, zero for laws without.
+    """
+
+    t: jax.Array
+    q: jax.Array
+    dq: jax.Array
+    ddq: jax.Array
+    direction: jax.Array
+    load: jax.Array
+    temperature: jax.Array
+    dq_other: jax.Array
+    ddq_other: jax.Array
+    direction_sum: jax.Array
+    state: jax.Array
+
+
+def make_sample(**fields) -> Sample:
+    """Build a :class:`Sample` with zero for every field that is not given.
+
+    >>> float(make_sample(dq=0.5).dq), float(make_sample(dq=0.5).load)
+    (0.5, 0.0)
+    """
+    zero = jnp.zeros_like(jnp.asarray(next(iter(fields.values()), 0.0), dtype=float))
+    values = {name: jnp.asarray(fields.pop(name, zero), dtype=float) for name in Sample._fields}
+    if fields:
+        raise ValueError(f"unknown sample fields {sorted(fields)}; known: {Sample._fields}")
+    return Sample(**values)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One named parameter of a law.
+
+    Attributes:
+        name: Short symbol, unique within the law.
+        unit: Unit for a revolute joint, for example ``"N m s/rad"``.
+        lower, upper: Physical bounds; a linear friction coefficient has ``lower = 0``.
+        linear: Whether the law's torque is linear in it (and in all linear parameters together).
+        nominal: A usual value: default in simulations, and where a search starts.
+        scale: ``"linear"`` or ``"log"``: how a search should walk between the bounds.
+        description: One clause that says what it is.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    linear: bool
+    nominal: float
+    description: str
+    scale: str = "linear"
+
+
+@dataclass(frozen=True)
+class Law:
+    """A physical effect as a pure function with a table of its parameters (see the module text).
+
+    Attributes:
+        name: Name in reports, logs of changes and on the command line.
+        scope: ``"joint"``, ``"pair"`` (a joint and a partner joint) or ``"global"``.
+        parameters: The table; linear ones first.
+        summary: The law in one line, with its formula.
+        reference: Where the law comes from.
+        torque: ``torque(p, sample) -> scalar``; None for a law that is a warp.
+        rate: ``rate(p, sample) -> d state / dt``; None for a law without memory.
+        warp: Name of the warp (:mod:`jaxswarm.effects.warps`), None for an added torque.
+        dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
+        derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
+    """
+
+    name: str
+    scope: str
+    parameters: tuple[Parameter, ...]
+    summary: str
+    reference: str
+    torque: Callable[[dict, Sample], jax.Array] | None = None
+    rate: Callable[[dict, Sample], jax.Array] | None = None
+    warp: str | None = None
+    dissipative: bool = False
+    derived: Callable[[dict], dict] | None = None
+
+    @property
+    def linear(self) -> tuple[Parameter, ...]:
+        """The parameters in which the torque is linear."""
+        return tuple(p for p in self.parameters if p.linear)
+
+    @property
+    def nonlinear(self) -> tuple[Parameter, ...]:
+        """The parameters that have to be searched."""
+        return tuple(p for p in self.parameters if not p.linear)
+
+    def nominal(self) -> dict[str, float]:
+        """Return the usual value of every parameter."""
+        return {p.name: p.nominal for p in self.parameters}
+
+
+REGISTRY: dict[str, Law] = {}
+
+
+def register(law: Law) -> Law:
+    """Make ``law`` known to every part of jaxswarm under its name, and return it.
+
+    Raises:
+        ValueError: If the name is taken, the scope unknown, a bound pair empty, or linear parameters
+            do not come first.
+    """
+    if law.name in REGISTRY:
+        raise ValueError(f"an effect named {law.name!r} is registered already; choose another name")
+    if law.scope not in ("joint", "pair", "global"):
+        raise ValueError(f"scope of {law.name!r} is {law.scope!r}; use 'joint', 'pair' or 'global'")
+    if (law.torque is None) == (law.warp is None):
+        raise ValueError(f"effect {law.name!r} needs exactly one of torque and warp")
+    flags = [p.linear for p in law.parameters]
+    if flags != sorted(flags, reverse=True):
+        raise ValueError(f"effect {law.name!r}: list its linear parameters first")
+    for p in law.parameters:
+        if not p.lower < p.upper or not p.lower <= p.nominal <= p.upper:
+            raise ValueError(
+                f"effect {law.name!r}, parameter {p.name!r}: needs lower < upper and a nominal value "
+                f"between them, got {p.lower}, {p.upper}, {p.nominal}"
+            )
+    REGISTRY[law.name] = law
+    return law
+
+
+def get_law(name: str) -> Law:
+    """Return the registered law called ``name``.
+
+    Raises:
+        InputError: If there is none, with the nearest names.
+
+    >>> get_law("viscous_friction").scope
+    'joint'
+    """
+    if name not in REGISTRY:
+        raise InputError(f"unknown effect {name!r}. {nearest(name, REGISTRY)}")
+    return REGISTRY[name]

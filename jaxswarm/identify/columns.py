@@ -1,0 +1,91 @@
+r"""The regression matrix of a model: rigid-body columns and the columns of every linear law parameter.
+
+For one working clock, ``tau[t, j] = sum_c W[t, j, c] theta[c]`` with ``theta`` the standard parameters
+of all links followed by the linear parameters of the terms in their order. Nonlinear parameters and the
+load torque enter as given numbers. Torque and columns then pass the same decimator.
+"""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.effects.base import Law, Sample
+from jaxswarm.effects.series import law_columns
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot import regressor, standard_parameter_names
+from jaxswarm.robot.model import Robot
+
+# Samples evaluated in one call: one compiled program for logs of any length, bounded memory.
+_CHUNK = 2048
+
+
+@jax.jit
+def _rigid(robot: Robot, q: jax.Array, dq: jax.Array, ddq: jax.Array) -> jax.Array:
+    return jax.vmap(partial(regressor, robot))(q, dq, ddq)
+
+
+@partial(jax.jit, static_argnames="law")
+def _law(law: Law, nonlinear: dict, series: Sample) -> jax.Array:
+    return law_columns(law, nonlinear, series)
+
+
+def rigid_columns(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
+    """Columns of the standard parameters, shape (T, n, 10 n), for (T, n) motion."""
+    size, chunk = len(q), _CHUNK
+    padded = [np.concatenate([x, np.repeat(x[-1:], -size % chunk, axis=0)]) for x in (q, dq, ddq)]
+    parts = [
+        np.asarray(_rigid(robot, *(x[k : k + chunk] for x in padded)))
+        for k in range(0, len(padded[0]), chunk)
+    ]
+    return np.concatenate(parts)[:size]
+
+
+def direction(dq: np.ndarray, width: float) -> np.ndarray:
+    """Smooth sign of a velocity, ``tanh(dq / width)``; ``width`` [rad/s] > 0."""
+    return np.tanh(np.asarray(dq) / width)
+
+
+def joint_series(
+    motion: Motion, width: float, load: np.ndarray | None, joint: int, other: int | None = None
+) -> Sample:
+    """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) arrays."""
+    zero = np.zeros(len(motion.t))
+    temperature = motion.channels.get("temperature")
+    dq = motion.dq[:, joint]
+    partner = None if other is None else motion.dq[:, other]
+    return Sample(
+        t=jnp.asarray(motion.t),
+        q=jnp.asarray(motion.q[:, joint]),
+        dq=jnp.asarray(dq),
+        ddq=jnp.asarray(motion.ddq[:, joint]),
+        direction=jnp.asarray(direction(dq, width)),
+        load=jnp.asarray(zero if load is None else load[:, joint]),
+        temperature=jnp.asarray(
+            np.full(len(motion.t), np.nan) if temperature is None else temperature[:, joint]
+        ),
+        dq_other=jnp.asarray(zero if other is None else partner),
+        ddq_other=jnp.asarray(zero if other is None else motion.ddq[:, other]),
+        direction_sum=jnp.asarray(zero if other is None else direction(dq + partner, width)),
+        state=jnp.asarray(zero),
+    )
+
+
+def term_columns(
+    term: Term, motion: Motion, width: float, load: np.ndarray | None = None
+) -> np.ndarray:
+    """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
+    law = term.law
+    nonlinear = {p.name: jnp.asarray(float(term.values[p.name])) for p in law.nonlinear}
+    series = joint_series(motion, width, load, term.joint, term.other)
+    return np.asarray(_law(law, nonlinear, series))
+
+
+def column_names(robot: Robot, terms: tuple[Term, ...]) -> tuple[str, ...]:
+    """Names of all columns: standard parameters, then ``parameter_joint:effect``."""
+    names = list(standard_parameter_names(robot))
+    for term in terms:
+        names.extend(term.columns(robot.joints))
+    return tuple(names)

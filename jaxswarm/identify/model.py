@@ -1,0 +1,158 @@
+"""An identified model: what ``model.json`` holds and ``predict`` needs, and its torque along a log."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.errors import InputError
+from jaxswarm.identify.columns import rigid_columns, term_columns
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.robot.model import Robot
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Model:
+    """A robot, its terms with values, and how a log has to be filtered for it.
+
+    Attributes:
+        robot: With the identified link parameters (base values, zeros for what merges into them).
+        terms: With values for all their parameters.
+        width: Width of the smooth sign [rad/s or m/s].
+        filtering: Frequencies the model was identified with.
+        sigma: Residual standard deviation per joint at identification [N m or N].
+    """
+
+    robot: Robot
+    terms: tuple[Term, ...]
+    width: float
+    filtering: Filtering
+    sigma: tuple[float, ...]
+
+    def __repr__(self) -> str:
+        terms = ", ".join(term.label(self.robot.joints) for term in self.terms)
+        return f"Model({self.robot.name}: rigid body + [{terms}])"
+
+
+def rigid_torque(model: Model, motion: Motion, rigid: np.ndarray | None = None) -> np.ndarray:
+    """Torque of the rigid body alone along a log, shape (T, n)."""
+    if rigid is None:
+        rigid = rigid_columns(model.robot, motion.q, motion.dq, motion.ddq)
+    return rigid @ np.asarray(model.robot.parameters).ravel()
+
+
+def model_torque(model: Model, motion: Motion) -> np.ndarray:
+    """Torque of the whole model on a log's working clock, shape (T, n)."""
+    torque = rigid_torque(model, motion)
+    load = torque.copy()
+    for term in model.terms:
+        linear = np.array([term.values[p.name] for p in term.law.linear])
+        torque[:, term.joint] += term_columns(term, motion, model.width, load) @ linear
+    return torque
+
+
+def save_model(model: Model, path: Path) -> None:
+    """Write ``model.json``: everything :func:`load_model` and ``predict`` need."""
+    robot = model.robot
+    content = {
+        "format": FORMAT,
+        "robot": {
+            "name": robot.name,
+            "joints": list(robot.joints),
+            "kinds": list(robot.kinds),
+            "parents": list(robot.parents),
+            **{
+                field: np.asarray(getattr(robot, field)).tolist()
+                for field in ("rotation", "translation", "axis", "gravity", "parameters")
+            },
+            "drive_gain": [None if np.isnan(g) else float(g) for g in np.asarray(robot.drive_gain)],
+        },
+        "terms": [
+            {
+                "effect": t.effect,
+                "joint": None if t.joint is None else robot.joints[t.joint],
+                "other": None if t.other is None else robot.joints[t.other],
+                "values": {k: float(v) for k, v in t.values.items()},
+            }
+            for t in model.terms
+        ],
+        "width": model.width,
+        "filtering": {
+            "motion_cutoff": model.filtering.motion_cutoff,
+            "torque_cutoff": model.filtering.torque_cutoff,
+            "use_logged_velocity": model.filtering.use_logged_velocity,
+        },
+        "sigma": list(map(float, model.sigma)),
+    }
+    Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def load_model(path: Path) -> Model:
+    """Read a ``model.json``.
+
+    Raises:
+        InputError: If the file is missing, not JSON, of another format or incomplete.
+    """
+    path = Path(path)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; identify writes it as DIR/model.json") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as JSON ({error}); pass a model.json") from None
+    if not isinstance(content, dict) or "format" not in content:
+        raise InputError(f"{path}: is no jaxswarm model; pass a model.json written by identify")
+    if content["format"] != FORMAT:
+        raise InputError(
+            f"{path}: format {content['format']!r}, this version reads {FORMAT}; identify it again"
+        )
+    try:
+        return _from_json(content)
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: incomplete or damaged ({error!r}); identify it again") from None
+
+
+def _from_json(content: dict) -> Model:
+    part = content["robot"]
+    joints = tuple(part["joints"])
+    n = len(joints)
+    shapes = {
+        "rotation": (n, 3, 3),
+        "translation": (n, 3),
+        "axis": (n, 3),
+        "gravity": (3,),
+        "parameters": (n, 10),
+    }
+    arrays = {k: jnp.asarray(np.asarray(part[k], float).reshape(s)) for k, s in shapes.items()}
+    gains = [np.nan if g is None else float(g) for g in part["drive_gain"]]
+    robot = Robot(
+        name=part["name"],
+        joints=joints,
+        kinds=tuple(part["kinds"]),
+        parents=tuple(part["parents"]),
+        drive_gain=jnp.asarray(gains),
+        **arrays,
+    )
+    terms = []
+    for entry in content["terms"]:
+        joint = None if entry["joint"] is None else joints.index(entry["joint"])
+        other = None if entry["other"] is None else joints.index(entry["other"])
+        term = Term(entry["effect"], joint, other, dict(entry["values"]))
+        missing = {p.name for p in term.law.parameters} - set(term.values)
+        if missing:
+            raise InputError(f"{term.label(joints)} lacks the values of {sorted(missing)}")
+        terms.append(term)
+    return Model(
+        robot,
+        tuple(terms),
+        float(content["width"]),
+        Filtering(**content["filtering"]),
+        tuple(content["sigma"]),
+    )

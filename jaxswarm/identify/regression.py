@@ -1,0 +1,116 @@
+"""The linear problem of one model on one or several logs: decimated columns and torque, with their clock."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxswarm.errors import InputError
+from jaxswarm.identify.columns import column_names, rigid_columns, term_columns
+from jaxswarm.identify.metrics import is_moving
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Rows of all logs on the decimated clock.
+
+    Attributes:
+        names: Column names, p of them.
+        columns: Shape (T, n, p).
+        torque: Measured torque through the same low-pass, shape (T, n).
+        moving: Whether the joint moves there, shape (T, n).
+        t: Time in its own log [s], shape (T,).
+        log: Index of the log each row comes from, shape (T,).
+        step: Sampling interval of the decimated clock [s], one per log.
+    """
+
+    names: tuple[str, ...]
+    columns: np.ndarray
+    torque: np.ndarray
+    moving: np.ndarray
+    t: np.ndarray
+    log: np.ndarray
+    step: tuple[float, ...]
+
+    def rows(self, selected: np.ndarray) -> "Regression":
+        """The same problem on the selected rows."""
+        return Regression(
+            self.names,
+            self.columns[selected],
+            self.torque[selected],
+            self.moving[selected],
+            self.t[selected],
+            self.log[selected],
+            self.step,
+        )
+
+
+def model_columns(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: float,
+    load: np.ndarray | None = None,
+    rigid: np.ndarray | None = None,
+) -> np.ndarray:
+    """All columns on the working clock, shape (T, n, p); ``rigid`` may be passed when known."""
+    if rigid is None:
+        rigid = rigid_columns(robot, motion.q, motion.dq, motion.ddq)
+    parts = [rigid]
+    for term in terms:
+        own = term_columns(term, motion, width, load)
+        block = np.zeros((*rigid.shape[:2], own.shape[1]))
+        block[:, term.joint] = own
+        parts.append(block)
+    return np.concatenate(parts, axis=2)
+
+
+def build_regression(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motions: list[Motion],
+    width: float,
+    loads: list[np.ndarray] | None = None,
+    rigids: list[np.ndarray] | None = None,
+) -> Regression:
+    """Stack the decimated rows of all logs.
+
+    Raises:
+        InputError: If there are fewer rows than columns to determine.
+    """
+    columns, torque, moving, clock, log = [], [], [], [], []
+    for k, motion in enumerate(motions):
+        full = model_columns(
+            robot,
+            terms,
+            motion,
+            width,
+            None if loads is None else loads[k],
+            None if rigids is None else rigids[k],
+        )
+        low = motion.decimator
+        kept = low.kept(len(motion.t))
+        columns.append(low.apply(full))
+        torque.append(low.apply(motion.tau))
+        moving.append(is_moving(motion.dq)[kept])
+        clock.append(motion.t[kept])
+        log.append(np.full(len(kept), k))
+    names = column_names(robot, terms)
+    stacked = np.concatenate(columns)
+    if stacked.shape[0] * stacked.shape[1] < stacked.shape[2]:
+        raise InputError(
+            f"{motions[0].source}: {stacked.shape[0]} independent samples of {stacked.shape[1]} "
+            f"joints are fewer than the {stacked.shape[2]} parameters; log a longer motion or "
+            "declare fewer effects"
+        )
+    return Regression(
+        names,
+        stacked,
+        np.concatenate(torque),
+        np.concatenate(moving),
+        np.concatenate(clock),
+        np.concatenate(log),
+        tuple(float(m.decimator.factor / m.rate) for m in motions),
+    )

@@ -1,0 +1,109 @@
+"""Terms: which law acts on which joint, and the ``name[@joint[:partner]],...`` lists that declare them."""
+
+from dataclasses import dataclass, field
+
+from jaxswarm.effects.base import Law, get_law
+from jaxswarm.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class Term:
+    """One law on one joint of one robot, with the values of its parameters once they are known.
+
+    Attributes:
+        effect: Registered name of the law.
+        joint: Index of the joint, None for a global law.
+        other: Index of the partner joint of a pair law, else None.
+        values: Parameter values by name; empty before a fit.
+    """
+
+    effect: str
+    joint: int | None = None
+    other: int | None = None
+    values: dict[str, float] = field(default_factory=dict, compare=False, hash=False)
+
+    @property
+    def law(self) -> Law:
+        """The registered law."""
+        return get_law(self.effect)
+
+    def label(self, joints: tuple[str, ...]) -> str:
+        """Readable name: ``viscous_friction@joint2``, ``transmission_coupling@joint5:joint6``."""
+        if self.joint is None:
+            return self.effect
+        partner = "" if self.other is None else f":{joints[self.other]}"
+        return f"{self.effect}@{joints[self.joint]}{partner}"
+
+    def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
+        """Names of the columns of the linear parameters: ``b_joint2``."""
+        where = "" if self.joint is None else f"_{joints[self.joint]}"
+        where += "" if self.other is None else f"_{joints[self.other]}"
+        return tuple(f"{p.name}{where}:{self.effect}" for p in self.law.linear)
+
+
+def physical_unit(unit: str, kind: str) -> str:
+    """Translate a revolute joint's unit into the one of ``kind``.
+
+    >>> physical_unit("N m s/rad", "prismatic"), physical_unit("kg m^2", "prismatic")
+    ('N s/m', 'kg')
+    """
+    if kind != "prismatic":
+        return unit
+    for old, new in (("kg m^2", "kg"), ("N m", "N"), ("rad", "m")):
+        unit = unit.replace(old, new)
+    return unit
+
+
+def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
+    """Read a list such as ``viscous_friction,coulomb_friction@joint2`` for a robot's joints.
+
+    A name without a joint stands for every joint; a pair law without partner takes the next joint
+    (the last joint: the one before). ``none`` is the empty list.
+
+    Raises:
+        InputError: On an unknown effect or joint, a repeated term or a misplaced ``@``.
+
+    >>> [t.label(("a", "b")) for t in parse_terms("viscous_friction,joint_spring@b", ("a", "b"))]
+    ['viscous_friction@a', 'viscous_friction@b', 'joint_spring@b']
+    """
+    terms: list[Term] = []
+    for item in (part.strip() for part in text.split(",")):
+        if item in ("", "none"):
+            continue
+        name, _, where = item.partition("@")
+        law = get_law(name)
+        for term in _expand(law, where, joints):
+            if term in terms:
+                raise InputError(f"effect {term.label(joints)} is listed twice; name it once")
+            terms.append(term)
+    return tuple(terms)
+
+
+def _expand(law: Law, where: str, joints: tuple[str, ...]) -> list[Term]:
+    if law.scope == "global":
+        if where:
+            raise InputError(f"effect {law.name} acts on the whole arm; write it without @{where}")
+        return [Term(law.name)]
+    if not where:
+        chosen = [(j, None) for j in range(len(joints))]
+    else:
+        name, _, partner = where.partition(":")
+        other = _joint(partner, joints) if partner else None
+        chosen = [(_joint(name, joints), other)]
+    if law.scope == "joint":
+        if any(other is not None for _, other in chosen):
+            raise InputError(f"effect {law.name} has no partner joint; write {law.name}@JOINT")
+        return [Term(law.name, j) for j, _ in chosen]
+    if len(joints) < 2:
+        raise InputError(f"effect {law.name} couples two joints, and this robot has {len(joints)}")
+    pairs = [(j, (j + 1 if j + 1 < len(joints) else j - 1) if o is None else o) for j, o in chosen]
+    for j, other in pairs:
+        if j == other:
+            raise InputError(f"effect {law.name}@{joints[j]} names itself as partner; name another")
+    return [Term(law.name, j, o) for j, o in pairs]
+
+
+def _joint(name: str, joints: tuple[str, ...]) -> int:
+    if name not in joints:
+        raise InputError(f"the robot has no joint {name!r}. {nearest(name, joints)}")
+    return joints.index(name)

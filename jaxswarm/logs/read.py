@@ -1,0 +1,140 @@
+"""The one way into the library for a measured log: read, name, check, describe.
+
+file -> Table (format) -> Arranged (names and joints) -> checks -> Log with notes
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from jaxswarm.errors import InputError, nearest
+from jaxswarm.logs.checks import check_time, check_values, drop_repeated_rows, torque
+from jaxswarm.logs.columns import Arranged, arrange
+from jaxswarm.logs.csv import read_csv
+from jaxswarm.logs.findings import describe
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.mat import read_mat
+from jaxswarm.logs.mcap import read_mcap
+from jaxswarm.logs.names import QUANTITIES, offer
+from jaxswarm.logs.npz import read_npz
+from jaxswarm.logs.parquet import read_parquet
+from jaxswarm.logs.summary import summarize
+from jaxswarm.logs.table import Table
+
+_READERS: dict[str, Callable[[Path], Table]] = {
+    ".csv": read_csv,
+    ".npz": read_npz,
+    ".parquet": read_parquet,
+    ".mat": read_mat,
+}
+_RECORDINGS = (".mcap", ".db3", ".bag")
+LOG_FORMATS = (*_READERS, *_RECORDINGS)
+
+
+def read_log(
+    path: str | Path,
+    joints: tuple[str, ...],
+    drive_gain: np.ndarray | None = None,
+    *,
+    require_torque: bool = True,
+) -> Log:
+    """Read and check a log of a robot.
+
+    Args:
+        path: A ``.csv``, ``.npz``, ``.parquet``, ``.mat``, ``.mcap``, ``.db3`` or ``.bag`` file,
+            or a rosbag2 folder.
+        joints: The robot's joint names, n of them; columns are matched to them by name.
+        drive_gain: Torque per motor current [N m/A or N/A], shape (n,), NaN where unknown.
+        require_torque: Whether a log without ``tau`` or ``current`` is refused.
+
+    Returns:
+        The log in SI units and in the robot's order of joints, with notes about what was found.
+
+    Raises:
+        InputError: If the file cannot be read or its content cannot be used; the message names
+            file, row and column, and says what to do.
+    """
+    path, joints = Path(path), tuple(joints)
+    table = _table(path, joints)
+    arranged = arrange(table, joints)
+    if not len(arranged.t):
+        raise InputError(f"{path}: no samples. Was the log cut?")
+    check_values(table, arranged)
+    keep, repeated = drop_repeated_rows(table, arranged)
+    time = arranged.t[keep]
+    check_time(table, time, np.flatnonzero(keep))
+    others = [name for name in table.columns if name.split("_")[0] not in QUANTITIES]
+    tau, torque_notes = torque(
+        table, arranged, joints, drive_gain, require_torque, offer("tau", joints[0], 1, others)
+    )
+    log = Log(
+        source=str(path),
+        joints=joints,
+        t=time,
+        q=arranged.joint["q"][keep],
+        dq=_kept(arranged, "dq", keep),
+        ddq=_kept(arranged, "ddq", keep),
+        tau=None if tau is None else tau[keep],
+        channels=_channels(arranged, keep),
+    )
+    notes = [*table.notes, *arranged.notes, *([repeated] if repeated else []), *torque_notes]
+    return replace(log, notes=(*notes, *describe(summarize(log))))
+
+
+def _table(path: Path, joints: tuple[str, ...]) -> Table:
+    """Read any supported format; whatever goes wrong inside a parser is an :class:`InputError`."""
+    try:
+        found = path.exists()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be reached ({error.strerror}). Check the path.") from None
+    if not found:
+        raise InputError(f"{path}: no such file.{_neighbors(path)}")
+    recording = path.suffix.lower() in _RECORDINGS or (path / "metadata.yaml").is_file()
+    if path.is_dir() and not recording:
+        raise InputError(
+            f"{path}: is a folder without a rosbag2 metadata.yaml. Give the log file itself."
+        )
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None and not recording:
+        raise InputError(
+            f"{path}: unknown log format {path.suffix or '(no ending)'}. Known: "
+            f"{', '.join(LOG_FORMATS)}."
+        )
+    try:
+        return read_mcap(path, joints) if recording else reader(path)
+    except InputError:
+        raise
+    except Exception as error:
+        # Parsers of foreign formats raise anything on damaged bytes, from KeyError to MemoryError.
+        reason = (str(error).splitlines() or [""])[0][:200]
+        raise InputError(
+            f"{path}: cannot be read as {path.suffix.lstrip('.').upper() or 'rosbag2'} "
+            f"({type(error).__name__}: {reason}). Write the file again, or check its ending."
+        ) from error
+
+
+def _neighbors(path: Path) -> str:
+    """Offer files of a similar name in the same folder."""
+    try:
+        names = [
+            other.name for other in path.parent.iterdir() if other.suffix.lower() in LOG_FORMATS
+        ]
+    except OSError:
+        return f" The folder {path.parent} cannot be listed."
+    return f" {nearest(path.name, names)}" if 0 < len(names) <= 20 else ""
+
+
+def _kept(arranged: Arranged, name: str, keep: np.ndarray) -> np.ndarray | None:
+    return arranged.joint[name][keep] if name in arranged.joint else None
+
+
+def _channels(arranged: Arranged, keep: np.ndarray) -> dict[str, np.ndarray]:
+    """Everything that is not q, dq, ddq or tau; currents stay, for effects that use them."""
+    channels = {**arranged.joint, **arranged.shared}
+    return {
+        name: values[keep]
+        for name, values in channels.items()
+        if name not in ("q", "dq", "ddq", "tau")
+    }

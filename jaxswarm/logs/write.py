@@ -1,0 +1,68 @@
+"""Write a log as CSV or NPZ, in the very form that :func:`jaxswarm.logs.read_log` reads.
+
+Numbers keep all their digits, so a log survives the round trip bit for bit.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from jaxswarm.errors import InputError
+from jaxswarm.logs.log import Log
+
+
+def write_log(log: Log, path: str | Path) -> None:
+    """Write ``t``, ``q``, ``dq``, ``ddq``, ``tau`` and the channels of a log.
+
+    Args:
+        log: The log; columns without any finite number are left out.
+        path: File ending in ``.csv`` or ``.npz``; an existing one is replaced.
+
+    Raises:
+        InputError: If the ending is another one or the file cannot be written.
+    """
+    path = Path(path)
+    writers = {".csv": _write_csv, ".npz": _write_npz}
+    writer = writers.get(path.suffix.lower())
+    if writer is None:
+        raise InputError(
+            f"{path}: logs are written as {' or '.join(writers)}, not "
+            f"{path.suffix or 'without an ending'}."
+        )
+    try:
+        writer(log, path)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror}). Choose another place."
+        ) from error
+
+
+def _arrays(log: Log) -> dict[str, np.ndarray]:
+    given = {"q": log.q, "dq": log.dq, "ddq": log.ddq, "tau": log.tau, **log.channels}
+    return {name: values for name, values in given.items() if values is not None}
+
+
+def _write_csv(log: Log, path: Path) -> None:
+    names, columns = ["t"], [log.t]
+    for name, values in _arrays(log).items():
+        if values.ndim == 1:
+            names.append(name)
+            columns.append(values)
+            continue
+        for joint, column in zip(log.joints, values.T, strict=True):
+            if np.isfinite(column).any():
+                names.append(f"{name}_{joint}")
+                columns.append(column)
+    np.savetxt(
+        path,
+        np.stack(columns, axis=1),
+        fmt="%.17g",
+        delimiter=",",
+        header=",".join(names),
+        comments="",
+    )
+
+
+def _write_npz(log: Log, path: Path) -> None:
+    with path.open("wb") as handle:
+        np.savez_compressed(handle, t=log.t, joints=np.array(log.joints, dtype=str), **_arrays(log))

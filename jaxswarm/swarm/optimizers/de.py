@@ -1,0 +1,144 @@
+r"""Differential evolution: a step is the scaled difference of two other members.
+
+For every member x_i a mutant v and a trial u are formed, and the trial replaces x_i if it is not
+worse:
+
+    rand/1              v = x_a + F (x_b - x_c)
+    best/1              v = x_best + F (x_b - x_c)
+    current-to-best/1   v = x_i + F (x_best - x_i) + F (x_b - x_c)
+    u_j = v_j where a uniform number is below CR or j is one random coordinate, else x_ij
+
+with a, b, c distinct and not i. A coordinate that leaves the cube is put halfway between x_i and
+the wall. With ``dither`` every generation draws F uniform in F -+ dither.
+
+Reference:
+    R. Storn, K. Price, "Differential evolution", J. Global Optim. 11 (1997),
+    doi 10.1023/A:1008202821328.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.errors import InputError, nearest
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.pytree import pytree, static
+from jaxswarm.swarm.random import Random, check_source
+from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
+
+__all__ = ["DE", "DEState", "de"]
+
+STRATEGIES = ("rand/1", "best/1", "current-to-best/1")
+
+
+class DEState(NamedTuple):
+    """Trials to evaluate (n, d), members (n, d) with values (n,), the best so far.
+
+    Members have the value +inf before the first evaluation.
+    """
+
+    position: jax.Array
+    members: jax.Array
+    member_value: jax.Array
+    best_position: jax.Array
+    best_value: jax.Array
+    count: jax.Array
+
+
+@pytree
+class DE:
+    """See :func:`de`."""
+
+    weight: ScalarOrSchedule
+    crossover_rate: ScalarOrSchedule
+    dither: ScalarOrSchedule
+    strategy: str = static()
+    num_particles: int = static()
+    random: str = static()
+
+    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> DEState:
+        """Uniform first trials."""
+        dtype = jnp.result_type(float if dtype is None else dtype)
+        shape = (self.num_particles, num_dims)
+        position = Random(key, self.random).uniform("position", shape, dtype)
+        infinite = jnp.full(shape[:1], jnp.inf, dtype)
+        zero = jnp.zeros((), jnp.int32)
+        return DEState(position, position, infinite, position[0], infinite[0], zero)
+
+    def update(self, key: jax.Array, state: DEState, value: jax.Array):
+        """Select, mutate, cross."""
+        random, dtype = Random(key, self.random), state.position.dtype
+        value = comparable(value, dtype)
+        best = best_of(state.position, value, state.best_position, state.best_value)
+        best_position, best_value, improved = best
+        accepted = value <= state.member_value
+        members = jnp.where(accepted[:, None], state.position, state.members)
+        member_value = jnp.where(accepted, value, state.member_value)
+
+        hyper = {
+            name: evaluate(name, getattr(self, name), state.count, dtype)
+            for name in ("weight", "crossover_rate", "dither")
+        }
+        shift = 2.0 * random.uniform("dither", (), dtype) - 1.0
+        weight = hyper["weight"] + hyper["dither"] * shift
+        a, b, c = random.others("members", self.num_particles, 3).T
+        leader = members[jnp.argmin(member_value)]
+        base = {
+            "rand/1": lambda: members[a],
+            "best/1": lambda: leader,
+            "current-to-best/1": lambda: members + weight * (leader - members),
+        }[self.strategy]()
+        mutant = base + weight * (members[b] - members[c])
+        trial = cross(random, members, within(mutant, members), hyper["crossover_rate"])
+        info = candidate_info(state.position, value, best_value, improved, hyper)
+        new = DEState(trial, members, member_value, best_position, best_value, state.count + 1)
+        return new, info
+
+
+def cross(random: Random, members: jax.Array, mutants: jax.Array, rate: jax.Array) -> jax.Array:
+    """Binomial crossover (n, d); ``rate`` is a scalar or (n, 1), one coordinate always crosses."""
+    n, d = members.shape
+    forced = random.integers("forced", (n, 1), d) == jnp.arange(d)
+    crossed = forced | (random.uniform("crossed", (n, d), members.dtype) < rate)
+    return jnp.where(crossed, mutants, members)
+
+
+def within(mutants: jax.Array, members: jax.Array) -> jax.Array:
+    """Put coordinates outside [0, 1] halfway between the member and the wall."""
+    mutants = jnp.where(mutants < 0.0, 0.5 * members, mutants)
+    return jnp.where(mutants > 1.0, 0.5 * (members + 1.0), mutants)
+
+
+def de(
+    num_particles: int = 50,
+    *,
+    strategy: str = "rand/1",
+    weight: ScalarOrSchedule = 0.5,
+    crossover_rate: ScalarOrSchedule = 0.9,
+    dither: ScalarOrSchedule = 0.0,
+    random: str = "hash",
+) -> DE:
+    """Classic differential evolution with binomial crossover.
+
+    Args:
+      num_particles: n, at least 4.
+      strategy: ``"rand/1"``, ``"best/1"`` or ``"current-to-best/1"``.
+      weight: F, scale of the difference, in [0, 2].
+      crossover_rate: CR, share of coordinates taken from the mutant, in [0, 1].
+      dither: half width of the range in which F is drawn, once a generation.
+      random: ``"hash"`` or ``"threefry"``.
+
+    >>> de(20, strategy="best/1").init(jax.random.key(0), 3).position.shape
+    (20, 3)
+    """
+    if strategy not in STRATEGIES:
+        raise InputError(f"strategy={strategy!r} is unknown. {nearest(str(strategy), STRATEGIES)}")
+    return DE(
+        weight=coefficient("weight", weight, lower=0.0, upper=2.0),
+        crossover_rate=coefficient("crossover_rate", crossover_rate, lower=0.0, upper=1.0),
+        dither=coefficient("dither", dither, lower=0.0, upper=2.0),
+        strategy=strategy,
+        num_particles=at_least("num_particles", num_particles, 4, "a mutant takes three others"),
+        random=check_source(random),
+    )

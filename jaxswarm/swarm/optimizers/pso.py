@@ -1,0 +1,244 @@
+r"""Particle swarms, assembled from parts: a topology, a velocity rule, a boundary, coefficients.
+
+Each particle i carries a position x, a velocity v and the best position p it has seen. One update:
+
+    p <- x where the value fell                                 memory
+    g  = topology(p)                                            attractor
+    v <- limit(rule(x, v, p, g; inertia, cognitive, social))    velocity
+    x, v <- boundary(x + v, v)                                  position
+
+The named factories differ only in the parts they choose, as ``optax.adam`` is a chain of
+transforms.
+
+References:
+    J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995; Y. Shi, R. Eberhart, "A
+    modified particle swarm optimizer", CEC 1998 (inertia); M. Clerc, J. Kennedy, "The particle
+    swarm: explosion, stability, and convergence", IEEE Trans. Evol. Comput. 6 (2002), doi
+      10.1109/4235.985692.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable
+from jaxswarm.swarm.optimizers.boundaries import absorb, bounce, reflect
+from jaxswarm.swarm.optimizers.rules import Swarm, canonical, spherical
+from jaxswarm.swarm.optimizers.topologies import global_best, random_informants
+from jaxswarm.swarm.pytree import as_part, pytree, static
+from jaxswarm.swarm.random import Random, check_source
+from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate, linear
+
+__all__ = ["PSO", "PSOState", "gpso", "pso", "spso", "spso2011"]
+
+
+class PSOState(NamedTuple):
+    """State of a particle swarm: n particles in d dimensions.
+
+    Attributes:
+      position, velocity, memory_position: (n, d).
+      memory_value: (n,) value at each memory, +inf before the first evaluation.
+      best_position: (d,), best_value: ().
+      graph: (2,) uint32, seed of a random topology; changes after a step without improvement.
+      control: state of the control part, ``()`` without one.
+      count: () int32, updates done.
+    """
+
+    position: jax.Array
+    velocity: jax.Array
+    memory_position: jax.Array
+    memory_value: jax.Array
+    best_position: jax.Array
+    best_value: jax.Array
+    graph: jax.Array
+    control: Any
+    count: jax.Array
+
+
+@pytree
+class PSO:
+    """A particle swarm; build it with :func:`pso` or one of the named factories."""
+
+    inertia: ScalarOrSchedule
+    cognitive: ScalarOrSchedule
+    social: ScalarOrSchedule
+    velocity_limit: ScalarOrSchedule
+    topology: Any
+    boundary: Any
+    rule: Any
+    control: Any
+    num_particles: int = static()
+    random: str = static()
+
+    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> PSOState:
+        """Uniform positions; velocities half the way to another uniform point, within the limit."""
+        dtype = jnp.result_type(float if dtype is None else dtype)
+        shape = (self.num_particles, num_dims)
+        random = Random(key, self.random)
+        position = random.uniform("position", shape, dtype)
+        limit = evaluate("velocity_limit", self.velocity_limit, 0, dtype)
+        velocity = 0.5 * (random.uniform("velocity", shape, dtype) - position)
+        return PSOState(
+            position=position,
+            velocity=jnp.clip(velocity, -limit, limit),
+            memory_position=position,
+            memory_value=jnp.full(shape[:1], jnp.inf, dtype),
+            best_position=position[0],
+            best_value=jnp.asarray(jnp.inf, dtype),
+            graph=random.bits("graph", (2,)),
+            control=() if self.control is None else self.control.init(shape, dtype),
+            count=jnp.zeros((), jnp.int32),
+        )
+
+    def update(self, key: jax.Array, state: PSOState, value: jax.Array):
+        """Remember, attract, move; see the head of this file."""
+        random, dtype = Random(key, self.random), state.position.dtype
+        value = comparable(value, dtype)
+        fell = value < state.memory_value
+        memory_value = jnp.where(fell, value, state.memory_value)
+        memory_position = jnp.where(fell[:, None], state.position, state.memory_position)
+        leader = jnp.argmin(memory_value)
+        improved = memory_value[leader] < state.best_value
+
+        graph = jnp.where(improved, state.graph, random.bits("graph", (2,)))
+        attractor = self.topology(Random(graph, self.random), memory_position, memory_value)
+        swarm = Swarm(
+            position=state.position,
+            velocity=state.velocity,
+            memory_position=memory_position,
+            attractor=attractor,
+            value=value,
+            improved=fell,
+            memory_value=memory_value,
+        )
+        hyper = {
+            name: evaluate(name, getattr(self, name), state.count, dtype)
+            for name in ("inertia", "cognitive", "social", "velocity_limit")
+        }
+        control = state.control
+        if self.control is not None:
+            hyper, control = self.control(random, control, swarm, hyper)
+
+        limit = hyper["velocity_limit"]
+        velocity = jnp.clip(self.rule(random, swarm, hyper), -limit, limit)
+        position, velocity = self.boundary(random, state.position + velocity, velocity)
+        info = candidate_info(state.position, value, memory_value[leader], improved, hyper)
+        state = PSOState(
+            position=position,
+            velocity=velocity,
+            memory_position=memory_position,
+            memory_value=memory_value,
+            best_position=memory_position[leader],
+            best_value=memory_value[leader],
+            graph=graph,
+            control=control,
+            count=state.count + 1,
+        )
+        return state, info
+
+
+def pso(
+    num_particles: int = 40,
+    *,
+    inertia: ScalarOrSchedule = 0.7298,
+    cognitive: ScalarOrSchedule = 1.49618,
+    social: ScalarOrSchedule = 1.49618,
+    velocity_limit: ScalarOrSchedule = math.inf,
+    topology: Any = None,
+    boundary: Any = None,
+    rule: Any = None,
+    control: Any = None,
+    random: str = "hash",
+) -> PSO:
+    """Assemble a particle swarm; the defaults are Clerc's constriction values with a global best.
+
+    Args:
+      num_particles: n, at least 2.
+      inertia: w, share of the velocity that is kept.
+      cognitive: c1, pull of the particle's own memory.
+      social: c2, pull of the attractor.
+      velocity_limit: largest step in any coordinate, in units of the unit cube.
+      topology: who listens to whom (``topologies``); default ``global_best()``.
+      boundary: what happens at the walls (``boundaries``); default ``reflect(0.5)``.
+      rule: how velocities change (``rules``); default ``canonical()``.
+      control: sets coefficients from the state of the swarm (``control``); default none.
+      random: ``"hash"`` or ``"threefry"``.
+
+    Returns:
+      An optimizer whose coefficients are leaves: change them with ``dataclasses.replace`` or map
+      over them with ``jax.vmap`` without compiling again.
+
+    Raises:
+      InputError: too few particles, a coefficient that is no number and no schedule.
+
+    >>> optimizer = pso(20, inertia=0.6)
+    >>> state = optimizer.init(jax.random.key(0), 3)
+    >>> state, info = optimizer.update(jax.random.key(1), state, jnp.sum(state.position**2, axis=1))
+    >>> state.position.shape, float(info.hyper["inertia"])
+    ((20, 3), 0.6)
+    """
+    return PSO(
+        num_particles=at_least(
+            "num_particles", num_particles, 2, "particles learn from each other"
+        ),
+        inertia=coefficient("inertia", inertia),
+        cognitive=coefficient("cognitive", cognitive),
+        social=coefficient("social", social),
+        velocity_limit=coefficient("velocity_limit", velocity_limit, lower=0.0),
+        topology=as_part(topology or global_best()),
+        boundary=as_part(boundary or reflect(0.5)),
+        rule=as_part(rule or canonical()),
+        control=control,
+        random=check_source(random),
+    )
+
+
+def spso(num_particles: int = 40, **parts: Any) -> PSO:
+    """Plain inertia-weight PSO with the coefficients of SPSO 2006/2007 and a global best.
+
+    w = 1/(2 ln 2), c1 = c2 = 1/2 + ln 2, absorbing walls. Reading of "SPSO" in the first paper:
+    plain inertia PSO. SPSO 2007 proper is ``spso(topology=random_informants(3))``.
+
+    Args:
+      num_particles: n, at least 2.
+      **parts: keyword arguments of :func:`pso`, which override the choices made here.
+    """
+    c = 0.5 + math.log(2.0)
+    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, boundary=absorb())
+    return pso(num_particles, **(chosen | parts))
+
+
+def gpso(num_particles: int = 24, num_steps: int = 2000, **parts: Any) -> PSO:
+    """Global-best PSO of the RX60 paper: inertia falls linearly, velocities are limited.
+
+    w from 0.9 to 0.4 over ``num_steps``, c1 = c2 = 2, velocity limit 20 % of the range. Swarm size
+    and number of steps are those of the toolbox the authors likely used (a reconstruction).
+
+    Args:
+      num_particles: n, at least 2.
+      num_steps: updates over which the inertia falls; give what ``minimize`` gets.
+      **parts: keyword arguments of :func:`pso`, which override the choices made here.
+    """
+    chosen = dict(
+        inertia=linear(0.9, 0.4, num_steps), cognitive=2.0, social=2.0, velocity_limit=0.2
+    )
+    return pso(num_particles, **(chosen | parts))
+
+
+def spso2011(num_particles: int = 40, **parts: Any) -> PSO:
+    """Standard PSO 2011: rotation-invariant ball rule, three random informants, half-elastic walls.
+
+    Args:
+      num_particles: n, at least 2.
+      **parts: keyword arguments of :func:`pso`, which override the choices made here.
+
+    Reference:
+      M. Zambrano-Bigiarini, M. Clerc, R. Rojas, "Standard Particle Swarm Optimisation 2011 at
+      CEC-2013", doi 10.1109/CEC.2013.6557848.
+    """
+    c = 0.5 + math.log(2.0)
+    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, rule=spherical())
+    chosen |= dict(topology=random_informants(3), boundary=bounce(0.5))
+    return pso(num_particles, **(chosen | parts))

@@ -1,0 +1,106 @@
+"""Restart: begin anew when the search has stalled or collapsed, and keep what was found.
+
+Reference:
+    A. Auger, N. Hansen, "A restart CMA evolution strategy with increasing population size", CEC
+    2005 (the idea; the population here keeps its size, because shapes are part of a compiled
+    program).
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.swarm.pytree import pytree, replace, static
+from jaxswarm.swarm.random import fold
+from jaxswarm.swarm.schedules import coefficient
+
+__all__ = ["Restart", "RestartState", "restart"]
+
+
+class RestartState(NamedTuple):
+    """State of the wrapped optimizer and the record over all its lives.
+
+    Attributes:
+      since: () int32, updates since the present life last improved.
+      restarts: () int32, lives ended so far.
+    """
+
+    inner: Any
+    position: jax.Array
+    best_position: jax.Array
+    best_value: jax.Array
+    since: jax.Array
+    restarts: jax.Array
+    count: jax.Array
+
+
+@pytree
+class Restart:
+    """See :func:`restart`."""
+
+    inner: Any
+    patience: float
+    diversity: float
+    keep: bool = static()
+
+    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> RestartState:
+        """The first life."""
+        inner = self.inner.init(fold(key, 1), num_dims, dtype=dtype)
+        zero = jnp.zeros((), jnp.int32)
+        best = inner.best_position, inner.best_value
+        return RestartState(inner, inner.position, *best, zero, zero, zero)
+
+    def update(self, key: jax.Array, state: RestartState, value: jax.Array):
+        """Update the present life, or end it."""
+        inner = replace(state.inner, position=state.position)
+        inner, info = self.inner.update(fold(key, 1), inner, value)
+        improved = inner.best_value < state.best_value
+        best_value = jnp.minimum(inner.best_value, state.best_value)
+        best_position = jnp.where(improved, inner.best_position, state.best_position)
+        since = jnp.where(info.improved, 0, state.since + 1)
+        ended = (since >= self.patience) | (info.diversity < self.diversity)
+
+        def anew():
+            fresh = self.inner.init(fold(key, 2), state.position.shape[1], state.position.dtype)
+            position = fresh.position
+            return (
+                replace(fresh, position=position.at[0].set(best_position)) if self.keep else fresh
+            )
+
+        inner = jax.lax.cond(ended, anew, lambda: inner)
+        state = RestartState(
+            inner=inner,
+            position=inner.position,
+            best_position=best_position,
+            best_value=best_value,
+            since=jnp.where(ended, 0, since),
+            restarts=state.restarts + ended,
+            count=state.count + 1,
+        )
+        return state, info._replace(value_best=best_value, improved=improved)
+
+
+def restart(
+    inner: Any, *, patience: float = 50, diversity: float = 1e-6, keep: bool = False
+) -> Restart:
+    """Wrap an optimizer so that it starts anew when it has stalled or collapsed.
+
+    The schedules of the wrapped optimizer begin again with every life.
+
+    Args:
+      inner: any optimizer, wrapped ones included.
+      patience: updates without improvement after which a life ends.
+      diversity: spread of the candidates (RMS, unit cube) below which a life ends.
+      keep: whether the best candidate so far is the first of the new population.
+
+    >>> from jaxswarm.swarm import pso
+    >>> int(restart(pso(10)).init(jax.random.key(0), 3).restarts)
+    0
+    """
+    return Restart(
+        inner=inner,
+        patience=coefficient("patience", patience, lower=1),
+        diversity=coefficient("diversity", diversity, lower=0.0),
+        keep=bool(keep),
+    )

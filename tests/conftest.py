@@ -1,0 +1,27 @@
+"""Shared fixtures: float64 for the whole session, and the one place that finds measured data."""
+
+import os
+from pathlib import Path
+
+import jax
+import pytest
+
+jax.config.update("jax_enable_x64", True)
+
+
+@pytest.fixture(scope="session")
+def data_root() -> Path:
+    """Folder with ``data/`` and ``cases/``: ``JAXSWARM_DATA``, else ``../shared`` beside the project."""
+    default = Path(__file__).resolve().parents[2] / "shared"
+    root = Path(os.environ.get("JAXSWARM_DATA", default))
+    if not (root / "data").is_dir():
+        pytest.skip(
+            f"no measured data at {root}: set JAXSWARM_DATA to the folder that holds data/ and cases/"
+        )
+    return root
+
+
+@pytest.fixture
+def key() -> jax.Array:
+    """A fixed random key."""
+    return jax.random.key(0)

@@ -1,0 +1,108 @@
+"""Recordings of joint states: written here by rosbags' own writer, read back by joint name."""
+
+import numpy as np
+import pytest
+
+from jaxswarm.errors import InputError
+from jaxswarm.logs import read_log
+
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+from rosbags.typesys import Stores, get_typestore  # noqa: E402
+
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+JOINTS = ("shoulder", "elbow")
+START = 1_700_000_000_123_456_789
+KIND = "sensor_msgs/msg/JointState"
+
+
+def state(stamp, names, position, velocity=(), effort=()):
+    """One message; ``stamp`` in integer nanoseconds."""
+    time = STORE.types["builtin_interfaces/msg/Time"](stamp // 10**9, stamp % 10**9)
+    header = STORE.types["std_msgs/msg/Header"](time, "")
+    arrays = [np.array(values, dtype=np.float64) for values in (position, velocity, effort)]
+    return STORE.types[KIND](header, list(names), *arrays)
+
+
+def record(folder, topics, storage="MCAP"):
+    """Write topics (name to messages) to a rosbag2 folder."""
+    plugin = rosbag2.StoragePlugin[storage]
+    with rosbag2.Writer(folder, version=9, storage_plugin=plugin) as writer:
+        for topic, messages in topics.items():
+            connection = writer.add_connection(topic, KIND, typestore=STORE)
+            for k, message in enumerate(messages):
+                raw = STORE.serialize_cdr(message, KIND)
+                writer.write(connection, START + k * 10_000_000, raw)
+    return folder
+
+
+def states(samples=50, names=("elbow", "gripper", "shoulder"), start=START, effort=True):
+    values = np.sin(0.1 * np.arange(samples)[:, None] + np.arange(len(names)))
+    return [
+        state(
+            start + k * 10_000_000, names, values[k], 2 * values[k], 3 * values[k] if effort else ()
+        )
+        for k in range(samples)
+    ]
+
+
+@pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
+@pytest.mark.parametrize("inside", [False, True])
+def test_joints_by_name_and_stamps_by_header(tmp_path, storage, inside):
+    folder = record(tmp_path / "bag", {"/joint_states": states()}, storage)
+    path = next(p for p in folder.iterdir() if p.suffix in (".mcap", ".db3")) if inside else folder
+    log = read_log(path, JOINTS)
+    expected = np.sin(0.1 * np.arange(50)[:, None] + np.array([2, 0]))
+    assert np.array_equal(log.q, expected)
+    assert np.array_equal(log.dq, 2 * expected) and np.array_equal(log.tau, 3 * expected)
+    assert np.allclose(np.diff(log.t), 0.01, atol=1e-12) and log.t[0] == 0.0
+    assert any("1700000000.123456789" in note for note in log.notes)
+    assert any("gripper" in note for note in log.notes)
+
+
+def test_order_unstamped_and_incomplete_messages(tmp_path):
+    messages = states()
+    messages[10], messages[11] = messages[11], messages[10]
+    messages.insert(20, state(START + 5, ["gripper"], [1.0]))
+    log = read_log(record(tmp_path / "a", {"/joint_states": messages}), JOINTS)
+    assert len(log.t) == 50 and (np.diff(log.t) > 0).all()
+    assert any("1 messages arrived out of order" in note for note in log.notes)
+    assert any("1 messages of /joint_states that lack some" in note for note in log.notes)
+    unstamped = [state(0, JOINTS, [k, k], effort=[k, k]) for k in range(5)]
+    log = read_log(record(tmp_path / "b", {"/joint_states": unstamped}), JOINTS)
+    assert np.allclose(log.t, 0.01 * np.arange(5))
+    assert any("carry no time" in note for note in log.notes)
+
+
+def test_topic_with_efforts_is_chosen(tmp_path):
+    topics = {"/commands": states(effort=False), "/measured": states(40)}
+    log = read_log(record(tmp_path / "bag", topics), JOINTS)
+    assert len(log.t) == 40
+    assert any("topic /measured; also recorded: /commands" in note for note in log.notes)
+
+
+@pytest.mark.parametrize(
+    ("messages", "what"),
+    [
+        (
+            states(names=("elbow", "wrist")),
+            "no message names all joints of the robot (shoulder, elbow)",
+        ),
+        ([state(START, JOINTS, [])] * 3, "carry no positions"),
+        (
+            [state(START + k, JOINTS, [1.0]) for k in range(3)],
+            "message 1 of /joint_states has 1 values",
+        ),
+        (states(effort=False), "no torque"),
+        ([], "no message names all joints"),
+    ],
+)
+def test_recordings_that_cannot_be_used(tmp_path, messages, what):
+    path = record(tmp_path / "bag", {"/joint_states": messages})
+    with pytest.raises(InputError) as caught:
+        read_log(path, JOINTS)
+    assert what in str(caught.value) and "bag" in str(caught.value)
+
+
+def test_no_joint_states_at_all(tmp_path):
+    with pytest.raises(InputError, match="no topic of sensor_msgs/msg/JointState"):
+        read_log(record(tmp_path / "bag", {}), JOINTS)
