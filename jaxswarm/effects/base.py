@@ -106,6 +106,7 @@ class Law:
         torque: ``torque(p, sample) -> scalar``; None for a law that is a warp.
         rate: ``rate(p, sample) -> d state / dt``; None for a law without memory.
         warp: Name of the warp (:mod:`jaxswarm.effects.warps`), None for an added torque.
+        uses_direction: Whether the torque depends on the smooth sign of a velocity.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
     """
@@ -118,6 +119,7 @@ class Law:
     torque: Callable[[dict, Sample], jax.Array] | None = None
     rate: Callable[[dict, Sample], jax.Array] | None = None
     warp: str | None = None
+    uses_direction: bool = False
     dissipative: bool = False
     derived: Callable[[dict], dict] | None = None
 

@@ -54,14 +54,14 @@ register(
         name="payload",
         scope="global",
         parameters=(
-            Parameter("m", "kg", 0.0, 1e3, True, 1.0, "mass"),
+            Parameter("m", "kg", 0.0, 1e3, False, 1.0, "mass"),
             *(
-                Parameter(f"mc{a}", _MOMENT, -1e3, 1e3, True, 0.0, f"first moment along {a}")
+                Parameter(f"mc{a}", _MOMENT, -1e3, 1e3, False, 0.0, f"first moment along {a}")
                 for a in "xyz"
             ),
             *(
                 Parameter(
-                    f"I{a}", _INERTIA, -1e3, 1e3, True, 0.0, f"inertia {a} about the last joint"
+                    f"I{a}", _INERTIA, -1e3, 1e3, False, 0.0, f"inertia {a} about the last joint"
                 )
                 for a in ("xx", "xy", "yy", "xz", "yz", "zz")
             ),
@@ -78,9 +78,9 @@ register(
         scope="global",
         parameters=(
             Parameter("start", "s", 0.0, 1e6, False, 0.0, "begin of the touch"),
-            Parameter("end", "s", 0.0, 1e6, False, 0.0, "end of the touch"),
+            Parameter("end", "s", 0.0, 1e6, False, 1.0, "end of the touch"),
         ),
-        summary="external torque in a time window, constant per joint",
+        summary="external torque in a time window, constant on each joint",
         reference="Haddadin, De Luca, Albu-Schaeffer 2017, IEEE T-RO 33(6)",
         warp="window",
     )

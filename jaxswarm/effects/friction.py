@@ -41,6 +41,7 @@ register(
         summary="fc sign(dq)",
         reference=_OLSSON,
         torque=lambda p, s: p["fc"] * s.direction,
+        uses_direction=True,
         dissipative=True,
     )
 )
@@ -66,6 +67,7 @@ register(
         summary="own fc sign(dq) + b dq for each direction",
         reference="Janot, Gautier, Brunot 2019 (EMPS)",
         torque=_asymmetric,
+        uses_direction=True,
         dissipative=True,
     )
 )
@@ -89,6 +91,7 @@ register(
         summary="df exp(-|dq/vs|^delta) sign(dq), on top of Coulomb",
         reference="Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7)",
         torque=_stribeck,
+        uses_direction=True,
         dissipative=True,
     )
 )
@@ -116,6 +119,7 @@ register(
         summary="c |dq|^alpha sign(dq): power law of lubricated gears, cubic at alpha = 3",
         reference="Wahrburg et al. 2018, ICRA (power law); Khalil, Dombre 2002, ch. 9",
         torque=lambda p, s: p["c"] * (jnp.abs(s.dq) + 1e-9) ** p["alpha"] * s.direction,
+        uses_direction=True,
         dissipative=True,
     )
 )
@@ -128,6 +132,7 @@ register(
         summary="mu |tau_load| sign(dq), tau_load from the rigid-body model",
         reference="Hamon, Gautier, Garrec 2010, IROS",
         torque=lambda p, s: p["mu"] * jnp.abs(s.load) * s.direction,
+        uses_direction=True,
         dissipative=True,
     )
 )
@@ -167,6 +172,7 @@ register(
         summary="fc (exp(-t/tc) - 1) sign(dq): friction falls as the joint warms",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control (thermal friction)",
         torque=lambda p, s: p["fc"] * jnp.expm1(-s.t / p["tc"]) * s.direction,
+        uses_direction=True,
     )
 )
 
@@ -183,5 +189,6 @@ register(
         summary="(a sign(dq) + b dq) (T - 25 deg C), where the log has a temperature",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control",
         torque=lambda p, s: (p["a"] * s.direction + p["b"] * s.dq) * (s.temperature - 25.0),
+        uses_direction=True,
     )
 )

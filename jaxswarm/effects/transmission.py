@@ -83,6 +83,7 @@ register(
         summary="b dq_other + fc sign(dq + dq_other) + ia ddq_other",
         reference="Janot, Vandanjon, Gautier 2014, IEEE TCST 22(1) (wrist of the TX40)",
         torque=lambda p, s: p["b"] * s.dq_other + p["fc"] * s.direction_sum + p["ia"] * s.ddq_other,
+        uses_direction=True,
     )
 )
 

@@ -5,6 +5,7 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
+from dataclasses import dataclass
 from functools import partial
 
 import jax
@@ -41,6 +42,25 @@ def rigid_columns(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) 
         for k in range(0, len(padded[0]), chunk)
     ]
     return np.concatenate(parts)[:size]
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """Rigid-body columns of one log, kept because every model on it needs them.
+
+    Attributes:
+        full: On the working clock, shape (T, n, 10 n).
+        low: Through the decimator, shape (T', n, 10 n).
+    """
+
+    full: np.ndarray
+    low: np.ndarray
+
+
+def rigid_of(robot: Robot, motion: Motion) -> Rigid:
+    """The rigid-body columns of a log in nominal gravity and motion."""
+    full = rigid_columns(robot, motion.q, motion.dq, motion.ddq)
+    return Rigid(full, motion.decimator.apply(full))
 
 
 def direction(dq: np.ndarray, width: float) -> np.ndarray:

@@ -1,26 +1,30 @@
-"""From a robot, declared terms and logs to an identified model: width, load and weights iterated."""
+r"""From a robot, declared terms and logs to an identified model: width, load, nonlinear parameters, weights.
 
+Linear parameters are eliminated at every step; the nonlinear ones follow by Gauss-Newton on what remains
+(variable projection, G. H. Golub, V. Pereyra, Inverse Problems 19 (2003)): the tangents
+:math:`\partial W(\nu)/\partial\nu\;\theta` are further columns beside W, and solving for both gives the
+step, and in the end the standard errors of linear and nonlinear parameters together.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.columns import rigid_columns
+from jaxswarm.identify.assemble import assemble
+from jaxswarm.identify.columns import Rigid, rigid_of
 from jaxswarm.identify.least_squares import Fit, fit
-from jaxswarm.identify.model import Model
+from jaxswarm.identify.model import Model, linear_values
+from jaxswarm.identify.nonlinear import Knob, knobs, read, tangents, write
 from jaxswarm.identify.regression import Regression, build_regression
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
 
-_USES_DIRECTION = {
-    "coulomb_friction",
-    "asymmetric_friction",
-    "stribeck_friction",
-    "load_dependent_friction",
-    "thermal_drift",
-}
+# Rounds of refitting where the load or the lag of a soft joint depends on the fit itself.
+_ROUNDS, _NEWTON_STEPS = 6, 8
 
 
 @dataclass(frozen=True)
@@ -29,48 +33,54 @@ class Estimate:
 
     Attributes:
         model: Robot and terms with values.
-        fit: The least-squares solution.
+        fit: The least-squares solution, tangents of nonlinear parameters included in its covariance.
         regression: Its rows.
         motions: The logs, as used.
-        rigids: Rigid-body columns of every log, kept because everything after needs them.
-        loads: Rigid-body torque of the model along every log.
+        rigids: Rigid-body columns of every log in nominal gravity and motion.
+        std_errors: Standard error of every term parameter, one dictionary per term; NaN where a
+            parameter cannot be told from others.
     """
 
     model: Model
     fit: Fit
     regression: Regression
     motions: tuple[Motion, ...]
-    rigids: tuple[np.ndarray, ...]
-    loads: tuple[np.ndarray, ...]
+    rigids: tuple[Rigid, ...]
+    std_errors: tuple[dict[str, float], ...]
 
 
-def parameter_bounds(terms: tuple[Term, ...], rigid: int) -> tuple[np.ndarray, np.ndarray]:
+def parameter_bounds(terms: tuple[Term, ...], joints: tuple[str, ...]) -> tuple:
     """Bounds of all columns: the rigid ones free, the laws' as their tables say."""
+    rigid = 10 * len(joints)
     lower, upper = [-np.inf] * rigid, [np.inf] * rigid
     for term in terms:
-        lower += [p.lower for p in term.law.linear]
-        upper += [p.upper for p in term.law.linear]
+        table = term.law.linear
+        free = len(term.columns(joints)) - len(table)
+        lower += [p.lower for p in table] + [-np.inf] * free
+        upper += [p.upper for p in table] + [np.inf] * free
     return np.array(lower), np.array(upper)
 
 
 def estimate(
     robot: Robot,
     terms: tuple[Term, ...],
-    motions: list[Motion],
+    motions: Sequence[Motion],
     *,
     width: float | None = None,
     bounded: bool = True,
-    rigids: list[np.ndarray] | None = None,
+    rigids: Sequence[Rigid] | None = None,
+    start: np.ndarray | None = None,
 ) -> Estimate:
-    """Identify the rigid body and the linear parameters of ``terms`` on one or several logs.
+    """Identify the rigid body and the parameters of ``terms`` on one or several logs.
 
     Args:
         robot: Kinematics; its parameters are not used.
-        terms: Declared laws; nonlinear parameters stay at their values, else at the nominal ones.
+        terms: Declared laws; nonlinear parameters start at their values, else at the nominal ones.
         motions: Prepared logs with torque.
         width: Width of the smooth sign [rad/s]; None: the one that fits best.
         bounded: Whether physical bounds (friction not below zero) hold.
         rigids: Rigid-body columns of the logs where they are known.
+        start: Rigid parameters to start from, (10 n,), where loads or soft joints need some.
 
     Raises:
         InputError: If a log lacks torque or there are too few samples.
@@ -85,55 +95,178 @@ def estimate(
         for t in terms
     )
     if rigids is None:
-        rigids = [rigid_columns(robot, m.q, m.dq, m.ddq) for m in motions]
+        rigids = [rigid_of(robot, m) for m in motions]
     if width is None:
-        width = _best_width(robot, terms, motions, rigids)
-    lower, upper = parameter_bounds(terms, rigids[0].shape[2])
-    bounds = (lower, upper) if bounded else (None, None)
-    needs_load = any(t.effect == "load_dependent_friction" for t in terms)
-    loads = [np.zeros(m.q.shape) for m in motions]
-    for _ in range(6 if needs_load else 1):
-        regression = build_regression(robot, terms, motions, width, loads, rigids)
-        solution = fit(regression, *bounds)
-        pi = solution.theta[: rigids[0].shape[2]]
-        new = [r @ pi for r in rigids]
-        moved = max(np.abs(a - b).max() for a, b in zip(new, loads, strict=True))
-        loads = new
-        if needs_load and moved < 1e-6 * max(np.abs(x).max() for x in loads):
+        width = best_width(robot, terms, motions, rigids)
+    problem = _Problem(robot, tuple(motions), tuple(rigids), width, bounded)
+    pi = np.zeros(10 * robot.num_joints) if start is None else start
+    solution, regression, pi = _settle(problem, terms, pi)
+    moving = knobs(terms)
+    if moving:
+        terms, solution, regression, pi = _newton(problem, terms, moving, solution, regression, pi)
+    return _finish(problem, terms, solution, regression, pi, moving)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    robot: Robot
+    motions: tuple[Motion, ...]
+    rigids: tuple[Rigid, ...]
+    width: float
+    bounded: bool
+
+    def build(self, terms, pi) -> Regression:
+        return build_regression(self.robot, terms, self.motions, self.width, pi, self.rigids)
+
+    def solve(self, terms, regression, **options) -> Fit:
+        bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
+        return fit(regression, *bounds, **options)
+
+    def output(self, terms, pi, theta) -> np.ndarray:
+        """Decimated torque of a model, (T, n)."""
+        parts = []
+        for motion, rigid in zip(self.motions, self.rigids, strict=True):
+            low = assemble(self.robot, terms, motion, self.width, pi, rigid, decimate=True)
+            parts.append(low @ theta)
+        return np.concatenate(parts)
+
+
+def _settle(problem: _Problem, terms, pi) -> tuple[Fit, Regression, np.ndarray]:
+    """Fit, and fit again where columns depend on the rigid parameters, until those stand still."""
+    depends = any(
+        t.effect == "load_dependent_friction" or t.law.warp in ("elastic", "play") for t in terms
+    )
+    rigid = 10 * problem.robot.num_joints
+    for _ in range(_ROUNDS if depends else 1):
+        regression = problem.build(terms, pi)
+        solution = problem.solve(terms, regression)
+        new = solution.theta[:rigid]
+        change = regression.columns[:, :, :rigid] @ (new - pi)
+        pi = new
+        if np.abs(change).max() < 1e-6 * np.abs(regression.torque).max():
             break
-    model = _model(robot, terms, motions, width, solution)
-    return Estimate(model, solution, regression, tuple(motions), tuple(rigids), tuple(loads))
+    return solution, regression, pi
 
 
-def _model(robot, terms, motions, width, solution) -> Model:
-    rigid = 10 * robot.num_joints
-    theta, filled, k = solution.theta, [], rigid
+def _newton(problem: _Problem, terms, moving: list[Knob], solution, regression, pi):
+    """Gauss-Newton on the nonlinear parameters, halving a step that does not pay."""
+    cost = _cost(solution, solution.sigma)
+    for _ in range(_NEWTON_STEPS):
+        sigma = solution.sigma
+        here = read(terms, moving)
+        slopes = tangents(lambda t: problem.output(t, pi, solution.theta), terms, moving)  # noqa: B023
+        columns = np.concatenate([regression.columns[:, :, solution.base.kept], slopes], axis=2)
+        weighted = (columns / sigma[:, None]).reshape(-1, columns.shape[2])
+        scale = np.linalg.norm(weighted, axis=0)
+        scale[scale == 0] = 1.0
+        target = (solution.residual / sigma).ravel()
+        step = np.linalg.lstsq(weighted / scale, target, rcond=1e-8)[0] / scale
+        step = np.clip(step[-len(moving) :], -0.2, 0.2)
+        better = False
+        for shrink in (1.0, 0.3, 0.1):
+            trial = write(terms, moving, np.clip(here + shrink * step, 0.0, 1.0))
+            found, rows, settled = _settle(problem, trial, pi)
+            new = _cost(found, sigma)
+            if new < cost * (1 - 1e-7):
+                better = True
+                break
+        if not better:
+            break
+        gain = 1 - new / cost
+        terms, solution, regression, pi = trial, found, rows, settled
+        cost = _cost(solution, solution.sigma)
+        if gain < 1e-5:
+            break
+    return terms, solution, regression, pi
+
+
+def _cost(solution: Fit, sigma: np.ndarray) -> float:
+    return float(((solution.residual / sigma) ** 2).sum())
+
+
+def _finish(problem, terms, solution, regression, pi, moving) -> Estimate:
+    robot = problem.robot
+    theta, filled, k = solution.theta, [], 10 * robot.num_joints
     for term in terms:
         values = dict(term.values)
-        for p in term.law.linear:
-            values[p.name] = float(theta[k])
+        for name in term.columns(robot.joints):
+            key = name.split(":")[0] if term.law.warp == "window" else None
+            table = term.law.linear
+            values[key or table[k - _first(terms, term, robot)].name] = float(theta[k])
             k += 1
         filled.append(replace(term, values=values))
-    identified = robot.replace(parameters=jnp.asarray(theta[:rigid].reshape(-1, 10)))
-    filtering = Filtering(
-        motion_cutoff=motions[0].motion_cutoff, torque_cutoff=motions[0].torque_cutoff
+    filled = tuple(filled)
+    filtering = Filtering(problem.motions[0].motion_cutoff, problem.motions[0].torque_cutoff)
+    model = Model(
+        robot.replace(parameters=jnp.asarray(pi.reshape(-1, 10))),
+        filled,
+        problem.width,
+        filtering,
+        tuple(map(float, solution.sigma)),
     )
-    return Model(identified, tuple(filled), width, filtering, tuple(map(float, solution.sigma)))
+    errors = _std_errors(problem, model, solution, regression, moving)
+    return Estimate(model, solution, regression, problem.motions, problem.rigids, errors)
 
 
-def _best_width(robot, terms, motions, rigids) -> float:
+def _first(terms, term, robot) -> int:
+    """Index of the first column of a term."""
+    k = 10 * robot.num_joints
+    for other in terms:
+        if other is term:
+            return k
+        k += len(other.columns(robot.joints))
+    raise ValueError("term is not of these terms")
+
+
+def _std_errors(problem, model: Model, solution: Fit, regression, moving) -> tuple[dict, ...]:
+    """Standard errors of all term parameters, nonlinear ones through their tangents."""
+    joints = model.robot.joints
+    theta = linear_values(model)
+    pi = theta[: 10 * len(joints)]
+    if moving:
+        slopes = tangents(lambda t: problem.output(t, pi, theta), model.terms, moving)
+        wide = Regression(
+            (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),
+            np.concatenate([regression.columns, slopes], axis=2),
+            solution.residual,
+            regression.moving,
+            regression.t,
+            regression.log,
+            regression.step,
+        )
+        solution = fit(wide, sigma=solution.sigma)
+    errors = np.full(len(solution.base.names), np.nan)
+    errors[solution.base.kept] = solution.std_error
+    tables, k = [], 10 * len(joints)
+    for number, term in enumerate(model.terms):
+        table = {}
+        for name in term.columns(joints):
+            table[name.split(":")[0] if term.law.warp == "window" else ""] = errors[k]
+            k += 1
+        if term.law.linear:
+            own = errors[k - len(term.law.linear) : k]
+            table = {p.name: float(e) for p, e in zip(term.law.linear, own, strict=True)}
+        for m, knob in enumerate(moving):
+            if knob.term == number:
+                slope = knob.slope(term.values[knob.name])
+                table[knob.name] = float(errors[len(regression.names) + m] * slope)
+        tables.append(table)
+    return tuple(tables)
+
+
+def best_width(robot, terms, motions, rigids, pi=None) -> float:
     """The width of the smooth sign with the smallest weighted residual, from sharp to a fifth of the speed."""
     speed = float(np.median([np.sqrt(np.mean(m.dq**2)) for m in motions]))
-    default = max(0.01 * speed, 1e-6)
-    if not any(t.effect in _USES_DIRECTION for t in terms):
-        return default
+    if not any(t.law.uses_direction for t in terms):
+        return max(0.01 * speed, 1e-6)
+    terms = tuple(t for t in terms if t.law.warp is None)
     grid = speed * np.concatenate([[1e-6], np.geomspace(1e-3, 0.2, 12)])
     costs, sigma = [], None
     for width in grid:
-        regression = build_regression(robot, terms, motions, float(width), None, rigids)
+        regression = build_regression(robot, terms, motions, float(width), pi, rigids)
         solution = fit(regression, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
-        costs.append(float(((solution.residual / sigma) ** 2).sum()))
+        costs.append(_cost(solution, sigma))
     best = int(np.argmin(costs))
     if 1 < best < len(grid) - 1:
         # Vertex of the parabola through the three best points, in the logarithm of the width.

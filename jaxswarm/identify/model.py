@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.columns import rigid_columns, term_columns
+from jaxswarm.identify.assemble import assemble
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
@@ -39,21 +39,22 @@ class Model:
         return f"Model({self.robot.name}: rigid body + [{terms}])"
 
 
-def rigid_torque(model: Model, motion: Motion, rigid: np.ndarray | None = None) -> np.ndarray:
-    """Torque of the rigid body alone along a log, shape (T, n)."""
-    if rigid is None:
-        rigid = rigid_columns(model.robot, motion.q, motion.dq, motion.ddq)
-    return rigid @ np.asarray(model.robot.parameters).ravel()
+def linear_values(model: Model) -> np.ndarray:
+    """The parameters the columns of :func:`assemble` multiply, shape (p,)."""
+    parts = [np.asarray(model.robot.parameters).ravel()]
+    for term in model.terms:
+        names = [name.split(":")[0] for name in term.columns(model.robot.joints)]
+        if term.law.warp == "window":
+            parts.append([term.values[name] for name in names])
+        else:
+            parts.append([term.values[p.name] for p in term.law.linear])
+    return np.concatenate(parts)
 
 
 def model_torque(model: Model, motion: Motion) -> np.ndarray:
     """Torque of the whole model on a log's working clock, shape (T, n)."""
-    torque = rigid_torque(model, motion)
-    load = torque.copy()
-    for term in model.terms:
-        linear = np.array([term.values[p.name] for p in term.law.linear])
-        torque[:, term.joint] += term_columns(term, motion, model.width, load) @ linear
-    return torque
+    pi = np.asarray(model.robot.parameters).ravel()
+    return assemble(model.robot, model.terms, motion, model.width, pi) @ linear_values(model)
 
 
 def save_model(model: Model, path: Path) -> None:

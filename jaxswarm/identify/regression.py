@@ -1,11 +1,13 @@
 """The linear problem of one model on one or several logs: decimated columns and torque, with their clock."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.columns import column_names, rigid_columns, term_columns
+from jaxswarm.identify.assemble import assemble
+from jaxswarm.identify.columns import Rigid, column_names
 from jaxswarm.identify.metrics import is_moving
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
@@ -47,52 +49,34 @@ class Regression:
         )
 
 
-def model_columns(
-    robot: Robot,
-    terms: tuple[Term, ...],
-    motion: Motion,
-    width: float,
-    load: np.ndarray | None = None,
-    rigid: np.ndarray | None = None,
-) -> np.ndarray:
-    """All columns on the working clock, shape (T, n, p); ``rigid`` may be passed when known."""
-    if rigid is None:
-        rigid = rigid_columns(robot, motion.q, motion.dq, motion.ddq)
-    parts = [rigid]
-    for term in terms:
-        own = term_columns(term, motion, width, load)
-        block = np.zeros((*rigid.shape[:2], own.shape[1]))
-        block[:, term.joint] = own
-        parts.append(block)
-    return np.concatenate(parts, axis=2)
-
-
 def build_regression(
     robot: Robot,
     terms: tuple[Term, ...],
-    motions: list[Motion],
+    motions: Sequence[Motion],
     width: float,
-    loads: list[np.ndarray] | None = None,
-    rigids: list[np.ndarray] | None = None,
+    pi: np.ndarray | None = None,
+    rigids: Sequence[Rigid] | None = None,
 ) -> Regression:
     """Stack the decimated rows of all logs.
+
+    Args:
+        robot: Kinematics.
+        terms: With values of their nonlinear parameters.
+        motions: Prepared logs with torque.
+        width: Width of the smooth sign.
+        pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
+        rigids: Rigid columns of the logs where known.
 
     Raises:
         InputError: If there are fewer rows than columns to determine.
     """
+    pi = np.zeros(10 * robot.num_joints) if pi is None else pi
     columns, torque, moving, clock, log = [], [], [], [], []
     for k, motion in enumerate(motions):
-        full = model_columns(
-            robot,
-            terms,
-            motion,
-            width,
-            None if loads is None else loads[k],
-            None if rigids is None else rigids[k],
-        )
+        rigid = None if rigids is None else rigids[k]
+        columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
         low = motion.decimator
         kept = low.kept(len(motion.t))
-        columns.append(low.apply(full))
         torque.append(low.apply(motion.tau))
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])

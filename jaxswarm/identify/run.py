@@ -112,7 +112,7 @@ def identify_files(
     search = None
     if options.optimizer != "least_squares":
         progress(f"searching with {options.optimizer}")
-        lower, upper = parameter_bounds(found.model.terms, 10 * robot.num_joints)
+        lower, upper = parameter_bounds(found.model.terms, robot.joints)
         search = swarm_fit(
             found.fit,
             options.optimizer,
@@ -159,7 +159,7 @@ def with_values(found: Estimate, values: np.ndarray) -> Estimate:
     model = replace(
         found.model, robot=robot.replace(parameters=pi.reshape(-1, 10)), terms=tuple(terms)
     )
-    return replace(found, fit=solution, model=model, loads=tuple(r @ pi for r in found.rigids))
+    return replace(found, fit=solution, model=model)
 
 
 def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
@@ -201,9 +201,6 @@ def predict_log(model: Model, log: Log) -> tuple[np.ndarray, np.ndarray, Motion]
 def _report(found: Estimate, logs, unseen, validation, search: SwarmFit | None) -> dict:
     model, solution = found.model, found.fit
     robot = model.robot
-    errors = {}
-    for name, value in zip(solution.base.names, _full_errors(found), strict=True):
-        errors[name] = value
     train = [log_errors(model, motion) for motion in found.motions]
     report = {
         "robot": robot.name,
@@ -216,10 +213,10 @@ def _report(found: Estimate, logs, unseen, validation, search: SwarmFit | None) 
                 "parameters": term_parameters(
                     t,
                     "revolute" if t.joint is None else robot.kinds[t.joint],
-                    {p.name: errors[c] for p, c in zip(t.law.linear, t.columns(robot.joints))},  # noqa: B905
+                    errors,
                 ),
             }
-            for t in model.terms
+            for t, errors in zip(model.terms, found.std_errors, strict=True)
         ],
         "base_parameters": base_parameter_table(found),
         "not_identifiable": unidentified(found),
@@ -257,13 +254,6 @@ def _report(found: Estimate, logs, unseen, validation, search: SwarmFit | None) 
             "optimum_outside_box": search.outside,
         }
     return report
-
-
-def _full_errors(found: Estimate) -> np.ndarray:
-    """Standard error of every column's parameter; NaN where it has none of its own."""
-    errors = np.full(len(found.fit.base.names), np.nan)
-    errors[found.fit.base.kept] = found.fit.std_error
-    return errors
 
 
 def _pictures(found: Estimate, motion: Motion, search: SwarmFit | None) -> dict:

@@ -36,6 +36,8 @@ class Term:
 
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
         """Names of the columns of the linear parameters: ``b_joint2``."""
+        if self.law.warp == "window":
+            return tuple(f"tau_{joint}:{self.effect}" for joint in joints)
         where = "" if self.joint is None else f"_{joints[self.joint]}"
         where += "" if self.other is None else f"_{joints[self.other]}"
         return tuple(f"{p.name}{where}:{self.effect}" for p in self.law.linear)

@@ -44,8 +44,8 @@ def check_values(table: Table, arranged: Arranged) -> None:
 def _refuse_cell(table: Table, row: int, column: str, value: float) -> None:
     what = "no number (NaN or an empty cell)" if np.isnan(value) else f"{value:g}"
     raise InputError(
-        f"{table.source}: {table.row(row)}, column {column} holds {what}. "
-        "Remove the row, or cut the log there if the reading failed for longer."
+        f"{table.source}: {table.row(row)}, column {column} holds {what}. Remove the row, or cut "
+        "the log there if the reading failed for longer."
     )
 
 
@@ -95,37 +95,33 @@ def check_time(table: Table, time: np.ndarray, rows: np.ndarray) -> None:
         if f"{before:.10g}" != f"{now:.10g}":
             raise InputError(
                 f"{table.source}: {where}, column t: time runs backwards, from {before:.10g} to "
-                f"{now:.10g} s. "
-                "Sort the rows if they were shuffled; if two runs were joined, split them into two "
-                "logs."
+                f"{now:.10g} s. Sort the rows if they were shuffled; if two runs were joined, "
+                "split them into two logs."
             )
         count = int(np.sum(period == 0))
         raise InputError(
             f"{table.source}: {where}, column t: time {now:.10g} s is given twice with different "
-            "values "
-            f"({count} such rows). Write time with more digits, or keep one row per time."
+            f"values ({count} such rows). Write time with more digits, or keep one row per time."
         )
     usual = float(np.median(period))
     if usual > _SLOWEST_PERIOD:
         unit = "ms" if usual < 200 else "us" if usual < 2e5 else "ns"
         raise InputError(
-            f"{table.source}: column t: {usual:g} s between samples is too slow for a motion. "
-            f"t must be in seconds: is it in {unit}?"
+            f"{table.source}: column t: {usual:g} s between samples is too slow for a motion. t "
+            f"must be in seconds: is it in {unit}?"
         )
     if usual < _FASTEST_PERIOD:
         raise InputError(
             f"{table.source}: column t: {usual:g} s between samples is faster than any robot's "
-            "log. "
-            "t must be in seconds."
+            "log. t must be in seconds."
         )
     recorded = float(np.sum(period[period <= 10 * usual]))
     worst = int(np.argmax(period))
     if period[worst] > _LONGEST_GAP * recorded:
         raise InputError(
             f"{table.source}: {table.row(int(rows[worst + 1]))}, column t: time jumps from "
-            f"{time[worst]:.10g} to "
-            f"{time[worst + 1]:.10g} s, but only {recorded:.4g} s were recorded. The clock was "
-            "set: split the log there."
+            f"{time[worst]:.10g} to {time[worst + 1]:.10g} s, but only {recorded:.4g} s were "
+            "recorded. The clock was set: split the log there."
         )
 
 
@@ -161,8 +157,7 @@ def torque(
         if require_torque:
             raise InputError(
                 f"{table.source}: no torque. Expected columns tau_{joints[0]}, ... [N m], or "
-                f"current_{joints[0]}, ... "
-                f"[A] of a robot with drive gains.{suggestion}"
+                f"current_{joints[0]}, ... [A] of a robot with drive gains.{suggestion}"
             )
         return None, []
     gain = (
@@ -178,7 +173,6 @@ def torque(
     if require_torque:
         raise InputError(
             f"{table.source}: the log has currents, but the robot has no drive gain for "
-            f"{', '.join(unknown)}. "
-            "Give drive_gain [N m/A] in the robot's TOML file, or log tau."
+            f"{', '.join(unknown)}. Give drive_gain [N m/A] in the robot's TOML file, or log tau."
         )
     return None, [f"Currents are not used: the robot has no drive gain for {', '.join(unknown)}."]

@@ -124,16 +124,15 @@ def _order(table: Table, joints: tuple[str, ...]) -> list[int]:
     if len(table.joints) != len(joints):
         raise InputError(
             f"{table.source}: the log has {len(table.joints)} joints ({', '.join(table.joints)}), "
-            "the robot "
-            f"has {len(joints)} ({', '.join(joints)}). Choose the robot of this log, or keep its "
-            "joints only."
+            f"the robot has {len(joints)} ({', '.join(joints)}). Choose the robot of this log, or "
+            "keep its joints only."
         )
     for name in table.joints:
         if name not in joints:
             raise InputError(
                 f"{table.source}: joints names {name}, which the robot does not have. "
-                f"{nearest(name, joints)} "
-                "Rename it, or leave joints out if the columns are in the robot's order."
+                f"{nearest(name, joints)} Rename it, or leave joints out if the columns are in the "
+                "robot's order."
             )
         if table.joints.count(name) > 1:
             raise InputError(f"{table.source}: joints names {name} twice. Name every joint once.")
@@ -143,8 +142,8 @@ def _order(table: Table, joints: tuple[str, ...]) -> list[int]:
 def _vector(table: Table, name: str, values: np.ndarray, length: int) -> np.ndarray:
     if values.shape not in ((length,), (length, 1)):
         raise InputError(
-            f"{table.source}: {name} has shape {values.shape}, t has {length} samples. "
-            "Give one value per sample."
+            f"{table.source}: {name} has shape {values.shape}, t has {length} samples. Give one "
+            "value per sample."
         )
     return values.reshape(-1)
 
@@ -161,8 +160,7 @@ def _matrix(
     if values.ndim == 2 and values.shape[0] == length:
         raise InputError(
             f"{start} The log has {values.shape[1]} joints, the robot {width} "
-            f"({', '.join(joints)}). "
-            "Choose the robot of this log, or keep its joints only."
+            f"({', '.join(joints)}). Choose the robot of this log, or keep its joints only."
         )
     raise InputError(f"{start} Give one row per sample of t and one column per joint.")
 
@@ -193,8 +191,8 @@ def _complete(
     counts = ""
     if count not in (0, len(joints)):
         counts = (
-            f" The log has positions of {count} joint{'s' * (count != 1)}, "
-            f"the robot has {len(joints)} ({', '.join(joints)})."
+            f" The log has positions of {count} joint{'s' * (count != 1)}, the robot has "
+            f"{len(joints)} ({', '.join(joints)})."
         )
     if not missing:
         verb = "belongs" if len(strange) == 1 else "belong"

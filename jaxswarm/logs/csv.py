@@ -56,8 +56,7 @@ def _lines(path: Path) -> list[tuple[int, str]]:
     except UnicodeDecodeError as error:
         raise InputError(
             f"{path}: no text at byte {error.start}. A CSV log is text in UTF-8: save it so, or "
-            "give the "
-            "file the ending of what it is."
+            "give the file the ending of what it is."
         ) from None
     if "\x00" in text:
         raise InputError(
@@ -88,16 +87,15 @@ def _header(path: Path, numbered: list[tuple[int, str]]) -> tuple[int, list[str]
         )
     if _starts_with_number(line):
         raise InputError(
-            f"{path}: line {number} holds numbers where the header is expected. "
-            "Put the names of the columns in the first line: t,q_joint1,...,tau_joint1,..."
+            f"{path}: line {number} holds numbers where the header is expected. Put the names of "
+            "the columns in the first line: t,q_joint1,...,tau_joint1,..."
         )
     for name in names:
         if name and names.count(name) > 1:
             places = " and ".join(str(i + 1) for i, other in enumerate(names) if other == name)
             raise InputError(
                 f"{path}: column {name} appears twice in the header (line {number}, columns "
-                f"{places}). "
-                "Keep one of them."
+                f"{places}). Keep one of them."
             )
     return number, names, delimiter, numbered[at + 1 :]
 
@@ -140,8 +138,8 @@ def _walk(path: Path, names: list[str], delimiter: str, body: list) -> tuple[dic
             except ValueError:
                 hint = " Use a decimal point." if "," in cell else ""
                 rejected[name] = (
-                    f"row {row + 1} (line {body[row][0]}), column {name} holds {cell[:40]!r}, "
-                    f"no number.{hint}"
+                    f"row {row + 1} (line {body[row][0]}), column {name} holds {cell[:40]!r}, no "
+                    f"number.{hint}"
                 )
                 break
         else:

@@ -12,6 +12,8 @@ _FAR = 4 * np.pi
 _DEGREES = 180.0 / np.pi
 _HELD = 0.05
 _STANDSTILL = 0.5
+# Steps beyond this share of the range are coarse.
+_COARSE = 0.01
 
 
 def describe(summary: LogSummary) -> tuple[str, ...]:
@@ -26,9 +28,8 @@ def describe(summary: LogSummary) -> tuple[str, ...]:
     sentences = _clock(summary)
     if summary.held_share > _HELD:
         sentences.append(
-            f"{100 * summary.held_share:.0f} % of the samples repeat the one before: the "
-            "log is faster "
-            "than its source. Log at the source's rate."
+            f"{100 * summary.held_share:.0f} % of the samples repeat the one before: the log is "
+            "faster than its source. Log at the source's rate."
         )
     if summary.moving_share < _STANDSTILL:
         sentences.append(
@@ -45,8 +46,8 @@ def _clock(summary: LogSummary) -> list[str]:
     if clock.jitter > _IRREGULAR:
         sentences.append(
             f"Sampling is irregular: {clock.rate:.4g} Hz on the mean, periods from "
-            f"{1e3 * clock.shortest:.3g} to "
-            f"{1e3 * clock.longest:.3g} ms, jitter {100 * clock.jitter:.0f} %."
+            f"{1e3 * clock.shortest:.3g} to {1e3 * clock.longest:.3g} ms, jitter "
+            f"{100 * clock.jitter:.0f} %."
         )
     if clock.rate < _SLOW_RATE:
         sentences.append(f"{clock.rate:.3g} Hz is slow for a moving robot. Is t in seconds?")
@@ -57,8 +58,7 @@ def _clock(summary: LogSummary) -> list[str]:
     if jumps:
         sentences.append(
             f"The clock jumps {len(jumps)} time{'s' * (len(jumps) > 1)} while the motion goes on: "
-            f"{_places(jumps)}. "
-            "Velocities are wrong there: split the log or mend t."
+            f"{_places(jumps)}. Velocities are wrong there: split the log or mend t."
         )
     return sentences
 
@@ -96,12 +96,15 @@ def _joint(joint: JointSummary) -> list[str]:
     if joint.saturated:
         sentences.append(
             f"The torque of {name} sits at its limit (range {joint.torque_min:.4g} to "
-            f"{joint.torque_max:.4g}) in "
-            f"{joint.saturated} samples: saturated, the true torque may differ."
+            f"{joint.torque_max:.4g}) in {joint.saturated} samples: saturated, the true torque may "
+            "differ."
         )
     coarse = joint.torque_quantum
-    if coarse and coarse > 0.01 * (joint.torque_max - joint.torque_min):
+    if coarse and coarse > _COARSE * (joint.torque_max - joint.torque_min):
         sentences.append(f"The torque of {name} is quantized in steps of {coarse:.3g}.")
+    coarse = joint.position_quantum
+    if joint.moves and coarse > _COARSE * (joint.position_max - joint.position_min):
+        sentences.append(f"The position of {name} is quantized in steps of {coarse:.3g}.")
     return sentences
 
 
@@ -112,7 +115,7 @@ def _velocity(name: str, ratio: float | None) -> list[str]:
         _DEGREES: " (degrees?)",
         1 / _DEGREES: " (q in degrees?)",
         -1.0: " (sign?)",
-        1e3: " (mm, or t in s?)",
+        1e3: " (mm/s?)",
     }
     hint = next((text for value, text in hints.items() if abs(ratio / value - 1.0) < 0.05), "")
     return [

@@ -6,10 +6,8 @@ known how many joints the robot has.
 
 from pathlib import Path
 
-import numpy as np
-from scipy import io
-
 from jaxswarm.errors import InputError
+from jaxswarm.logs.matfile import Other, parse_mat
 from jaxswarm.logs.npz import joint_names
 from jaxswarm.logs.table import Table, as_numbers
 
@@ -26,41 +24,40 @@ def read_mat(path: Path) -> Table:
     Raises:
         InputError: If the file is of version 7.3 or keeps the log inside one structure.
     """
-    if path.read_bytes()[:128].startswith(b"MATLAB 7.3"):
+    content = path.read_bytes()
+    if content.startswith(b"MATLAB 7.3") or b"HDF" in content[:8] + content[512:520]:
         raise InputError(
             f"{path}: MAT version 7.3 is not read. Save it in MATLAB with save('log.mat', '-v7', "
             "'t', 'q', 'tau')."
         )
-    content = io.loadmat(path)
-    content = {name: values for name, values in content.items() if not name.startswith("__")}
-    structures = [
-        name
-        for name, values in content.items()
-        if getattr(values, "dtype", None) and values.dtype.names
-    ]
-    if "t" not in content and structures:
+    variables = parse_mat(content)
+    structures = [name for name, value in variables.items() if _is_structure(value)]
+    if "t" not in variables and structures:
         raise InputError(
-            f"{path}: the log is inside the structure {structures[0]}. "
-            f"Save its fields as variables: save('log.mat', '-v7', '-struct', '{structures[0]}')."
+            f"{path}: the log is inside the structure {structures[0]}. Save its fields as "
+            f"variables: save('log.mat', '-v7', '-struct', '{structures[0]}')."
         )
     columns, rejected, joints = {}, {}, None
-    for name, values in content.items():
-        values = np.asarray(values)
+    for name, value in variables.items():
         if name == "joints":
-            joints = joint_names(path, _strings(values))
-        elif (numbers := as_numbers(values)) is None:
-            rejected[name] = f"{name} holds {values.dtype}, no real numbers."
+            joints = _joints(path, value)
+        elif isinstance(value, Other):
+            rejected[name] = f"{name} holds {value.kind}, no real numbers."
+        elif (numbers := as_numbers(value)) is None:
+            rejected[name] = f"{name} holds characters, no real numbers."
         else:
             wide = numbers.ndim == 2 and numbers.shape[0] == 1 < numbers.shape[1]
             columns[name] = numbers[0] if wide else numbers
     return Table(str(path), columns, joints, rejected)
 
 
-def _strings(values: np.ndarray) -> np.ndarray:
-    """A cell array of names, or a matrix of characters, as an array of strings."""
-    if values.dtype.kind == "O":
-        cells = [np.asarray(cell).ravel() for cell in values.ravel()]
-        if all(cell.dtype.kind == "U" and cell.size == 1 for cell in cells):
-            return np.array([cell[0] for cell in cells])
-        return values
-    return values.ravel() if values.dtype.kind == "U" else values
+def _is_structure(value) -> bool:
+    return isinstance(value, Other) and value.kind == "a structure"
+
+
+def _joints(path: Path, value) -> tuple[str, ...]:
+    if isinstance(value, Other):
+        raise InputError(
+            f"{path}: joints holds {value.kind}. Save names as a cell array: joints = cellstr(joints)."
+        )
+    return joint_names(path, value)

@@ -34,8 +34,8 @@ def read_mcap(path: Path, joints: tuple[str, ...]) -> Table:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise InputError(
-            f"{path}: reading MCAP and rosbag recordings needs rosbags. "
-            "Install it: pip install 'jaxswarm[formats]'."
+            f"{path}: reading MCAP and rosbag recordings needs rosbags. Install it: pip install "
+            "'jaxswarm[formats]'."
         ) from None
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         connections = [c for c in reader.connections if c.msgtype == _JOINT_STATE]
@@ -79,8 +79,8 @@ def _choose(
             {name for messages in topics.values() for _, m in messages for name in m.name}
         )
         raise InputError(
-            f"{path}: no message names all joints of the robot ({', '.join(joints)}); "
-            f"the recording has {', '.join(found) or 'none'}. Use the robot's joint names."
+            f"{path}: no message names all joints of the robot ({', '.join(joints)}); the "
+            f"recording has {', '.join(found) or 'none'}. Use the robot's joint names."
         )
     notes = []
     if len(topics) > 1:
@@ -90,7 +90,7 @@ def _choose(
         )
     skipped = len(topics[topic]) - len(complete[topic])
     if skipped:
-        notes.append(f"{skipped} messages of {topic} that lack some of the joints were left out.")
+        notes.append(f"Left out: {skipped} of the messages of {topic}, without some of the joints.")
     extra = sorted({name for _, m in complete[topic] for name in m.name} - set(joints))
     if extra:
         notes.append(
@@ -112,7 +112,7 @@ def _stamps(messages: list, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:
         )
     late = int(np.sum(np.diff(stamps) < 0))
     if late:
-        notes.append(f"{late} messages arrived out of order and were sorted by their stamps.")
+        notes.append(f"The messages were sorted by their stamps: {late} came out of order.")
     order = np.argsort(stamps, kind="stable")
     start = int(stamps[order[0]])
     notes.append(f"Time counts from the first stamp, {start // 10**9}.{start % 10**9:09d} s.")
@@ -132,8 +132,7 @@ def _values(
         if row.size != len(names):
             raise InputError(
                 f"{path}: message {index + 1} of {topic} has {row.size} values of {field} for "
-                f"{len(names)} joints. "
-                "Cut the recording there."
+                f"{len(names)} joints. Cut the recording there."
             )
         picked[index] = row[[names.index(joint) for joint in joints]]
     return picked

@@ -64,8 +64,7 @@ def joint_names(path: Path, values: np.ndarray) -> tuple[str, ...]:
     if values.dtype.kind not in "US" or values.ndim > 1:
         raise InputError(
             f"{path}: joints holds {values.dtype} of shape {values.shape}, expected a list of "
-            "names. "
-            "Leave it out if the columns are in the robot's order."
+            "names. Leave it out if the columns are in the robot's order."
         )
     if values.dtype.kind == "S":
         values = np.char.decode(values, "utf-8")

@@ -32,13 +32,16 @@ def entries(array: Any, rank: int) -> Any:
     """Unpack the first ``rank`` axes of an array into nested tuples; known numbers become floats.
 
     Args:
-        array: numpy or JAX array of at least ``rank`` axes; further axes are lanes.
+        array: numpy or JAX array of at least ``rank`` axes; further axes are lanes. Tuples count as
+            unpacked already, which lets known zeros stand beside lanes.
         rank: Number of axes to unpack.
 
     >>> entries(np.eye(2), 2)
     ((1.0, 0.0), (0.0, 1.0))
     """
     if rank == 0:
+        return array
+    if isinstance(array, tuple):
         return array
     if isinstance(array, jax.core.Tracer) or np.ndim(array) > rank:
         return tuple(entries(array[i], rank - 1) for i in range(array.shape[0]))

@@ -111,7 +111,7 @@ def minimize_resumable(
     vectorized: bool = False,
     record: Any = None,
 ) -> Result:
-    """Minimize with a checkpoint every ``every`` steps; call it again to go on after an interruption.
+    """Minimize with a checkpoint every ``every`` steps; the same call goes on after a break.
 
     The result is bit for bit that of the uninterrupted call, and its history covers all steps.
 

@@ -33,7 +33,7 @@ def refuse(path, *parts, joints=JOINTS):
         ({"q": LOG.q[:-1]}, "q has shape (59, 2)"),
         ({"tau": np.ones((60, 2, 1))}, "tau has shape (60, 2, 1)"),
         ({"t": np.ones((6, 10))}, "t has shape (6, 10)"),
-        ({"tau": LOG.tau + 1j}, "tau holds complex128, no real numbers"),
+        ({"tau": LOG.tau + 1j}, "tau holds complex"),
         (
             {"joints": np.array(["joint1", "joint3"])},
             "joints names joint3, which the robot does not",

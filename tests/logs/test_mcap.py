@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs import read_log
@@ -65,8 +67,8 @@ def test_order_unstamped_and_incomplete_messages(tmp_path):
     messages.insert(20, state(START + 5, ["gripper"], [1.0]))
     log = read_log(record(tmp_path / "a", {"/joint_states": messages}), JOINTS)
     assert len(log.t) == 50 and (np.diff(log.t) > 0).all()
-    assert any("1 messages arrived out of order" in note for note in log.notes)
-    assert any("1 messages of /joint_states that lack some" in note for note in log.notes)
+    assert any("1 came out of order" in note for note in log.notes)
+    assert any("Left out: 1 of the messages of /joint_states" in note for note in log.notes)
     unstamped = [state(0, JOINTS, [k, k], effort=[k, k]) for k in range(5)]
     log = read_log(record(tmp_path / "b", {"/joint_states": unstamped}), JOINTS)
     assert np.allclose(log.t, 0.01 * np.arange(5))
@@ -106,3 +108,28 @@ def test_recordings_that_cannot_be_used(tmp_path, messages, what):
 def test_no_joint_states_at_all(tmp_path):
     with pytest.raises(InputError, match="no topic of sensor_msgs/msg/JointState"):
         read_log(record(tmp_path / "bag", {}), JOINTS)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory) -> bytes:
+    folder = record(tmp_path_factory.mktemp("good") / "bag", {"/joint_states": states(8)})
+    return next(folder.glob("*.mcap")).read_bytes()
+
+
+@given(data=st.data())
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_changed_and_cut_bytes(tmp_path, recording, data):
+    content = bytearray(recording)
+    for _ in range(data.draw(st.integers(0, 4))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    length = data.draw(st.one_of(st.just(len(content)), st.integers(0, len(content))))
+    path = tmp_path / "log.mcap"
+    path.write_bytes(bytes(content[:length]))
+    try:
+        log = read_log(path, JOINTS)
+    except InputError as error:
+        assert str(error).startswith(str(path))
+    else:
+        assert np.isfinite(log.q).all() and np.isfinite(log.tau).all()

@@ -119,6 +119,13 @@ def test_coarse_torque():
     assert "The torque of joint1 is quantized in steps of 2.5" in told(log)
 
 
+def test_coarse_position():
+    log = replace(clean(), dq=None)
+    log = change(log, "q", 1, np.round(log.q[:, 1] / 0.05) * 0.05)
+    assert summarize(log).joints[1].position_quantum == pytest.approx(0.05)
+    assert "The position of joint2 is quantized in steps of 0.05" in told(log)
+
+
 def test_degrees():
     log = clean()
     log = replace(log, q=np.degrees(log.q))

@@ -1,0 +1,1 @@
+"""Measured, not claimed: quality and speed beside other libraries."""

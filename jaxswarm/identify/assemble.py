@@ -1,0 +1,153 @@
+r"""All columns of a model with its warps: what the rigid body really did, on which clock, on which scale.
+
+The order in which a torque comes about fixes the order here: the links move (``joint_elasticity``,
+``backlash``) in a gravity (``base_tilt``), the motors add their laws, the drive scales what it reports
+(``drive_gain``) and the log's clock may lag (``time_delay``).
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.effects.warps import contact_stiffness, deflection, shift
+from jaxswarm.identify.columns import Rigid, rigid_columns, term_columns
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot import inverse_dynamics
+from jaxswarm.robot.model import Robot
+
+
+@jax.jit
+def _sensitivity(robot: Robot, q, dq, ddq, axis):
+    """Derivatives of the rigid torque by position, velocity, acceleration along ``axis``: (T, n) each."""
+
+    def one(q, dq, ddq):
+        def by(argument):
+            def torque(x):
+                moved = [q, dq, ddq]
+                moved[argument] = moved[argument] + x * axis
+                return inverse_dynamics(robot, *moved)
+
+            return jax.jvp(torque, (jnp.zeros(()),), (jnp.ones(()),))[1]
+
+        return inverse_dynamics(robot, q, dq, ddq), by(0), by(1), by(2)
+
+    return jax.vmap(one)(q, dq, ddq)
+
+
+def sensitivity(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
+    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint."""
+    axis = np.zeros(robot.num_joints)
+    axis[joint] = 1.0
+    return _sensitivity(robot, motion.q, motion.dq, motion.ddq, axis)
+
+
+def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
+    """Lag of the link of a soft or loose joint along a log: e, de, dde, each (T,)."""
+    torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
+    if term.effect == "backlash":
+        k, d = contact_stiffness(by_ddq)
+        gap = term.values["gap"]
+    else:
+        k, d, gap = term.values["k"], term.values["d"], 0.0
+    return deflection(
+        by_ddq, by_dq, by_q, torque, jnp.asarray(k, float), jnp.asarray(d, float),
+        jnp.asarray(gap, float), 1.0 / motion.rate,
+    )  # fmt: skip
+
+
+def warped(terms: tuple[Term, ...], name: str) -> list[Term]:
+    """The terms that act through the named warp."""
+    return [t for t in terms if t.law.warp == name]
+
+
+def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
+    """The robot in the gravity its ``base_tilt`` term says; the magnitude is kept."""
+    robot_gravity = np.asarray(robot.gravity)
+    for term in warped(terms, "gravity"):
+        size = np.linalg.norm(robot_gravity)
+        xy = np.array([term.values["gx"], term.values["gy"]])
+        down = np.sign(robot_gravity[2]) * np.sqrt(max(size**2 - xy @ xy, 0.0))
+        robot = robot.replace(gravity=jnp.array([*xy, down]))
+    return robot
+
+
+def link_motion(
+    robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Motion (q, dq, ddq) of the links where some lag behind their motors."""
+    q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
+    loaded = robot.replace(parameters=jnp.asarray(np.reshape(pi, (-1, 10))))
+    for term in warped(terms, "elastic") + warped(terms, "play"):
+        lag = term_deflection(term, motion, sensitivity(loaded, motion, term.joint))
+        for x, e in zip((q, dq, ddq), lag, strict=True):
+            x[:, term.joint] -= np.asarray(e)
+    return q, dq, ddq
+
+
+def moves_links(terms: tuple[Term, ...]) -> bool:
+    """Whether a term changes the rigid columns themselves."""
+    return any(t.law.warp in ("elastic", "play", "gravity") for t in terms)
+
+
+def assemble(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: float,
+    pi: np.ndarray,
+    rigid: Rigid | None = None,
+    decimate: bool = False,
+) -> np.ndarray:
+    """Columns of a log for given nonlinear and rigid parameters, shape (T, n, p).
+
+    Args:
+        robot: Kinematics and nominal gravity.
+        terms: With values of their nonlinear parameters.
+        motion: The log.
+        width: Width of the smooth sign.
+        pi: Rigid parameters (10 n,) that load-dependent and soft terms go by.
+        rigid: Rigid columns of the plain motion in nominal gravity, where known.
+        decimate: Whether to return the columns through the decimator, (T', n, p).
+
+    Returns:
+        Standard parameters first, then the linear parameters of the terms in their order.
+    """
+    low = motion.decimator.apply if decimate else np.asarray
+    delays = warped(terms, "delay")
+    if moves_links(terms) or rigid is None:
+        arm = tilted(robot, terms)
+        full = rigid_columns(arm, *link_motion(arm, terms, motion, pi))
+        kept = None
+    else:
+        full, kept = rigid.full, rigid.low if decimate and not delays else None
+    load = full @ pi if any(t.law.torque is not None for t in terms) else None
+
+    def finish(block: np.ndarray) -> np.ndarray:
+        for term in warped(terms, "gain"):
+            block = block.copy()
+            block[:, term.joint] *= term.values["gain"]
+        for term in delays:
+            block = np.asarray(_shift(block, term.values["seconds"], 1.0 / motion.rate))
+        return block
+
+    parts = [finish(kept) if kept is not None else low(finish(full))]
+    for term in terms:
+        if term.law.warp == "window":
+            parts.append(low(finish(window_columns(term, motion))))
+        if term.law.torque is None:
+            continue
+        own = term_columns(term, motion, width, load)
+        block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
+        block[:, term.joint] = own
+        parts.append(low(finish(block)))
+    return np.concatenate(parts, axis=2)
+
+
+def window_columns(term: Term, motion: Motion) -> np.ndarray:
+    """One constant torque per joint while a touch lasts, shape (T, n, n)."""
+    inside = (motion.t >= term.values["start"]) & (motion.t <= term.values["end"])
+    return inside[:, None, None] * np.eye(motion.q.shape[1])
+
+
+_shift = jax.jit(shift)

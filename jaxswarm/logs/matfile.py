@@ -1,0 +1,147 @@
+"""The bytes of a MAT file, version 5 to 7.2: numbers, characters and cells of names.
+
+A file is a header of 128 bytes and a row of elements, each a tag (type, length) and its data padded to
+eight bytes; a matrix is an element whose data are again elements: flags, sizes, name, values. Every
+length is checked against what is there, so that a damaged file ends in an error. (The usual readers
+are compiled, and some damage ends the whole process.)
+
+Reference: MAT-File Format, MathWorks, chapter 1 (level 5).
+"""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import prod
+
+import numpy as np
+
+_STORED = {
+    1: "i1",
+    2: "u1",
+    3: "i2",
+    4: "u2",
+    5: "i4",
+    6: "u4",
+    7: "f4",
+    9: "f8",
+    12: "i8",
+    13: "u8",
+}
+_ENCODINGS = {1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
+_MATRIX, _COMPRESSED = 14, 15
+_CELL, _CHAR, _OPAQUE = 1, 4, 17
+_CLASSES = {
+    2: "a structure",
+    3: "an object",
+    5: "a sparse matrix",
+    16: "a function",
+    17: "an object",
+}
+_NUMBERS = range(6, 16)
+_COMPLEX = 0x0800
+
+
+@dataclass(frozen=True)
+class Other:
+    """A variable that holds neither numbers nor names; ``kind`` says what it is."""
+
+    kind: str
+
+
+def parse_mat(content: bytes) -> dict[str, np.ndarray | Other]:
+    """Parse the variables of a MAT file.
+
+    Args:
+        content: The whole file.
+
+    Returns:
+        Name to array: numbers as stored, of the sizes MATLAB shows; characters as one string per row.
+
+    Raises:
+        ValueError: If a length or a type does not fit; also ``zlib.error`` and ``struct.error``.
+    """
+    order = {b"IM": "<", b"MI": ">"}.get(content[126:128])
+    if order is None:
+        raise ValueError("no MAT file of version 5 to 7.2")
+    variables = {}
+    for kind, data in _elements(content[128:], order):
+        if kind == _COMPRESSED:
+            ((kind, data),) = _elements(zlib.decompress(data), order)
+        if kind != _MATRIX:
+            raise ValueError(f"element of type {kind} where a variable is expected")
+        name, value = _matrix(data, order)
+        if name in variables:
+            raise ValueError(f"variable {name} appears twice")
+        variables[name] = value
+    return variables
+
+
+def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+    """Types and data of the elements in a stretch of bytes."""
+    at = 0
+    while at < len(data):
+        kind, length = struct.unpack_from(f"{order}II", data, at)
+        start, following = at + 8, at + 8 + length + (-length % 8 if kind != _COMPRESSED else 0)
+        if kind >> 16:
+            # Up to four bytes of data stand in the tag itself.
+            kind, length, start, following = kind & 0xFFFF, kind >> 16, at + 4, at + 8
+            if length > 4:
+                raise ValueError(f"short element of {length} bytes")
+        if start + length > len(data):
+            raise ValueError("the file ends inside a variable")
+        yield kind, data[start : start + length]
+        at = following
+
+
+def _matrix(data: bytes, order: str) -> tuple[str, np.ndarray | Other]:
+    """Name and value of one variable."""
+    parts = list(_elements(data, order))
+    if not parts:
+        return "", np.zeros((0, 0))
+    flags = int(_numbers(*parts[0], order)[0])
+    kind = flags & 0xFF
+    if kind == _OPAQUE:
+        return parts[1][1].decode("ascii"), Other(_CLASSES[kind])
+    shape = tuple(int(size) for size in _numbers(*parts[1], order))
+    name = parts[2][1].decode("ascii")
+    if len(shape) < 2 or min(shape) < 0:
+        raise ValueError(f"variable {name} has sizes {shape}")
+    if kind == _CELL:
+        cells = [_matrix(part, order)[1] for _, part in parts[3:]]
+        if len(cells) != prod(shape):
+            raise ValueError(f"variable {name} has {len(cells)} cells for sizes {shape}")
+        texts = [cell for cell in cells if isinstance(cell, np.ndarray) and cell.dtype.kind == "U"]
+        if len(texts) < len(cells) or any(text.size != 1 for text in texts):
+            return name, Other("a cell array of other things than names")
+        return name, np.array([text.item() for text in texts], dtype=str)
+    if kind == _CHAR:
+        return name, _rows(_text(*parts[3], order), shape)
+    if kind not in _NUMBERS:
+        return name, Other(_CLASSES.get(kind, f"an unknown class {kind}"))
+    if flags & _COMPLEX:
+        return name, Other("complex numbers")
+    values = _numbers(*parts[3], order)
+    if values.size != prod(shape):
+        raise ValueError(f"variable {name} has {values.size} values for sizes {shape}")
+    return name, values.reshape(shape, order="F")
+
+
+def _numbers(kind: int, data: bytes, order: str) -> np.ndarray:
+    if kind not in _STORED:
+        raise ValueError(f"element of type {kind} where numbers are expected")
+    return np.frombuffer(data, dtype=np.dtype(order + _STORED[kind]))
+
+
+def _text(kind: int, data: bytes, order: str) -> str:
+    if kind not in _ENCODINGS:
+        raise ValueError(f"element of type {kind} where characters are expected")
+    suffix = {"<": "-le", ">": "-be"}[order] if _ENCODINGS[kind] != "utf-8" else ""
+    return data.decode(_ENCODINGS[kind] + suffix)
+
+
+def _rows(text: str, shape: tuple[int, ...]) -> np.ndarray:
+    """The rows of a character matrix, which is stored column by column, without padding blanks."""
+    if len(shape) != 2 or len(text) != prod(shape):
+        raise ValueError(f"{len(text)} characters for sizes {shape}")
+    return np.array([text[k :: shape[0]].rstrip() for k in range(shape[0])], dtype=str)

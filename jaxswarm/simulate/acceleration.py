@@ -1,0 +1,119 @@
+"""Accelerations of links and motors from motor torques: the right side of the motion equations.
+
+Unknowns are the n link accelerations and those of the motors of soft joints. Rigid joints carry their
+motor, so effects stand in the link's row; a soft joint has a row of its own,
+
+    M(q) ddq + h(q, dq) = s (soft) or tau - effects (rigid),    ia ddtheta = tau - effects - s.
+"""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+
+from jaxswarm.robot import spatial as sp
+from jaxswarm.robot.kinematics import SinCos
+from jaxswarm.robot.mass import equations_of_motion, solve_symmetric
+from jaxswarm.simulate.forces import effect_torques, sample_fields, transmission_torque
+from jaxswarm.simulate.plant import Plant
+
+# Friction by load is a fixed point: the load depends on accelerations and these on friction. Each
+# round shrinks the error by the friction coefficient.
+LOAD_ROUNDS = 4
+
+
+class State(NamedTuple):
+    """State of a plant: arrays of one sample, tuples of entries inside the integrator.
+
+    Attributes:
+        q: (n,), link positions in rad or m.
+        dq: (n,), link velocities.
+        motor_q: (s,), motor positions of the soft joints, seen at the joint.
+        motor_dq: (s,), their velocities.
+        memory: (r,), states of the effects that have one.
+    """
+
+    q: Any
+    dq: Any
+    motor_q: Any
+    motor_dq: Any
+    memory: Any
+
+
+class Drive(NamedTuple):
+    """What acts from outside at one instant, n entries each.
+
+    Attributes:
+        tau: Motor torques in N m or N.
+        external: Torques of the surroundings on the links, positive along the joint.
+        temperature: In deg C.
+    """
+
+    tau: Any
+    external: Any
+    temperature: Any
+
+
+def motor_side(plant: Plant, state: State) -> tuple[list, list]:
+    """Return positions and velocities (n entries each) where the encoders are."""
+    q, dq = list(state.q), list(state.dq)
+    for k, joint in enumerate(plant.soft):
+        q[joint], dq[joint] = state.motor_q[k], state.motor_dq[k]
+    return q, dq
+
+
+def accelerations(plant: Plant, state: State, drive: Drive, t, sincos: SinCos) -> tuple[list, list]:
+    """Return link accelerations (n entries) and motor accelerations of soft joints (s entries)."""
+    n, soft = plant.robot.num_joints, plant.soft
+    mass, bias = equations_of_motion(plant.robot, state.q, state.dq, sincos=sincos)
+    motor_q, motor_dq = motor_side(plant, state)
+    row = list(range(n))  # row of each joint's motor
+    for k, joint in enumerate(soft):
+        row[joint] = n + k
+    size = n + len(soft)
+    matrix = [[mass[i][j] if i < n and j < n else 0.0 for j in range(size)] for i in range(size)]
+    free = [sp.minus(drive.external[i], bias[i]) for i in range(n)] + [0.0] * len(soft)
+    for k, joint in enumerate(soft):
+        twist = state.motor_q[k] - state.q[joint]
+        spring = transmission_torque(plant, joint, twist, state.motor_dq[k] - state.dq[joint])
+        free[joint] = sp.plus(free[joint], spring)
+        free[n + k] = sp.minus(0.0, spring)
+
+    def solve(loads):
+        effects, inertias = effect_torques(
+            plant, motor_q, motor_dq, state.memory, t, drive.temperature, loads
+        )
+        right, left = list(free), [list(entries) for entries in matrix]
+        for j in range(n):
+            supplied = sp.minus(drive.tau[j], effects[j])
+            right[row[j]] = sp.plus(right[row[j]], supplied)
+        for i, j, inertia in inertias:
+            left[row[i]][row[j]] = sp.plus(left[row[i]][row[j]], inertia)
+        if all(i == j for i, j, _ in inertias):
+            return solve_symmetric(left, right)
+        return solve_general(left, right)
+
+    x = solve(None)
+    if any("load" in sample_fields(a.law) for a in plant.acting if a.law.torque is not None):
+        for _ in range(LOAD_ROUNDS):
+            loads = [sp.plus(sp.dot(mass[i], x[:n]), bias[i]) for i in range(n)]
+            x = solve(loads)
+    return x[:n], x[n:]
+
+
+def solve_general(matrix, right) -> list[sp.Entry]:
+    """Solve A x = b for entries by elimination; A is diagonally strong and needs no pivoting."""
+    a = [list(entries) for entries in matrix]
+    x = list(right)
+    n = len(x)
+    for j in range(n):
+        inverse = 1.0 / jnp.asarray(a[j][j])
+        for i in range(j + 1, n):
+            factor = sp.times(a[i][j], inverse)
+            for k in range(j + 1, n):
+                a[i][k] = sp.minus(a[i][k], sp.times(factor, a[j][k]))
+            x[i] = sp.minus(x[i], sp.times(factor, x[j]))
+    for i in reversed(range(n)):
+        for k in range(i + 1, n):
+            x[i] = sp.minus(x[i], sp.times(a[i][k], x[k]))
+        x[i] = x[i] / jnp.asarray(a[i][i])
+    return x

@@ -1,0 +1,123 @@
+"""Torques of the effects at one instant: what the motors spend besides moving the rigid body.
+
+Laws are evaluated at zero acceleration; the ones that depend on acceleration (rotor inertia,
+transmission coupling) do so linearly, and their derivative joins the mass matrix. Which do is read off
+their traced program once. Everything is elementwise, so entries may be lanes.
+"""
+
+from functools import lru_cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.effects.base import Law, Sample
+from jaxswarm.robot import spatial as sp
+from jaxswarm.simulate.plant import PLAY_FREQUENCY, Acting, Plant
+
+
+@lru_cache(maxsize=256)
+def sample_fields(law: Law) -> frozenset[str]:
+    """Return the fields of a sample that a law's torque depends on.
+
+    >>> from jaxswarm.effects import get_law
+    >>> sorted(sample_fields(get_law("rotor_inertia")))
+    ['ddq']
+    """
+    with jax.ensure_compile_time_eval():
+        sample = Sample(*[jnp.ones(()) for _ in Sample._fields])
+        values = {name: jnp.asarray(value, float) for name, value in law.nominal().items()}
+    program = jax.make_jaxpr(lambda s: law.torque(values, s))(sample).jaxpr
+    used = {id(v) for equation in program.eqns for v in equation.invars}
+    used |= {id(v) for v in program.outvars}
+    pairs = zip(Sample._fields, program.invars, strict=True)
+    return frozenset(name for name, variable in pairs if id(variable) in used)
+
+
+def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, load=0.0, state=0.0) -> Sample:
+    """Return the sample a law sees, at zero acceleration; q and dq are those of the motors."""
+    j, other = acting.joint, acting.other
+    like = jnp.zeros_like(dq[j])
+    dq_other = like if other is None else dq[other]
+    return Sample(
+        t=like + t,
+        q=q[j],
+        dq=dq[j],
+        ddq=like,
+        direction=jnp.tanh(dq[j] / plant.width),
+        load=like + load,
+        temperature=like + temperature[j],
+        dq_other=dq_other,
+        ddq_other=like,
+        direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width),
+        state=like + state,
+    )
+
+
+def effect_torques(
+    plant: Plant, q, dq, memory, t, temperature, loads=None
+) -> tuple[list[sp.Entry], list[tuple[int, int, Any]]]:
+    """Return the torques of all laws at zero acceleration, and what they add to the mass matrix.
+
+    Args:
+        plant: The plant.
+        q: n entries, motor positions.
+        dq: n entries, motor velocities.
+        memory: One entry for each effect of ``plant.remembering``.
+        t: Time in s.
+        temperature: n entries in deg C.
+        loads: n entries, torques of the rigid body; with None laws that depend on load are left out.
+
+    Returns:
+        n entries in N m or N, and triples (joint, joint of the acceleration, inertia).
+    """
+    torques: list[sp.Entry] = [0.0] * plant.robot.num_joints
+    inertias = []
+    states = iter(memory)
+    for acting in plant.acting:
+        law = acting.law
+        if law.torque is None:
+            continue
+        state = next(states) if law.rate is not None else 0.0
+        fields = sample_fields(law)
+        if "load" in fields and loads is None:
+            continue
+        j = acting.joint
+        load = 0.0 if loads is None else loads[j]
+        sample = sample_of(plant, acting, q, dq, t, temperature, load, state)
+        if fields & {"ddq", "ddq_other"}:
+            for name, index in (("ddq", j), ("ddq_other", acting.other)):
+                if name in fields:
+                    inertias.append((j, index, _slope(law, acting.values, sample, name)))
+        if fields - {"ddq", "ddq_other"}:
+            torques[j] = sp.plus(torques[j], law.torque(acting.values, sample))
+    return torques, inertias
+
+
+def _slope(law: Law, values: dict, sample: Sample, name: str) -> jax.Array:
+    """Derivative of a law's torque with respect to one field of its sample."""
+
+    def torque(x):
+        return law.torque(values, sample._replace(**{name: x}))
+
+    x = getattr(sample, name)
+    return jax.jvp(torque, (x,), (jnp.ones_like(x),))[1]
+
+
+def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
+    """Torque a soft joint passes from motor to link, for a twist theta - q and its rate."""
+    gap = plant.value(joint, "backlash", "gap", 0.0)
+    k = plant.value(joint, "joint_elasticity", "k")
+    d = plant.value(joint, "joint_elasticity", "d", 0.0)
+    if k is None:
+        # A stiff, damped flank: the motor alone would swing on it at PLAY_FREQUENCY.
+        frequency = 2.0 * jnp.pi * PLAY_FREQUENCY
+        rotor = plant.value(joint, "rotor_inertia", "ia")
+        k, d = rotor * frequency**2, 0.4 * rotor * frequency
+    if isinstance(gap, float) and gap == 0.0:
+        return k * twist + d * twist_rate
+    into = jnp.sign(twist) * jnp.maximum(jnp.abs(twist) - 0.5 * gap, 0.0)
+    # The damping fades in over a twentieth of the gap: a force that jumps on contact would cost
+    # the integrator its order.
+    touch = jnp.minimum(jnp.abs(into) / (0.05 * gap), 1.0)
+    return k * into + d * touch * twist_rate

@@ -1,0 +1,178 @@
+"""A plant driven through time: by given torques, or by a controller that follows a reference.
+
+Samples lie ``dt`` apart; between two samples RK4 takes ``substeps`` equal steps. Torques are held over a
+sample (zero-order) or run linearly to the next one (first-order). A controller samples the encoders
+every ``control_dt`` and its command is held in between, as a drive does it.
+
+Nothing here is jitted and every number is an argument: jit the call, vmap it over plants or initial
+states, or give plants and states a trailing axis of lanes, which is the fastest on a CPU (see
+``benchmarks/dynamics.py``). Use :func:`jaxswarm.simulate.stable_substeps` for a step that is short
+enough.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.robot.kinematics import SinCos
+from jaxswarm.simulate.acceleration import Drive, State, accelerations, motor_side
+from jaxswarm.simulate.controllers import Controller, Reference
+from jaxswarm.simulate.loops import Loop, closed_loop, open_loop, packed
+from jaxswarm.simulate.plant import Plant
+from jaxswarm.simulate.trig import polynomial_sincos
+
+
+class Trajectory(NamedTuple):
+    """A simulated motion, T samples of n joints (and lanes, if the plant had any).
+
+    Attributes:
+        t: (T,), in s.
+        q: (T, n), at the encoders, in rad or m.
+        dq: (T, n), at the encoders.
+        ddq: (T, n), at the encoders.
+        tau: (T, n), motor torques in N m or N.
+        q_link: (T, n), of the links; equal to q for rigid joints.
+        dq_link: (T, n).
+        state: Final state, to go on from.
+    """
+
+    t: jax.Array
+    q: jax.Array
+    dq: jax.Array
+    ddq: jax.Array
+    tau: jax.Array
+    q_link: jax.Array
+    dq_link: jax.Array
+    state: State
+
+
+def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
+    """Return the state with links at q, dq (n,), motors beside them and memories empty."""
+    q = jnp.asarray(q)
+    dq = jnp.zeros_like(q) if dq is None else jnp.asarray(dq, q.dtype)
+    soft = np.array(plant.soft, int)
+    memory = jnp.zeros((len(plant.remembering), *q.shape[1:]), q.dtype)
+    return State(q, dq, q[soft], dq[soft], memory)
+
+
+def simulate(
+    plant: Plant,
+    state: State,
+    tau: jax.Array,
+    *,
+    dt: float,
+    hold: str = "zero",
+    substeps: int = 1,
+    external: jax.Array | None = None,
+    temperature: jax.Array | None = None,
+    sincos: SinCos = polynomial_sincos,
+) -> Trajectory:
+    """Drive a plant with given torques.
+
+    Args:
+        plant: The plant.
+        state: Where it starts, see :func:`rest`.
+        tau: (T, n), motor torques at the samples in N m or N.
+        dt: Distance of the samples in s, > 0.
+        hold: ``"zero"`` or ``"first"``: order of the hold between samples.
+        substeps: RK4 steps per sample, >= 1.
+        external: (T, n), torques of the surroundings on the links, default none.
+        temperature: (T, n), in deg C, default 25.
+        sincos: Function that gives sine and cosine of an angle.
+
+    Returns:
+        The motion at the same samples; a diverging one turns into NaN.
+
+    Raises:
+        InputError: If the hold or the number of substeps is none.
+
+    >>> from jaxswarm.robot import rx60
+    >>> from jaxswarm.simulate import make_plant
+    >>> plant = make_plant(rx60())
+    >>> motion = simulate(plant, rest(plant, jnp.zeros(3)), jnp.ones((5, 3)), dt=1e-3)
+    >>> motion.q.shape
+    (5, 3)
+    """
+    loop = open_loop(
+        tau,
+        dt=dt,
+        hold=hold,
+        substeps=substeps,
+        external=external,
+        temperature=temperature,
+        sincos=sincos,
+    )
+    return _record(plant, state, loop, dt, sincos)
+
+
+def track(
+    plant: Plant,
+    state: State,
+    controller: Controller,
+    reference: Reference,
+    *,
+    dt: float,
+    control_dt: float | None = None,
+    substeps: int = 1,
+    external: jax.Array | None = None,
+    temperature: jax.Array | None = None,
+    sincos: SinCos = polynomial_sincos,
+) -> Trajectory:
+    """Let a controller drive a plant along a reference.
+
+    Args:
+        plant: The plant.
+        state: Where it starts, see :func:`rest`.
+        controller: Called with encoder position and velocity and the reference of the sample.
+        reference: (T, n) arrays at the samples.
+        dt: Distance of the samples in s, > 0.
+        control_dt: Period of the controller in s, a multiple of ``dt``; default ``dt``.
+        substeps: RK4 steps per sample, >= 1.
+        external: (T, n), torques of the surroundings on the links, default none.
+        temperature: (T, n), in deg C, default 25.
+        sincos: Function that gives sine and cosine of an angle.
+
+    Returns:
+        The motion at the samples, with the torques the controller commanded.
+
+    Raises:
+        InputError: If ``control_dt`` is no multiple of ``dt``, or there are no substeps.
+    """
+    loop = closed_loop(
+        controller,
+        reference,
+        lanes=jnp.shape(state.q)[1:],
+        dt=dt,
+        control_dt=control_dt,
+        substeps=substeps,
+        external=external,
+        temperature=temperature,
+        sincos=sincos,
+    )
+    return _record(plant, state, loop, dt, sincos)
+
+
+def _record(plant: Plant, state: State, loop: Loop, dt, sincos) -> Trajectory:
+    """Run a loop from a state and keep what the encoders and the links do."""
+    last, (states, tau) = jax.lax.scan(
+        lambda carry, sample: loop.advance(plant, carry, sample), loop.begin(state), loop.inputs
+    )
+    push, warmth = loop.inputs[-2:]
+    num = push.shape[0]
+    t = jnp.arange(num) * dt
+
+    def sample(state, tau, push, warmth, t):
+        drive = Drive(tuple(tau), tuple(push), tuple(warmth))
+        ddq, motor_ddq = accelerations(plant, state, drive, t, sincos)
+        q, dq = motor_side(plant, state)
+        for k, joint in enumerate(plant.soft):
+            ddq[joint] = motor_ddq[k]
+        like = q[0]
+        parts = (q, dq, ddq, state.q, state.dq)
+        return [jnp.stack([jnp.broadcast_to(x, like.shape) for x in part]) for part in parts]
+
+    tau = jnp.broadcast_to(tau, (num, len(states.q), *states.q[0].shape[1:]))
+    q, dq, ddq, q_link, dq_link = jax.vmap(sample)(states, tau, push, warmth, t)
+    return Trajectory(t, q, dq, ddq, tau, q_link, dq_link, packed(last[0]))
