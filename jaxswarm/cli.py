@@ -43,7 +43,10 @@ def main() -> None:
 
 
 def _start() -> None:
-    """Double precision, and compiled code kept on disk between commands."""
+    """Double precision, one thread for small matrices, and compiled code kept on disk between commands."""
+    # Threads of OpenBLAS wait for each other by spinning: on a busy machine the QR of 500 x 70 numbers
+    # takes a hundred times longer than with one. Read when numpy is first imported, hence here.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import jax
 
     jax.config.update("jax_enable_x64", True)
@@ -71,7 +74,8 @@ def identify(
     runs: Annotated[int, typer.Option(min=1, help="Runs of the swarm.")] = 10,
     steps: Annotated[int, typer.Option(min=1, help="Steps of the swarm.")] = 500,
     whiten: Annotated[
-        bool, typer.Option("--whiten/--raw", help="Swarm: coordinates whitened by R, or parameters.")
+        bool,
+        typer.Option("--whiten/--raw", help="Swarm: coordinates whitened by R, or parameters."),
     ] = True,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the swarm.")] = 0,
     motion_cutoff: MotionCutoff = None,

@@ -37,6 +37,7 @@ class Sample(NamedTuple):
         ddq: Acceleration [rad/s^2 or m/s^2].
         direction: Smooth sign of ``dq`` in [-1, 1], ``tanh(dq / width)`` with the declared width.
         load: Torque of the rigid-body model on this joint [N m or N]; never the measured torque.
+        static_load: The same without its inertial part: gravity, Coriolis and centrifugal torque.
         temperature: Temperature channel [deg C], NaN where the log has none.
         dq_other, ddq_other: Velocity and acceleration of the partner joint of a coupling law.
         direction_sum: Smooth sign of ``dq + dq_other``, the way a motor driven by both joints turns.
@@ -49,6 +50,7 @@ class Sample(NamedTuple):
     ddq: jax.Array
     direction: jax.Array
     load: jax.Array
+    static_load: jax.Array
     temperature: jax.Array
     dq_other: jax.Array
     ddq_other: jax.Array
@@ -107,6 +109,7 @@ class Law:
         rate: ``rate(p, sample) -> d state / dt``; None for a law without memory.
         warp: Name of the warp (:mod:`jaxswarm.effects.warps`), None for an added torque.
         uses_direction: Whether the torque depends on the smooth sign of a velocity.
+        uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
     """
@@ -120,6 +123,7 @@ class Law:
     rate: Callable[[dict, Sample], jax.Array] | None = None
     warp: str | None = None
     uses_direction: bool = False
+    uses_load: bool = False
     dissipative: bool = False
     derived: Callable[[dict], dict] | None = None
 
@@ -145,11 +149,22 @@ def register(law: Law) -> Law:
     """Make ``law`` known to every part of jaxswarm under its name, and return it.
 
     Raises:
-        ValueError: If the name is taken, the scope unknown, a bound pair empty, or linear parameters
-            do not come first.
+        ValueError: If the name is taken or :func:`check_law` refuses the law.
     """
     if law.name in REGISTRY:
         raise ValueError(f"an effect named {law.name!r} is registered already; choose another name")
+    check_law(law)
+    REGISTRY[law.name] = law
+    return law
+
+
+def check_law(law: Law) -> None:
+    """Refuse a law whose declaration contradicts itself.
+
+    Raises:
+        ValueError: If the scope is unknown, it is neither torque nor warp or both, a parameter's name
+            is taken, its bounds are empty or its scale unknown, or linear parameters do not come first.
+    """
     if law.scope not in ("joint", "pair", "global"):
         raise ValueError(f"scope of {law.name!r} is {law.scope!r}; use 'joint', 'pair' or 'global'")
     if (law.torque is None) == (law.warp is None):
@@ -157,14 +172,20 @@ def register(law: Law) -> Law:
     flags = [p.linear for p in law.parameters]
     if flags != sorted(flags, reverse=True):
         raise ValueError(f"effect {law.name!r}: list its linear parameters first")
+    names = [p.name for p in law.parameters]
     for p in law.parameters:
+        if names.count(p.name) > 1:
+            raise ValueError(f"effect {law.name!r} has two parameters named {p.name!r}")
         if not p.lower < p.upper or not p.lower <= p.nominal <= p.upper:
             raise ValueError(
                 f"effect {law.name!r}, parameter {p.name!r}: needs lower < upper and a nominal value "
                 f"between them, got {p.lower}, {p.upper}, {p.nominal}"
             )
-    REGISTRY[law.name] = law
-    return law
+        if p.scale not in ("linear", "log") or (p.scale == "log" and not p.lower > 0.0):
+            raise ValueError(
+                f"effect {law.name!r}, parameter {p.name!r}: scale is {p.scale!r} with a lower bound "
+                f"of {p.lower}; use 'linear', or 'log' with a bound above zero"
+            )
 
 
 def get_law(name: str) -> Law:

@@ -124,14 +124,26 @@ register(
     )
 )
 
+
+def _load_dependent(p, s):
+    load = s.static_load + p["inertial"] * (s.load - s.static_load)
+    return p["mu"] * jnp.abs(load) * s.direction
+
+
 register(
     Law(
         name="load_dependent_friction",
         scope="joint",
-        parameters=(_coefficient("mu", "1", 1.0, 0.05, "friction per load torque"),),
+        parameters=(
+            _coefficient("mu", "1", 1.0, 0.05, "friction per load torque"),
+            Parameter(
+                "inertial", "1", 0.0, 1.0, False, 0.5, "share of the inertial torque that loads"
+            ),
+        ),
         summary="mu |tau_load| sign(dq), tau_load from the rigid-body model",
         reference="Hamon, Gautier, Garrec 2010, IROS",
-        torque=lambda p, s: p["mu"] * jnp.abs(s.load) * s.direction,
+        torque=_load_dependent,
+        uses_load=True,
         uses_direction=True,
         dissipative=True,
     )

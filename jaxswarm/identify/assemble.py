@@ -10,36 +10,29 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.warps import contact_stiffness, deflection, shift
-from jaxswarm.identify.columns import Rigid, rigid_columns, term_columns
+from jaxswarm.identify.columns import Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
-from jaxswarm.robot import inverse_dynamics
 from jaxswarm.robot.model import Robot
 
 
-@jax.jit
-def _sensitivity(robot: Robot, q, dq, ddq, axis):
-    """Derivatives of the rigid torque by position, velocity, acceleration along ``axis``: (T, n) each."""
+def sensitivity(robot: Robot, motion: Motion, joint: int, pi: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint.
 
-    def one(q, dq, ddq):
-        def by(argument):
-            def torque(x):
-                moved = [q, dq, ddq]
-                moved[argument] = moved[argument] + x * axis
-                return inverse_dynamics(robot, *moved)
+    Differences of the regressor: exact for the acceleration, in which the torque is linear.
+    """
 
-            return jax.jvp(torque, (jnp.zeros(()),), (jnp.ones(()),))[1]
+    def torque(*moved: np.ndarray) -> np.ndarray:
+        return rigid_columns(robot, *moved) @ pi
 
-        return inverse_dynamics(robot, q, dq, ddq), by(0), by(1), by(2)
-
-    return jax.vmap(one)(q, dq, ddq)
-
-
-def sensitivity(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
-    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint."""
-    axis = np.zeros(robot.num_joints)
-    axis[joint] = 1.0
-    return _sensitivity(robot, motion.q, motion.dq, motion.ddq, axis)
+    here = (motion.q, motion.dq, motion.ddq)
+    slopes = []
+    for argument, step in enumerate((1e-5, 1e-4, 1.0)):
+        high, low = list(here), list(here)
+        axis = step * (np.arange(robot.num_joints) == joint)
+        high[argument], low[argument] = here[argument] + axis, here[argument] - axis
+        slopes.append((torque(*high) - torque(*low)) / (2.0 * step))
+    return torque(*here), *slopes
 
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
@@ -77,12 +70,16 @@ def link_motion(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
-    loaded = robot.replace(parameters=jnp.asarray(np.reshape(pi, (-1, 10))))
     for term in warped(terms, "elastic") + warped(terms, "play"):
-        lag = term_deflection(term, motion, sensitivity(loaded, motion, term.joint))
+        lag = term_deflection(term, motion, sensitivity(robot, motion, term.joint, pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
+
+
+def uses_load(terms: tuple[Term, ...]) -> bool:
+    """Whether a term's columns depend on the rigid torque."""
+    return any(t.law.uses_load for t in terms)
 
 
 def moves_links(terms: tuple[Term, ...]) -> bool:
@@ -116,12 +113,18 @@ def assemble(
     low = motion.decimator.apply if decimate else np.asarray
     delays = warped(terms, "delay")
     if moves_links(terms) or rigid is None:
-        arm = tilted(robot, terms)
-        full = rigid_columns(arm, *link_motion(arm, terms, motion, pi))
-        kept = None
+        arm, kept = tilted(robot, terms), None
+        moved = link_motion(arm, terms, motion, pi)
+        full = rigid_columns(arm, *moved)
+        static = None
     else:
-        full, kept = rigid.full, rigid.low if decimate and not delays else None
-    load = full @ pi if any(t.law.torque is not None for t in terms) else None
+        full, static = rigid.full, rigid.static
+        kept = rigid.low if decimate and not delays else None
+    load = None
+    if uses_load(terms):
+        if static is None:
+            static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
+        load = load_of(full, static, pi)
 
     def finish(block: np.ndarray) -> np.ndarray:
         for term in warped(terms, "gain"):

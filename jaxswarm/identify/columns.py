@@ -7,6 +7,7 @@ load torque enter as given numbers. Torque and columns then pass the same decima
 
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -23,9 +24,30 @@ from jaxswarm.robot.model import Robot
 _CHUNK = 2048
 
 
-@jax.jit
-def _rigid(robot: Robot, q: jax.Array, dq: jax.Array, ddq: jax.Array) -> jax.Array:
-    return jax.vmap(partial(regressor, robot))(q, dq, ddq)
+class _Kinematics:
+    """A robot's kinematics as a hashable constant: known numbers make a far smaller program."""
+
+    def __init__(self, robot: Robot):
+        fields = ("rotation", "translation", "axis", "gravity")
+        known = {name: np.asarray(getattr(robot, name), dtype=float) for name in fields}
+        self.robot = robot.replace(
+            **known,
+            parameters=np.zeros((robot.num_joints, 10)),
+            drive_gain=np.zeros(robot.num_joints),
+        )
+        numbers = b"".join(x.tobytes() for x in known.values())
+        self.key = (robot.joints, robot.kinds, robot.parents, numbers)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other) -> bool:
+        return self.key == other.key
+
+
+@partial(jax.jit, static_argnames="kinematics")
+def _rigid(kinematics: _Kinematics, q: jax.Array, dq: jax.Array, ddq: jax.Array) -> jax.Array:
+    return jax.vmap(partial(regressor, kinematics.robot))(q, dq, ddq)
 
 
 @partial(jax.jit, static_argnames="law")
@@ -37,8 +59,9 @@ def rigid_columns(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) 
     """Columns of the standard parameters, shape (T, n, 10 n), for (T, n) motion."""
     size, chunk = len(q), _CHUNK
     padded = [np.concatenate([x, np.repeat(x[-1:], -size % chunk, axis=0)]) for x in (q, dq, ddq)]
+    kinematics = _Kinematics(robot)
     parts = [
-        np.asarray(_rigid(robot, *(x[k : k + chunk] for x in padded)))
+        np.asarray(_rigid(kinematics, *(x[k : k + chunk] for x in padded)))
         for k in range(0, len(padded[0]), chunk)
     ]
     return np.concatenate(parts)[:size]
@@ -51,16 +74,31 @@ class Rigid:
     Attributes:
         full: On the working clock, shape (T, n, 10 n).
         low: Through the decimator, shape (T', n, 10 n).
+        static: On the working clock, without acceleration.
     """
 
     full: np.ndarray
     low: np.ndarray
+    static: np.ndarray
 
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
     """The rigid-body columns of a log in nominal gravity and motion."""
     full = rigid_columns(robot, motion.q, motion.dq, motion.ddq)
-    return Rigid(full, motion.decimator.apply(full))
+    static = rigid_columns(robot, motion.q, motion.dq, np.zeros_like(motion.ddq))
+    return Rigid(full, motion.decimator.apply(full), static)
+
+
+class Load(NamedTuple):
+    """Rigid-body torque of a model along a log [N m or N], (T, n): whole, and without acceleration."""
+
+    full: np.ndarray
+    static: np.ndarray
+
+
+def load_of(full: np.ndarray, static: np.ndarray, pi: np.ndarray) -> Load:
+    """Load torque for rigid parameters ``pi`` (10 n,), from columns with and without acceleration."""
+    return Load(full @ pi, static @ pi)
 
 
 def direction(dq: np.ndarray, width: float) -> np.ndarray:
@@ -69,7 +107,7 @@ def direction(dq: np.ndarray, width: float) -> np.ndarray:
 
 
 def joint_series(
-    motion: Motion, width: float, load: np.ndarray | None, joint: int, other: int | None = None
+    motion: Motion, width: float, load: Load | None, joint: int, other: int | None = None
 ) -> Sample:
     """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) arrays."""
     zero = np.zeros(len(motion.t))
@@ -82,7 +120,8 @@ def joint_series(
         dq=jnp.asarray(dq),
         ddq=jnp.asarray(motion.ddq[:, joint]),
         direction=jnp.asarray(direction(dq, width)),
-        load=jnp.asarray(zero if load is None else load[:, joint]),
+        load=jnp.asarray(zero if load is None else load.full[:, joint]),
+        static_load=jnp.asarray(zero if load is None else load.static[:, joint]),
         temperature=jnp.asarray(
             np.full(len(motion.t), np.nan) if temperature is None else temperature[:, joint]
         ),
@@ -93,9 +132,7 @@ def joint_series(
     )
 
 
-def term_columns(
-    term: Term, motion: Motion, width: float, load: np.ndarray | None = None
-) -> np.ndarray:
+def term_columns(term: Term, motion: Motion, width: float, load: Load | None = None) -> np.ndarray:
     """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
     law = term.law
     nonlinear = {p.name: jnp.asarray(float(term.values[p.name])) for p in law.nonlinear}

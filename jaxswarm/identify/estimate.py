@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.assemble import assemble
+from jaxswarm.identify.assemble import assemble, moves_links, uses_load
 from jaxswarm.identify.columns import Rigid, rigid_of
 from jaxswarm.identify.least_squares import Fit, fit
 from jaxswarm.identify.model import Model, linear_values
@@ -133,9 +133,7 @@ class _Problem:
 
 def _settle(problem: _Problem, terms, pi) -> tuple[Fit, Regression, np.ndarray]:
     """Fit, and fit again where columns depend on the rigid parameters, until those stand still."""
-    depends = any(
-        t.effect == "load_dependent_friction" or t.law.warp in ("elastic", "play") for t in terms
-    )
+    depends = uses_load(terms) or moves_links(terms)
     rigid = 10 * problem.robot.num_joints
     for _ in range(_ROUNDS if depends else 1):
         regression = problem.build(terms, pi)

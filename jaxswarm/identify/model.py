@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.assemble import assemble
+from jaxswarm.identify.model_check import check_content
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
@@ -114,13 +115,14 @@ def load_model(path: Path) -> Model:
         )
     try:
         return _from_json(content)
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         if isinstance(error, InputError):
             raise InputError(f"{path}: {error}") from None
         raise InputError(f"{path}: incomplete or damaged ({error!r}); identify it again") from None
 
 
 def _from_json(content: dict) -> Model:
+    check_content(content)
     part = content["robot"]
     joints = tuple(part["joints"])
     n = len(joints)
@@ -146,9 +148,6 @@ def _from_json(content: dict) -> Model:
         joint = None if entry["joint"] is None else joints.index(entry["joint"])
         other = None if entry["other"] is None else joints.index(entry["other"])
         term = Term(entry["effect"], joint, other, dict(entry["values"]))
-        missing = {p.name for p in term.law.parameters} - set(term.values)
-        if missing:
-            raise InputError(f"{term.label(joints)} lacks the values of {sorted(missing)}")
         terms.append(term)
     return Model(
         robot,

@@ -72,8 +72,10 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
     for item in (part.strip() for part in text.split(",")):
         if item in ("", "none"):
             continue
-        name, _, where = item.partition("@")
+        name, at, where = item.partition("@")
         law = get_law(name)
+        if at and not where:
+            raise InputError(f"{item} names no joint; write {name}@JOINT, or {name} for all")
         for term in _expand(law, where, joints):
             if term in terms:
                 raise InputError(f"effect {term.label(joints)} is listed twice; name it once")

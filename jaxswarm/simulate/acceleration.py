@@ -13,7 +13,7 @@ import jax.numpy as jnp
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.kinematics import SinCos
 from jaxswarm.robot.mass import equations_of_motion, solve_symmetric
-from jaxswarm.simulate.forces import effect_torques, sample_fields, transmission_torque
+from jaxswarm.simulate.forces import effect_torques, transmission_torque
 from jaxswarm.simulate.plant import Plant
 
 # Friction by load is a fixed point: the load depends on accelerations and these on friction. Each
@@ -93,9 +93,9 @@ def accelerations(plant: Plant, state: State, drive: Drive, t, sincos: SinCos) -
         return solve_general(left, right)
 
     x = solve(None)
-    if any("load" in sample_fields(a.law) for a in plant.acting if a.law.torque is not None):
+    if any(a.law.uses_load for a in plant.acting):
         for _ in range(LOAD_ROUNDS):
-            loads = [sp.plus(sp.dot(mass[i], x[:n]), bias[i]) for i in range(n)]
+            loads = [(sp.plus(sp.dot(mass[i], x[:n]), bias[i]), bias[i]) for i in range(n)]
             x = solve(loads)
     return x[:n], x[n:]
 

@@ -34,24 +34,23 @@ def sample_fields(law: Law) -> frozenset[str]:
     return frozenset(name for name, variable in pairs if id(variable) in used)
 
 
-def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, load=0.0, state=0.0) -> Sample:
+def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, **more) -> Sample:
     """Return the sample a law sees, at zero acceleration; q and dq are those of the motors."""
     j, other = acting.joint, acting.other
     like = jnp.zeros_like(dq[j])
     dq_other = like if other is None else dq[other]
-    return Sample(
-        t=like + t,
+    fields = dict.fromkeys(Sample._fields, 0.0)
+    fields.update(
+        t=t,
         q=q[j],
         dq=dq[j],
-        ddq=like,
         direction=jnp.tanh(dq[j] / plant.width),
-        load=like + load,
-        temperature=like + temperature[j],
+        temperature=temperature[j],
         dq_other=dq_other,
-        ddq_other=like,
         direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width),
-        state=like + state,
+        **more,
     )
+    return Sample(**{name: like + value for name, value in fields.items()})
 
 
 def effect_torques(
@@ -66,7 +65,8 @@ def effect_torques(
         memory: One entry for each effect of ``plant.remembering``.
         t: Time in s.
         temperature: n entries in deg C.
-        loads: n entries, torques of the rigid body; with None laws that depend on load are left out.
+        loads: n pairs of entries, torque of the rigid body and its part without acceleration; with
+            None laws that depend on load are left out.
 
     Returns:
         n entries in N m or N, and triples (joint, joint of the acceleration, inertia).
@@ -80,11 +80,13 @@ def effect_torques(
             continue
         state = next(states) if law.rate is not None else 0.0
         fields = sample_fields(law)
-        if "load" in fields and loads is None:
-            continue
+        more = {"state": state}
         j = acting.joint
-        load = 0.0 if loads is None else loads[j]
-        sample = sample_of(plant, acting, q, dq, t, temperature, load, state)
+        if law.uses_load:
+            if loads is None:
+                continue
+            more["load"], more["static_load"] = loads[j]
+        sample = sample_of(plant, acting, q, dq, t, temperature, **more)
         if fields & {"ddq", "ddq_other"}:
             for name, index in (("ddq", j), ("ddq_other", acting.other)):
                 if name in fields:

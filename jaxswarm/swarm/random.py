@@ -4,14 +4,18 @@ A swarm needs many uniform numbers and does little with each, so on a CPU a cryp
 costs several times the rest of the update. Here the number of lane ``i`` (the flat index in the
 requested shape) of a stream with the words ``s0, s1`` is
 
-    h = mix(mix(i ^ s0) + s1),        u = (floor(h / 2^9) + 1/2) / 2^23        (float32)
-                                      u = (h + 1/2) / 2^32                     (float64)
+    x = i 0x9e3779b9 + s0;   x ^= x >> 16;   x *= 0x7feb352d;   x ^= s1;
+    x ^= x >> 15;   x *= 0x846ca68b;   x ^= x >> 16
+    u = (floor(x / 2^9) + 1/2) / 2^23  (float32),        u = 1/2 + (signed x + 1/2) / 2^32  (float64)
 
-with ``mix`` the invertible 32-bit finalizer ``lowbias32``: x ^= x >> 16; x *= 0x7feb352d;
-x ^= x >> 15; x *= 0x846ca68b; x ^= x >> 16. The stream words are hashed from both words of a JAX
-key and from the name of the stream, so every purpose within a step has numbers of its own and
-:func:`fold` gives every step a key of its own. All of it is elementwise integer arithmetic: XLA
-draws the numbers inside the loop that uses them, and ``vmap`` over keys adds an axis and no cost.
+which is the 32-bit finalizer ``lowbias32`` of a Weyl sequence, keyed before and between its two
+multiplications. The stream words are hashed more thoroughly (:func:`mix` in a chain, once a stream)
+from both words of a JAX key and from the name of the stream, so every purpose within a step has
+numbers of its own and :func:`fold` gives every step a key of its own. All of it is elementwise
+integer arithmetic: XLA draws the numbers inside the loop that uses them, and ``vmap`` over keys
+adds an axis and no cost. Two full rounds of ``mix`` a number made the update of 50 x 13 three times
+slower: XLA computes the numbers once for the velocity and once for the position, and the longer
+  chain no longer vectorized.
 
 ``u`` lies strictly inside (0, 1) and carries 23 (float32) or 32 (float64) random bits. This is a
 statistical generator, not a cryptographic one; ``tests/swarm/test_random.py`` holds the evidence
@@ -154,7 +158,10 @@ def _hashed_bits(key: jax.Array, tag: int, shape: tuple[int, ...]) -> jax.Array:
     s1 = mix(words[1] + s0)
     for word in words[2:]:
         s1 = mix(s1 ^ word)
-    return mix(mix(_lanes(shape) ^ s0) + s1)
+    x = _lanes(shape) * np.uint32(0x9E3779B9) + s0
+    x = (x ^ (x >> 16)) * np.uint32(0x7FEB352D) ^ s1
+    x = (x ^ (x >> 15)) * np.uint32(0x846CA68B)
+    return x ^ (x >> 16)
 
 
 def _threefry_bits(key: jax.Array, tag: int, shape: tuple[int, ...]) -> jax.Array:

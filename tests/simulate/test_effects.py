@@ -8,9 +8,9 @@ from arms import slide, two_joint_arm
 from scipy.integrate import solve_ivp
 
 from jaxswarm.effects import REGISTRY
-from jaxswarm.effects.base import Sample
+from jaxswarm.effects.base import make_sample
 from jaxswarm.errors import InputError
-from jaxswarm.robot import inverse_dynamics
+from jaxswarm.robot import bias_forces, inverse_dynamics
 from jaxswarm.robot.placements import body_parameters
 from jaxswarm.simulate import (
     Acting,
@@ -44,20 +44,23 @@ def test_every_law_takes_its_share_of_the_torque():
     run = jax.jit(lambda s, d: accelerations(plant, s, d, 7.0, polynomial_sincos)[0])
     ddq = jnp.stack(run(state._replace(motor_q=(), motor_dq=()), drive))
     load = inverse_dynamics(robot, q, dq, ddq)
+    static = bias_forces(robot, q, dq)
     spent = 0.0
     for acting in plant.acting:
-        sample = Sample(
-            t=jnp.asarray(7.0),
+        other = 1.0 if acting.other else 0.0
+        sample = make_sample(
+            t=7.0,
             q=q[0],
             dq=dq[0],
             ddq=ddq[0],
             direction=jnp.tanh(dq[0] / 0.05),
             load=load[0],
-            temperature=warm[0],
-            dq_other=dq[1] if acting.other else 0.0,
-            ddq_other=ddq[1] if acting.other else 0.0,
-            direction_sum=jnp.tanh((dq[0] + (dq[1] if acting.other else 0.0)) / 0.05),
-            state=jnp.asarray(0.3),
+            static_load=static[0],
+            temperature=40.0,
+            dq_other=other * dq[1],
+            ddq_other=other * ddq[1],
+            direction_sum=jnp.tanh((dq[0] + other * dq[1]) / 0.05),
+            state=0.3,
         )
         spent += acting.law.torque(acting.values, sample)
     assert abs(load[1] - tau[1]) < 1e-9

@@ -1,0 +1,167 @@
+"""The contract of an effect, as code: run it on your own law before you register it.
+
+Regression, search, report and simulation rely on a few properties of every law; each is checked here on
+drawn motion and parameters, with a sentence for what does not hold. All of ours pass it.
+"""
+
+import re
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.effects.base import Law, Sample, check_law, make_sample
+from jaxswarm.effects.series import law_columns, law_torque, states
+
+__all__ = ["check_effect", "check_unit", "draw_parameters", "draw_series"]
+
+_UNITS = {"1", "N", "m", "s", "rad", "kg", "K", "A", "V", "W", "Hz"}
+_WIDTH = 0.05
+# A table may leave a coefficient almost unbounded; a law is tried with values up to this.
+_LARGE = 100.0
+
+
+def check_effect(law: Law, *, num_draws: int = 8, seed: int = 0) -> None:
+    """Raise ``AssertionError``, saying what is wrong, unless ``law`` keeps the contract.
+
+    Checked: the table (names, units, bounds, scales); for a law with ``torque`` that it is one finite
+    number per sample with finite derivatives, at rest too; that it maps over samples; that it is zero
+    where all linear parameters are, and ``columns @ linear == torque``; that a law called dissipative
+    never drives; that memory does not depend on linear parameters and stays finite.
+
+    Args:
+        law: Registered or not.
+        num_draws: Drawn sets of parameters.
+        seed: Of the drawn motion and parameters.
+
+    >>> from jaxswarm.effects import get_law
+    >>> check_effect(get_law("stribeck_friction"))
+    """
+    check_law(law)
+    for p in law.parameters:
+        check_unit(p.unit, [other.name for other in law.parameters])
+    if law.torque is None:
+        return
+    _require(bool(law.linear), law, "has no linear parameter: nothing says how large it is")
+    rng = np.random.default_rng(seed)
+    series = draw_series(rng)
+    torque = jax.jit(partial(law_torque, law))
+    columns = jax.jit(partial(law_columns, law))
+    for draw in range(num_draws):
+        values = law.nominal() if draw == 0 else draw_parameters(law, rng)
+        along = torque(values, series)
+        _require(along.shape == series.t.shape, law, "does not give one torque per sample")
+        _require(bool(jnp.isfinite(along).all()), law, f"has no finite torque with {values}")
+        _check_linear(law, torque, columns, values, series)
+        if law.dissipative:
+            power = along * series.dq
+            slack = 1e-12 * float(jnp.abs(power).max())
+            _require(bool((power >= -slack).all()), law, f"drives instead of braking at {values}")
+    _check_gradients(law, law.nominal(), series)
+    if law.rate is not None:
+        _check_memory(law, rng, series)
+
+
+def check_unit(unit: str, names: list[str] | None = None) -> None:
+    """Raise ``AssertionError`` unless a unit is made of SI symbols, ``/``, ``^`` and parentheses.
+
+    Args:
+        unit: Such as ``"N m s/rad"``.
+        names: Parameters that may stand in an exponent.
+
+    >>> check_unit("N m (s/rad)^alpha", ["c", "alpha"])
+    """
+    exponents = re.findall(r"\^(\w+)", unit)
+    bad = [e for e in exponents if not e.isdigit() and e not in (names or [])]
+    plain = re.sub(r"\^\w+", "", unit)
+    words = re.findall(r"\w+", plain)
+    bad += [w for w in words if w not in _UNITS]
+    rest = re.sub(r"[\w ()/]", "", plain)
+    depth = 0
+    for mark in plain:
+        depth += {"(": 1, ")": -1}.get(mark, 0)
+        bad += ["parentheses"] if depth < 0 else []
+    outer = re.sub(r"\([^()]*\)", "", plain)
+    if bad or rest or depth or not words or outer.count("/") > 1:
+        raise AssertionError(f"unit {unit!r} cannot be read: {bad or rest or 'form'}")
+
+
+def draw_parameters(law: Law, rng: np.random.Generator) -> dict[str, float]:
+    """Draw a value of every parameter between its bounds, each on its own scale."""
+    values = {}
+    for p in law.parameters:
+        low, high = max(p.lower, -_LARGE), min(p.upper, _LARGE)
+        if p.scale == "log":
+            values[p.name] = float(np.exp(rng.uniform(np.log(p.lower), np.log(p.upper))))
+        else:
+            values[p.name] = float(rng.uniform(low, high))
+    return values
+
+
+def draw_series(rng: np.random.Generator, length: int = 64) -> Sample:
+    """A smooth motion of a joint and its partner that stops in the middle, Sample of (T,) arrays."""
+    t = np.linspace(0.0, 2.0, length)
+    waves = rng.normal(size=(2, 3, 1)), rng.uniform(1.0, 6.0, (2, 3, 1))
+    moving = np.where((t > 0.9) & (t < 1.1), 0.0, 1.0)
+    dq, other = (waves[0] * np.sin(waves[1] * t)).sum(axis=1) * moving
+    ddq, ddq_other = (waves[0] * waves[1] * np.cos(waves[1] * t)).sum(axis=1)
+    fields = {
+        "t": t,
+        "q": np.cumsum(dq) * t[1],
+        "dq": dq,
+        "ddq": ddq,
+        "direction": np.tanh(dq / _WIDTH),
+        "load": rng.normal(0.0, 20.0, length),
+        "static_load": rng.normal(0.0, 20.0, length),
+        "temperature": rng.uniform(10.0, 60.0, length),
+        "dq_other": other,
+        "ddq_other": ddq_other,
+        "direction_sum": np.tanh((dq + other) / _WIDTH),
+    }
+    return make_sample(**fields)
+
+
+def _check_linear(law, torque, columns, values, series):
+    nonlinear = {p.name: values[p.name] for p in law.nonlinear}
+    weights = jnp.array([values[p.name] for p in law.linear])
+    along = torque(values, series)
+    scale = 1e-9 * (1.0 + float(jnp.abs(along).max()))
+    off = torque({**values, **{p.name: 0.0 for p in law.linear}}, series)
+    _require(
+        bool((off == 0.0).all()), law, "leaves a torque where all its linear parameters are zero"
+    )
+    rebuilt = columns(nonlinear, series) @ weights
+    _require(
+        bool((jnp.abs(rebuilt - along) <= scale).all()),
+        law,
+        "is not linear in its linear parameters",
+    )
+
+
+def _check_gradients(law, values, series):
+    def one(p, s):
+        return law.torque(p, s)
+
+    rest = jax.tree.map(lambda x: jnp.zeros(3, x.dtype), series)
+    for sample, where in ((rest, "at rest"), (series, "moving")):
+        for argument in (0, 1):
+            slope = jax.vmap(jax.grad(one, argument), in_axes=(None, 0))(
+                {k: jnp.asarray(v, sample.t.dtype) for k, v in values.items()}, sample
+            )
+            finite = all(bool(jnp.isfinite(leaf).all()) for leaf in jax.tree.leaves(slope))
+            _require(finite, law, f"has no finite derivative {where}")
+
+
+def _check_memory(law, rng, series):
+    values = draw_parameters(law, rng)
+    path = states(law, values, series)
+    _require(bool(jnp.isfinite(path).all()), law, "has a memory that does not stay finite")
+    other = {**values, **{p.name: values[p.name] + 1.0 for p in law.linear}}
+    same = bool((path == states(law, other, series)).all())
+    _require(same, law, "has a memory that depends on its linear parameters")
+
+
+def _require(holds: bool, law: Law, message: str) -> None:
+    if not holds:
+        raise AssertionError(f"effect {law.name!r} {message}")

@@ -1,0 +1,108 @@
+"""What a ``model.json`` must hold, checked value by value before a model is built from it."""
+
+import math
+
+import numpy as np
+
+from jaxswarm.effects.base import get_law
+from jaxswarm.errors import InputError, nearest
+
+_KINDS = ("revolute", "prismatic")
+
+
+def check_content(content: dict) -> None:
+    """Refuse content that is incomplete, of the wrong shape or without a meaning.
+
+    Raises:
+        InputError: Naming the place and what was expected there.
+    """
+    robot = _get(content, "robot", dict, "")
+    _get(robot, "name", str, "robot.")
+    joints = _get(robot, "joints", list, "robot.")
+    n = len(joints)
+    if not n or not all(isinstance(j, str) for j in joints) or len(set(joints)) < n:
+        raise InputError("robot.joints is no list of different names; identify it again")
+    _each(robot, "kinds", n, lambda kind, _: kind in _KINDS, f"one of {', '.join(_KINDS)}")
+    _each(robot, "parents", n, _is_earlier, "the index of an earlier joint, or -1")
+    shapes = {"rotation": (n, 3, 3), "translation": (n, 3), "axis": (n, 3), "gravity": (3,)}
+    for name, shape in {**shapes, "parameters": (n, 10)}.items():
+        _check_array(_get(robot, name, list, "robot."), shape, f"robot.{name}")
+    _each(robot, "drive_gain", n, lambda g, _: g is None or _is_number(g), "a number or null")
+    for k, term in enumerate(_get(content, "terms", list, "")):
+        _check_term(term, joints, f"terms[{k}]")
+    if not _is_number(content.get("width")) or content["width"] <= 0:
+        raise InputError("width is no positive number; identify it again")
+    filtering = _get(content, "filtering", dict, "")
+    for name in ("motion_cutoff", "torque_cutoff"):
+        value = filtering.get(name)
+        if value is not None and not (_is_number(value) and value > 0):
+            raise InputError(f"filtering.{name} is {value!r}, not a positive number or null")
+    velocity = filtering.get("use_logged_velocity")
+    if velocity is not None and not isinstance(velocity, bool):
+        raise InputError(f"filtering.use_logged_velocity is {velocity!r}, not true, false or null")
+    if set(filtering) != {"motion_cutoff", "torque_cutoff", "use_logged_velocity"}:
+        raise InputError(f"filtering has the entries {sorted(filtering)}; identify it again")
+    _each(content, "sigma", n, lambda s, _: _is_number(s) and s >= 0, "a number not below 0", "")
+
+
+def _check_term(term, joints: list[str], place: str) -> None:
+    if not isinstance(term, dict):
+        raise InputError(f"{place} is no object; identify it again")
+    law = get_law(_get(term, "effect", str, f"{place}."))
+    wanted = {"joint": law.scope != "global", "other": law.scope == "pair"}
+    for name, needed in wanted.items():
+        joint = term.get(name)
+        if needed and joint not in joints:
+            hint = nearest(joint, joints) if isinstance(joint, str) else f"Known: {joints}."
+            raise InputError(f"{place}.{name} is {joint!r}, no joint of this robot. {hint}")
+        if not needed and joint is not None:
+            raise InputError(f"{place}.{name} is {joint!r}, but {law.name} takes none")
+    if law.scope == "pair" and term["joint"] == term["other"]:
+        raise InputError(f"{place}: {law.name} couples {term['joint']} with itself")
+    values = _get(term, "values", dict, f"{place}.")
+    names = [p.name for p in law.parameters]
+    if law.warp == "window":
+        names += [f"tau_{joint}" for joint in joints]
+    for name in names:
+        if not _is_number(values.get(name)):
+            raise InputError(
+                f"{place} ({law.name}) lacks a number for {name}, it has {values.get(name)!r}"
+            )
+    for p in law.parameters:
+        if p.scale == "log" and values[p.name] <= 0:
+            raise InputError(f"{place} ({law.name}): {p.name} is {values[p.name]}, not above zero")
+
+
+def _get(content: dict, name: str, kind: type, place: str):
+    value = content.get(name)
+    if not isinstance(value, kind):
+        word = {dict: "object", list: "list", str: "text"}[kind]
+        found = "missing" if name not in content else f"no {word}"
+        raise InputError(f"{place}{name} is {found}; pass a model.json as identify wrote it")
+    return value
+
+
+def _each(content, name, count, holds, expected, place="robot."):
+    values = _get(content, name, list, place)
+    if len(values) != count:
+        raise InputError(f"{place}{name} has {len(values)} entries, the robot {count} joints")
+    for k, value in enumerate(values):
+        if not holds(value, k):
+            raise InputError(f"{place}{name}[{k}] is {value!r}, not {expected}")
+
+
+def _is_number(x) -> bool:
+    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+
+
+def _is_earlier(parent, k: int) -> bool:
+    return isinstance(parent, int) and not isinstance(parent, bool) and -1 <= parent < k
+
+
+def _check_array(values: list, shape: tuple[int, ...], place: str) -> None:
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{place} holds something that is no number") from None
+    if array.shape != shape or not np.isfinite(array).all():
+        raise InputError(f"{place} is no array of {' x '.join(map(str, shape))} finite numbers")

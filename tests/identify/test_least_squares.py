@@ -1,0 +1,178 @@
+"""Weighted least squares against numpy, bounds against a brute-force search, intervals by their coverage."""
+
+import itertools
+
+import numpy as np
+import pytest
+from small_problems import make_regression, waves
+
+from jaxswarm.identify.least_squares import (
+    compress,
+    correlation_length,
+    fit,
+    joint_factors,
+    solve,
+    weighted_factor,
+)
+
+TRUTH = np.array([1.5, -0.7, 0.3, 2.0])
+
+
+@pytest.fixture(scope="module")
+def columns():
+    return waves(np.random.default_rng(0), 400, 2, 4)
+
+
+def noisy(columns, seed=1, sigma=(0.1, 1.0)):
+    rng = np.random.default_rng(seed)
+    return columns @ TRUTH + np.array(sigma) * rng.normal(size=columns.shape[:2])
+
+
+def test_given_weights_give_numpys_solution(columns):
+    torque, sigma = noisy(columns), np.array([0.1, 1.0])
+    found = fit(make_regression(columns, torque), sigma=sigma)
+    rows = (columns / sigma[:, None]).reshape(-1, 4)
+    expected, cost, *_ = np.linalg.lstsq(rows, (torque / sigma).ravel(), rcond=None)
+    np.testing.assert_allclose(found.values, expected, rtol=1e-10)
+    np.testing.assert_allclose(found.cost, cost[0], rtol=1e-9)
+    np.testing.assert_allclose(found.residual, torque - columns @ expected, atol=1e-10)
+
+
+def test_weights_are_found_from_the_residual(columns):
+    found = fit(make_regression(columns, noisy(columns)))
+    np.testing.assert_allclose(found.sigma, [0.1, 1.0], rtol=0.1)
+    assert np.abs(found.values - TRUTH).max() < 0.05
+    # Weighted by their own noise the two joints give less error than by rows counted alike.
+    plain = fit(make_regression(columns, noisy(columns)), sigma=np.ones(2))
+    assert np.linalg.norm(found.std_error) < np.linalg.norm(plain.std_error)
+
+
+def test_the_compressed_cost_is_the_cost(columns):
+    torque, sigma = noisy(columns), np.array([0.2, 0.7])
+    found = fit(make_regression(columns, torque), sigma=sigma)
+    for theta in np.random.default_rng(2).normal(size=(5, 4)):
+        direct = (((torque - columns @ theta) / sigma) ** 2).sum()
+        compressed = ((found.factor @ theta - found.target) ** 2).sum() + found.cost
+        assert compressed == pytest.approx(direct, rel=1e-10)
+
+
+def test_noise_free_data_give_the_truth_and_no_doubt(columns):
+    found = fit(make_regression(columns, columns @ TRUTH))
+    np.testing.assert_allclose(found.values, TRUTH, rtol=1e-10)
+    assert found.std_error.max() < 1e-8
+
+
+def test_factors_of_joints_stack_to_the_factor_of_all(columns):
+    regression = make_regression(columns, noisy(columns))
+    sigma = np.array([0.5, 2.0])
+    triangle = weighted_factor(joint_factors(regression), sigma)
+    rows = np.concatenate([columns, regression.torque[:, :, None]], axis=2) / sigma[:, None]
+    rows = rows.reshape(-1, 5)
+    np.testing.assert_allclose(triangle.T @ triangle, rows.T @ rows, rtol=1e-10, atol=1e-8)
+    assert compress(columns[:2, 0], regression.torque[:2, 0]).shape == (2, 5)
+
+
+def test_dependent_columns_merge():
+    rng = np.random.default_rng(3)
+    columns = waves(rng, 300, 2, 4)
+    columns[:, :, 3] = 2.0 * columns[:, :, 0] - columns[:, :, 1]
+    found = fit(make_regression(columns, columns @ TRUTH))
+    assert found.base.expressions() == ("c0 + 2 c3", "c1 - c3", "c2")
+    np.testing.assert_allclose(found.values, [5.5, -2.7, 0.3], atol=1e-9)
+    np.testing.assert_allclose(found.theta, [5.5, -2.7, 0.3, 0.0], atol=1e-9)
+
+
+def brute_force(matrix, target, lower, upper):
+    """Best of all ways to fix each component free, at its lower or at its upper bound."""
+    best = (np.inf, None)
+    for state in itertools.product((0, 1, 2), repeat=len(lower)):
+        state = np.array(state)
+        theta = np.where(state == 1, lower, upper)
+        free = state == 0
+        if free.any():
+            rest = target - matrix[:, ~free] @ theta[~free]
+            theta[free] = np.linalg.lstsq(matrix[:, free], rest, rcond=None)[0]
+        if ((theta >= lower - 1e-12) & (theta <= upper + 1e-12)).all():
+            best = min(best, (((matrix @ theta - target) ** 2).sum(), tuple(theta)))
+    return np.array(best[1])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_bounds_hold_and_the_rest_is_optimal(seed):
+    rng = np.random.default_rng(seed)
+    matrix, target = np.triu(rng.normal(size=(4, 4))) + 2 * np.eye(4), rng.normal(size=4)
+    factor = np.column_stack([matrix, target])
+    free = np.linalg.solve(matrix, target)
+    lower, upper = np.sort(free + rng.normal(size=(2, 4)), axis=0)
+    theta, at_bound = solve(factor, lower, upper)
+    np.testing.assert_allclose(theta, brute_force(matrix, target, lower, upper), atol=1e-9)
+    np.testing.assert_array_equal(at_bound, (theta == lower) | (theta == upper))
+
+
+def test_a_parameter_at_its_bound_is_marked_and_has_no_variance(columns):
+    lower, upper = np.array([-np.inf, 0.0, -np.inf, -np.inf]), np.full(4, np.inf)
+    found = fit(make_regression(columns, noisy(columns)), lower, upper)
+    assert list(found.at_bound) == [False, True, False, False]
+    assert found.values[1] == 0.0
+    assert found.std_error[1] == 0.0
+
+
+def test_bounds_are_dropped_where_others_merge():
+    columns = waves(np.random.default_rng(4), 300, 1, 2)
+    columns[:, :, 1] = -columns[:, :, 0]
+    found = fit(make_regression(columns, -3.0 * columns[:, :, 0]), np.zeros(2), np.full(2, np.inf))
+    assert found.values == pytest.approx([-3.0])
+
+
+def autoregressive(rng, shape, rho):
+    noise = rng.normal(size=shape) * np.sqrt(1 - rho**2)
+    noise[0] /= np.sqrt(1 - rho**2)
+    for k in range(1, shape[0]):
+        noise[k] += rho * noise[k - 1]
+    return noise
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
+def test_correlation_length_of_a_first_order_process(rho):
+    noise = autoregressive(np.random.default_rng(5), (20000, 3), rho)
+    found = correlation_length(noise, np.zeros(20000, int))
+    assert found == pytest.approx((1 + rho) / (1 - rho), rel=0.15, abs=0.05)
+
+
+def test_correlation_does_not_cross_logs():
+    noise = np.repeat(np.random.default_rng(6).normal(size=(500, 1)), 2, axis=0)
+    pairs = np.repeat(np.arange(500), 2)
+    # The sum of one perfect lag within pairs, none across; counted over all rows.
+    assert correlation_length(noise, pairs) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.8])
+def test_intervals_cover_the_truth(rho):
+    rng = np.random.default_rng(7)
+    columns, draws = waves(rng, 800, 2, 4), 220
+    base = fit(make_regression(columns, columns @ TRUTH)).base
+    hits = np.zeros((draws, 4), bool)
+    for k in range(draws):
+        noise = np.array([0.3, 1.0]) * autoregressive(rng, (800, 2), rho)
+        found = fit(make_regression(columns, columns @ TRUTH + noise), base=base)
+        hits[k] = np.abs(found.values - TRUTH) <= 1.96 * found.std_error
+    assert 0.90 <= hits.mean() <= 0.98
+    # White-noise formulas would cover only about half of it where the noise is correlated.
+    if rho:
+        assert found.effective_samples < 0.3 * hits[0].size * 400
+
+
+def test_several_logs_are_one_problem(columns):
+    torque = noisy(columns)
+    whole = fit(make_regression(columns, torque))
+    log = (np.arange(400) >= 200).astype(int)
+    split = fit(make_regression(columns, torque, log))
+    np.testing.assert_allclose(whole.values, split.values, rtol=1e-12)
+
+
+def test_condition_number_sees_near_dependence(columns):
+    close = columns.copy()
+    close[:, :, 1] = columns[:, :, 0] + 1e-4 * columns[:, :, 1]
+    good = fit(make_regression(columns, noisy(columns))).condition
+    bad = fit(make_regression(close, noisy(columns))).condition
+    assert good < 10 < 1e3 < bad

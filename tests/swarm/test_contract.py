@@ -1,0 +1,156 @@
+"""Every optimizer keeps the contract, alone and inside every wrapper; and the contract can fail."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxswarm import testing
+from jaxswarm.swarm import (
+    OPTIMIZERS,
+    aelspso,
+    cma_es,
+    elitist_learning,
+    freeze,
+    ga,
+    islands,
+    pso,
+    random_search,
+    restart,
+    sepso,
+    shade,
+    spso,
+)
+
+WRAPPERS = {
+    "elitist_learning": elitist_learning,
+    "elitist_in_place": lambda inner: elitist_learning(inner, extra=False),
+    "restart": lambda inner: restart(inner, patience=2, keep=True),
+    "islands": lambda inner: islands(inner, 2, migrate_every=2),
+    "freeze": lambda inner: freeze(inner, [False, True, False], [0.0, 0.25, 0.0]),
+}
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_optimizer(name):
+    testing.check_optimizer(OPTIMIZERS[name].factory(8))
+
+
+@pytest.mark.parametrize("name", ["gpso", "aelspso", "spso2011", "ga", "lshade", "cma_es"])
+def test_optimizer_in_float32(name):
+    testing.check_optimizer(OPTIMIZERS[name].factory(8), dtype=jnp.float32, thorough=False)
+
+
+@pytest.mark.parametrize("variant", ["R2", "R3"])
+def test_variants_of_sepso(variant):
+    testing.check_optimizer(sepso(8, variant=variant), thorough=False)
+
+
+def test_threefry():
+    testing.check_optimizer(spso(5, random="threefry"), thorough=False)
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+@pytest.mark.parametrize("wrapper", WRAPPERS)
+def test_wrapped(name, wrapper):
+    optimizer = WRAPPERS[wrapper](OPTIMIZERS[name].factory(8))
+    testing.check_optimizer(optimizer, thorough=name == "spso", num_steps=3)
+
+
+@pytest.mark.parametrize("outer", WRAPPERS)
+@pytest.mark.parametrize("inner", WRAPPERS)
+def test_wrappers_nest_in_any_order(outer, inner):
+    if outer == inner == "freeze":  # the inner one would have to count the dimensions left
+        optimizer = freeze(
+            freeze(spso(4), [True, False], [0.5, 0.0]), [True, False, False], [1.0, 0.0, 0.0]
+        )
+    elif inner == "freeze" or outer != "freeze":
+        optimizer = WRAPPERS[outer](WRAPPERS[inner](spso(4)))
+    else:
+        optimizer = freeze(WRAPPERS[inner](spso(4)), [False, True, False], [0.0, 0.25, 0.0])
+    testing.check_optimizer(optimizer, thorough=False, num_steps=3)
+
+
+class Broken(NamedTuple):
+    """Random search with one fault, to see that the contract finds it."""
+
+    fault: int
+
+    def init(self, key, num_dims, dtype=None):
+        return random_search(4).init(key, num_dims, dtype)
+
+    def update(self, key, state, value):
+        new, info = random_search(4).update(key, state, value)
+        faults = [
+            lambda: new._replace(position=new.position * 2.0),
+            lambda: new._replace(count=state.count),
+            lambda: new._replace(best_value=value[0]),
+            lambda: new._replace(position=state.position),
+            lambda: new._replace(best_position=new.best_position + 0.1),
+            lambda: new._replace(count=new.count.astype(float)),
+        ]
+        return faults[self.fault](), info
+
+
+@pytest.mark.parametrize(
+    "fault, message",
+    enumerate(
+        [
+            "outside",
+            "count does not count",
+            "rose|not the lowest",
+            "another key gives the same",
+            "best_position does not have",
+            "changes state.count",
+        ]
+    ),
+)
+def test_the_contract_finds_faults(fault, message):
+    optimizer = Broken(fault)
+    with pytest.raises(AssertionError, match=message):
+        testing.check_optimizer(_Static(optimizer), thorough=False)
+
+
+@jax.tree_util.register_static
+class _Static:
+    def __init__(self, inner):
+        self.inner = inner
+
+    def init(self, *args, **kwargs):
+        return self.inner.init(*args, **kwargs)
+
+    def update(self, *args):
+        return self.inner.update(*args)
+
+    def __hash__(self):
+        return hash(self.inner)
+
+    def __eq__(self, other):
+        return self.inner == other.inner
+
+
+def test_closures_are_optimizers():
+    """A NamedTuple of functions has the same interface and runs in minimize."""
+    from jaxswarm.swarm import Space, minimize
+
+    inner = random_search(8)
+
+    class Pair(NamedTuple):
+        init: object
+        update: object
+
+    pair = Pair(*(jax.tree_util.Partial(f) for f in (inner.init, inner.update)))
+    space = Space.vector([0.0], [1.0])
+    result = minimize(lambda x, _: x[0], pair, space, jax.random.key(0), num_steps=5)
+    direct = minimize(lambda x, _: x[0], inner, space, jax.random.key(0), num_steps=5)
+    np.testing.assert_array_equal(result.value, direct.value)
+
+
+def test_registry_is_complete():
+    for name, entry in OPTIMIZERS.items():
+        assert entry.factory.__name__ == name
+        assert entry.description and entry.reference
+    assert [n for n, e in OPTIMIZERS.items() if e.reconstruction] == ["gpso", "sepso"]
+    assert {aelspso, cma_es, ga, pso, shade} <= {e.factory for e in OPTIMIZERS.values()}
