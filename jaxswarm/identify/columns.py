@@ -28,7 +28,7 @@ class _Kinematics:
     """A robot's kinematics as a hashable constant: known numbers make a far smaller program."""
 
     def __init__(self, robot: Robot):
-        fields = ("rotation", "translation", "axis", "gravity")
+        fields = ("rotation", "translation", "axis")
         known = {name: np.asarray(getattr(robot, name), dtype=float) for name in fields}
         self.robot = robot.replace(
             **known,
@@ -46,8 +46,10 @@ class _Kinematics:
 
 
 @partial(jax.jit, static_argnames="kinematics")
-def _rigid(kinematics: _Kinematics, q: jax.Array, dq: jax.Array, ddq: jax.Array) -> jax.Array:
-    return jax.vmap(partial(regressor, kinematics.robot))(q, dq, ddq)
+def _rigid(
+    kinematics: _Kinematics, gravity: jax.Array, q: jax.Array, dq: jax.Array, ddq: jax.Array
+) -> jax.Array:
+    return jax.vmap(partial(regressor, kinematics.robot.replace(gravity=gravity)))(q, dq, ddq)
 
 
 @partial(jax.jit, static_argnames="law")
@@ -59,9 +61,9 @@ def rigid_columns(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) 
     """Columns of the standard parameters, shape (T, n, 10 n), for (T, n) motion."""
     size, chunk = len(q), _CHUNK
     padded = [np.concatenate([x, np.repeat(x[-1:], -size % chunk, axis=0)]) for x in (q, dq, ddq)]
-    kinematics = _Kinematics(robot)
+    kinematics, gravity = _Kinematics(robot), jnp.asarray(robot.gravity, float)
     parts = [
-        np.asarray(_rigid(kinematics, *(x[k : k + chunk] for x in padded)))
+        np.asarray(_rigid(kinematics, gravity, *(x[k : k + chunk] for x in padded)))
         for k in range(0, len(padded[0]), chunk)
     ]
     return np.concatenate(parts)[:size]

@@ -167,6 +167,33 @@ def symmetric(ixx: Entry, ixy: Entry, iyy: Entry, ixz: Entry, iyz: Entry, izz: E
     return ((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz))
 
 
+def settle(entries: Any) -> Any:
+    """Return the same entries, computed once and stored.
+
+    XLA on a CPU fuses elementwise programs without limit and computes a value again for every
+    consumer; along a chain of n joints that doubles with every joint (six joints: 540 times slower).
+    A product with an identity matrix is something it does not look through, so the recursion
+    settles what it hands from one link to the next.
+
+    Args:
+        entries: Any nesting of entries; known numbers stay known.
+    """
+    leaves, structure = jax.tree.flatten(entries)
+    free = [i for i, x in enumerate(leaves) if not isinstance(x, float)]
+    if len(free) < 2:
+        return entries
+    arrays = jnp.broadcast_arrays(*(leaves[i] for i in free))
+    if len(arrays) % 2:
+        arrays.append(arrays[-1])
+    halves = jnp.stack(arrays).reshape((2, len(arrays) // 2, *arrays[0].shape))
+    identity = jnp.eye(2, dtype=halves.dtype)
+    stored = jnp.tensordot(identity, halves, 1, precision=jax.lax.Precision.HIGHEST)
+    stored = stored.reshape((len(arrays), *arrays[0].shape))
+    for k, i in enumerate(free):
+        leaves[i] = stored[k]
+    return jax.tree.unflatten(structure, leaves)
+
+
 def stack(items: Iterable[Entry], like: jax.Array) -> jax.Array:
     """Stack entries along a new first axis, known numbers broadcast to the shape of ``like``."""
     return jnp.stack([jnp.broadcast_to(jnp.asarray(x, like.dtype), like.shape) for x in items])

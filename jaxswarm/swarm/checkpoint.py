@@ -129,7 +129,7 @@ def minimize_resumable(
     header = dict(
         optimizer=repr(optimizer),
         space=[
-            space.names,
+            list(space.names),
             np.asarray(space.lower).tolist(),
             np.asarray(space.upper).tolist(),
         ],

@@ -66,6 +66,7 @@ class Loop:
 
 def repeat_all(loop, step, start):
     """A fixed number of steps."""
+
     def body(carry, _):
         carry, info = step(carry)
         loop.report(carry[0])

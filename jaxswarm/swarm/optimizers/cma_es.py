@@ -28,7 +28,7 @@ from jaxswarm.swarm.schedules import coefficient
 
 __all__ = ["CMAES", "CMAESState", "cma_es"]
 
-SMALLEST, LARGEST = 1e-150, 1e4  # of sigma; far outside what a search in the unit cube can use
+LARGEST = 1e4  # of sigma; far outside what a search in the unit cube can use
 
 
 class CMAESState(NamedTuple):
@@ -74,7 +74,7 @@ class Rates(NamedTuple):
         mu = n // 2
         weights = np.log((n + 1) / 2) - np.log(np.arange(1, mu + 1))
         weights /= weights.sum()
-        mass = 1.0 / np.sum(weights**2)
+        mass = 1.0 / float(np.sum(weights**2))  # a numpy scalar would promote float32
         c_sigma = (mass + 2.0) / (d + mass + 5.0)
         d_sigma = 1.0 + 2.0 * max(0.0, math.sqrt((mass - 1.0) / (d + 1.0)) - 1.0) + c_sigma
         c_c = (4.0 + mass / d) / (d + 4.0 + 2.0 * mass / d)
@@ -139,8 +139,9 @@ class CMAES:
         keep = math.sqrt(rates.c_sigma * (2.0 - rates.c_sigma) * rates.mass)
         path_sigma = (1.0 - rates.c_sigma) * state.path_sigma + keep * whitened
         norm = jnp.linalg.norm(path_sigma)
-        settled = jnp.sqrt(1.0 - (1.0 - rates.c_sigma) ** (2.0 * (state.count + 1.0)))
-        steady = norm / settled.astype(dtype) < (1.4 + 2.0 / (d + 1.0)) * rates.length
+        updates = state.count.astype(dtype) + 1.0
+        settled = jnp.sqrt(1.0 - (1.0 - rates.c_sigma) ** (2.0 * updates))
+        steady = norm / settled < (1.4 + 2.0 / (d + 1.0)) * rates.length
         keep = math.sqrt(rates.c_c * (2.0 - rates.c_c) * rates.mass)
         path = (1.0 - rates.c_c) * state.path_covariance + jnp.where(steady, keep, 0.0) * move
 
@@ -151,7 +152,8 @@ class CMAES:
             + rates.c_mu * (weights * y.T) @ y
         )
         grow = (rates.c_sigma / rates.d_sigma) * (norm / rates.length - 1.0)
-        sigma = jnp.clip(sigma * jnp.exp(jnp.minimum(grow, 1.0)), SMALLEST, LARGEST)
+        smallest = math.sqrt(jnp.finfo(dtype).tiny)
+        sigma = jnp.clip(sigma * jnp.exp(jnp.minimum(grow, 1.0)), smallest, LARGEST)
         basis, spread = jax.lax.cond(
             state.count % rates.gap == 0,
             _eigen,

@@ -1,0 +1,118 @@
+r"""What the current model can absorb, on every fold: the stage on which suspects are tried.
+
+A suspect may be credited only with what the model cannot do without it. With the weighted columns of the
+training rows factored as :math:`W_A = Q R` and :math:`P = W R^{-1}` on all rows, a suspect's column c
+keeps
+
+.. math:: c_\perp = c - P\,(Q^T c_A),
+
+its part that the refitted model cannot imitate, on the rows it was fitted to and on those it was not.
+Blocks of time alternate between two folds; each is scored by the fit to the other.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg
+
+from jaxswarm.identify.estimate import Estimate
+from jaxswarm.identify.least_squares import correlation_length
+from jaxswarm.identify.validate import time_blocks
+
+# Blocks per log: at least this many, no shorter than so many correlation lengths of the residual.
+_BLOCKS, _LENGTHS = 20, 4.0
+
+
+@dataclass(frozen=True)
+class Fold:
+    """The model fitted to a part of the rows.
+
+    Attributes:
+        train: Rows it was fitted to, shape (T,).
+        project: P, shape (T, n, b).
+        basis: Q on the training rows and zeros elsewhere, shape (T, n, b).
+        residual: Weighted residual of all rows, shape (T, n).
+    """
+
+    train: np.ndarray
+    project: np.ndarray
+    basis: np.ndarray
+    residual: np.ndarray
+
+    def free_part(self, columns: np.ndarray) -> np.ndarray:
+        """c_perp of weighted columns (T, n, k)."""
+        return columns - self.project @ np.einsum("tjb,tjk->bk", self.basis, columns)
+
+
+@dataclass(frozen=True)
+class Background:
+    """All folds of a model.
+
+    Attributes:
+        sigma: Weights, shape (n,).
+        block: Block of every row, shape (T,).
+        whole: The fit to all rows.
+        halves: The two fits to alternating blocks.
+        effective: Independent residuals in the data.
+    """
+
+    sigma: np.ndarray
+    block: np.ndarray
+    whole: Fold
+    halves: tuple[Fold, Fold]
+    effective: float
+
+    @property
+    def folds(self) -> tuple[Fold, ...]:
+        """Whole, then the two halves."""
+        return (self.whole, *self.halves)
+
+    def weigh(self, columns: np.ndarray) -> np.ndarray:
+        """Divide columns (T, n, k) by the joints' standard deviations."""
+        return columns / self.sigma[:, None]
+
+
+def make_background(found: Estimate, frozen: bool = False) -> Background:
+    """Factor the current model on all rows and on both halves.
+
+    Args:
+        found: The current model.
+        frozen: Whether the model is not refitted (diagnosis against an earlier model): then it
+            absorbs nothing.
+    """
+    regression, solution = found.regression, found.fit
+    sigma = solution.sigma
+    columns = regression.columns[:, :, solution.base.kept] / sigma[:, None]
+    if frozen:
+        columns = columns[:, :, :0]
+    error = solution.residual / sigma
+    torque = error if frozen else regression.torque / sigma
+    length = correlation_length(error, regression.log)
+    per_log = min(
+        np.bincount(regression.log).min() // 8,
+        max(8, min(_BLOCKS, int(np.bincount(regression.log).min() / (_LENGTHS * length)))),
+    )
+    block = time_blocks(regression.log, max(2, int(per_log)))
+    everything = np.ones(len(torque), dtype=bool)
+    odd = block % 2 == 1
+    whole, first, second = (_fold(columns, torque, rows) for rows in (everything, odd, ~odd))
+    return Background(sigma, block, whole, (first, second), error.size / length)
+
+
+def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray) -> Fold:
+    joints, size = columns.shape[1:]
+    if size == 0:
+        return Fold(train, columns, columns, torque)
+    rows = columns[train].reshape(-1, size)
+    scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+    q, r, order = linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)
+    rank = int((np.abs(np.diag(r)) > 1e-7 * abs(r[0, 0])).sum())
+    pick = order[:rank]
+    project = linalg.solve_triangular(
+        r[:rank, :rank],
+        (columns[:, :, pick] / scale[pick]).reshape(-1, rank).T,
+        trans="T",
+        check_finite=False,
+    ).T.reshape(len(columns), joints, rank)
+    basis = np.where(train[:, None, None], project, 0.0)
+    return Fold(train, project, basis, torque - project @ np.einsum("tjb,tj->b", basis, torque))

@@ -1,0 +1,189 @@
+"""The loop: ask every suspect, add the guilty one, refit, ask again; drop what became superfluous."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import jax
+import numpy as np
+
+from jaxswarm.diagnose.background import Background, make_background
+from jaxswarm.diagnose.candidates import Columns
+from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
+from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
+from jaxswarm.identify.estimate import Estimate, best_width, estimate
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+_MOST_STEPS = 8
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round of the loop that added something.
+
+    Attributes:
+        added: The term, with the values of the fit after it.
+        score: What it was worth.
+        rivals: Terms the data did not tell from it.
+        others: Scores of the runners-up on the same joint.
+        before, after: The estimates around it.
+        removed: Terms that became superfluous.
+    """
+
+    added: Term
+    score: Score
+    rivals: tuple[Score, ...]
+    others: tuple[Score, ...]
+    before: Estimate
+    after: Estimate
+    removed: tuple[Term, ...]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The outcome of the loop.
+
+    Attributes:
+        declared: The estimate of the declared model.
+        final: The estimate after the last step.
+        steps: What was added, in order.
+        last: Scores of all suspects in the final round, in which nobody passed.
+        background: The folds of the final model.
+        asked: Suspects asked in the first round.
+    """
+
+    declared: Estimate
+    final: Estimate
+    steps: tuple[Step, ...]
+    last: tuple[Score, ...]
+    background: Background
+    asked: int
+
+
+def diagnose(
+    robot: Robot,
+    declared: tuple[Term, ...],
+    motions: Sequence[Motion],
+    *,
+    rules: Rules | None = None,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Diagnosis:
+    """Find what a declared model lacks.
+
+    Args:
+        robot: Kinematics.
+        declared: Terms the user knows of.
+        motions: Prepared logs with torque.
+        rules: Thresholds of the decision.
+        seed: Seed of the searches.
+        progress: Called with one line per stage.
+
+    Returns:
+        The :class:`Diagnosis`.
+    """
+    rules = rules or Rules()
+    progress("fitting the declared model")
+    current = estimate(robot, declared, motions, bounded=False)
+    first, steps, banned, asked = current, [], set(), 0
+    for round_number in range(_MOST_STEPS + 1):
+        progress(f"round {round_number + 1}: asking the suspects")
+        background = make_background(current)
+        scores = ask(current, background, seed, banned)
+        asked = asked or len(scores)
+        guilty = [s for s in scores if passes(s, len(scores), rules)]
+        if not guilty or round_number == _MOST_STEPS:
+            break
+        chosen, rivals = choose(guilty, rules)
+        progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
+        after, removed = add(current, chosen, rules, seed)
+        if after is None:
+            banned.add(_key(chosen.candidate.term))
+            continue
+        added = next(t for t in after.model.terms if _key(t) == _key(chosen.candidate.term))
+        others = [
+            s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
+        ]
+        steps.append(Step(added, chosen, tuple(rivals), tuple(others[:8]), current, after, removed))
+        current = after
+    return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked)
+
+
+def ask(found: Estimate, background: Background, seed: int, banned=frozenset()) -> list[Score]:
+    """Score every suspect against an estimate."""
+    suspects = tuple(t for t in list_suspects(found.model, found.motions) if _key(t) not in banned)
+    columns = Columns(found, background, jax.random.key(seed))
+    return [score(c, background) for c in columns.gather(suspects)]
+
+
+def add(
+    current: Estimate, chosen: Score, rules: Rules, seed: int
+) -> tuple[Estimate | None, tuple[Term, ...]]:
+    """Refit with the chosen term, without what it contains; None if the refit does not confirm it."""
+    term = _with_start(chosen)
+    inner = CONTAINS.get(term.effect, ())
+    kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
+    removed = [t for t in current.model.terms if t not in kept]
+    after = refit(current, (*kept, term))
+    gain = 1.0 - _cost(after, current) / _cost(current, current)
+    if gain <= 0:
+        return None, ()
+    return after, tuple(removed)
+
+
+def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
+    """Estimate with other terms from where the current one stands, its sign width found anew."""
+    robot = current.model.robot
+    pi = np.asarray(robot.parameters).ravel()
+    nominal = robot
+    after = estimate(
+        nominal,
+        terms,
+        current.motions,
+        width=current.model.width,
+        bounded=False,
+        rigids=current.rigids,
+        start=pi,
+    )
+    width = best_width(
+        nominal,
+        after.model.terms,
+        current.motions,
+        current.rigids,
+        np.asarray(after.model.robot.parameters).ravel(),
+    )
+    if abs(np.log(width / current.model.width)) < 0.05:
+        return after
+    again = estimate(
+        nominal,
+        after.model.terms,
+        current.motions,
+        width=width,
+        bounded=False,
+        rigids=current.rigids,
+        start=np.asarray(after.model.robot.parameters).ravel(),
+    )
+    return again if _cost(again, after) < _cost(after, after) else after
+
+
+def _with_start(chosen: Score) -> Term:
+    """The term with a first-order start of what its linearization found."""
+    term, a = chosen.candidate.term, chosen.coefficients
+    values = dict(term.values)
+    if term.law.warp == "gain":
+        values["gain"] = float(np.clip(1.0 + a[0], 0.55, 1.9))
+    elif term.law.warp == "delay":
+        values["seconds"] = float(np.clip(a[0], -0.045, 0.045))
+    elif term.law.warp == "gravity":
+        values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a)
+    return replace(term, values=values)
+
+
+def _cost(one: Estimate, weights: Estimate) -> float:
+    return float(((one.fit.residual / weights.fit.sigma) ** 2).sum())
+
+
+def _key(term: Term) -> tuple:
+    start = round(term.values.get("start", 0.0), 1) if term.effect == "contact" else None
+    return (term.effect, term.joint, term.other, start)
