@@ -67,6 +67,7 @@ def run(problems, options) -> list[dict[str, Any]]:
                 about = dict(solver=label, family=family, problem=problem, dims=dims)
                 about |= dict(evaluations=options.budget * dims, machine=machine())
                 rows.append(about | {"values": [float(v) for v in values]})
+        write_lines(options.out, rows)  # an interrupted benchmark keeps what it has
         print(f"{label}: {time.perf_counter() - begin:.1f} s", file=sys.stderr)
     return rows
 

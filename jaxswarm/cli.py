@@ -94,6 +94,34 @@ def identify(
 
 
 @app.command()
+def diagnose(
+    logs: Logs,
+    robot: RobotName,
+    out: Out,
+    declare: Annotated[
+        str, typer.Option(help="What is known to be there: none, or name[@joint[:partner]],...")
+    ] = "none",
+    validation: Annotated[
+        list[Path] | None, typer.Option(help="Log to score on; may be repeated.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the searches.")] = 0,
+    motion_cutoff: MotionCutoff = None,
+    torque_cutoff: TorqueCutoff = None,
+    json: Json = False,
+) -> None:
+    """Find the effect a declared model lacks, add it, and show the error before and after."""
+    _start()
+    from jaxswarm.diagnose import print_diagnosis
+    from jaxswarm.diagnose.run import diagnose_files
+    from jaxswarm.identify.run import Options
+
+    options = Options(seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff)
+    with _status() as status:
+        result = diagnose_files(logs, robot, declare, out, validation, options, status.update)
+    _show(result, json, lambda: print_diagnosis(result, out))
+
+
+@app.command()
 def predict(
     model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
     log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],

@@ -1,5 +1,7 @@
 """Pictures of torques, residuals and searches. Functions of plain arrays that return figures."""
 
+import io
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -14,6 +16,12 @@ def _grid(rows: int, columns: int, width: float, height: float, **options) -> tu
         axis.spines[["top", "right"]].set_visible(False)
         axis.grid(alpha=0.25, linewidth=0.5)
     return figure, axes
+
+
+def panels(rows: int, columns: int, width: float, height: float, **options):
+    """A figure with its axes in one flat list, in the style of all pictures here."""
+    figure, axes = _grid(rows, columns, width, height, **options)
+    return figure, list(axes.flat)
 
 
 def torque_overlay(t, measured, predicted, joints, units, title="") -> Figure:
@@ -112,3 +120,10 @@ def convergence(histories: dict[str, np.ndarray], optimum: float, title="") -> F
 def png(figure: Figure):
     """A writer of the figure for :func:`jaxswarm.outputs.write_files`."""
     return lambda path: figure.savefig(path, format="png")
+
+
+def png_bytes(figure: Figure) -> bytes:
+    """The figure as a PNG file's content."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    return buffer.getvalue()

@@ -210,11 +210,11 @@ class Columns:
             d = jnp.array([o.get("d", float(damped)) for o in options])
             gap = jnp.array([o.get("gap", 0.0) for o in options])
             e, v, a = (np.asarray(x) for x in jax.vmap(lag)(k, d, gap))
-            change = -(
-                e[:, :, None] * slopes[0] + v[:, :, None] * slopes[1] + a[:, :, None] * slopes[2]
-            )
-            low = [motion.decimator.apply(c) for c in np.nan_to_num(change, posinf=0, neginf=0)]
-            curves.append(np.stack(low))
+            # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
+            alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < 1.0)
+            e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
+            change = -(e * slopes[0] + v * slopes[1] + a * slopes[2])
+            curves.append(np.stack([motion.decimator.apply(c) for c in change]))
         curves = np.concatenate(curves, axis=1) / self.background.sigma
         picks = []
         for fold in self.background.folds:

@@ -3,13 +3,16 @@ r"""The decision: what a suspect is worth on time it was not fitted to, and whet
 Every block of time is predicted by the fit to the blocks of the other half, nonlinear parameters
 included. The gain of a block is how much the weighted squared error falls. A suspect passes if
 
-* the mean gain over blocks is significant (one-sided t over blocks, which are longer than the residual's
-  memory, so that autocorrelation cannot feign evidence), after Holm-Bonferroni for all suspects asked;
+* what it predicts for unseen blocks is in the residual there: the slope of the residual on the prediction
+  is positive beyond chance. Its standard error is the jackknife over blocks, which are longer than the
+  residual's memory, so neither autocorrelation nor one lucky block can feign evidence; the level is
+  divided by the number of suspects asked;
 * it takes off at least a given share of its joints' squared error, beyond what it spends;
 * it helps in most blocks that carry a tenth of the mean gain or more; and its coefficients have the sign
   physics wants, in both halves.
 
-References: S. Holm, Scand. J. Stat. 6 (1979); Q. H. Vuong, Econometrica 57 (1989) for the comparison of
+References: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, J. Appl. Econometrics 38 (2023) for the cluster
+jackknife; Q. H. Vuong, Econometrica 57 (1989) for the comparison of
 rivals; D. Rivers, Q. H. Vuong, Econometrics J. 5 (2002) for doing it under autocorrelation.
 """
 
@@ -33,8 +36,8 @@ class Rules:
         tie: Rivals whose gains differ by fewer standard errors than this are not told apart.
     """
 
-    significance: float = 0.01
-    share: float = 0.05
+    significance: float = 1e-3
+    share: float = 0.15
     repeat: float = 0.6
     tie: float = 2.0
 
@@ -50,7 +53,7 @@ class Score:
         blocks: Per block, shape (B,).
         share: Largest share of a joint's squared error taken off.
         joint: The joint where that is.
-        p_value: One-sided, for the mean over blocks.
+        p_value: One-sided, that the prediction is not in the residual of unseen blocks.
         repeats: Share of blocks in which it helps.
         coefficients: Linear coefficients of the whole fit, (k,).
         allowed: Whether signs agree with physics.
@@ -76,21 +79,28 @@ def coefficients(free: np.ndarray, fold: Fold) -> np.ndarray:
     return np.linalg.lstsq(rows / scale, fold.residual[fold.train].ravel(), rcond=1e-6)[0] / scale
 
 
-def score(candidate: Candidate, background: Background) -> Score:
-    """Fit a candidate on each half and score it on the other."""
+def score(candidate: Candidate, background: Background, interval: float = 0.0) -> Score:
+    """Fit a candidate on each half and score it on the other.
+
+    ``interval`` is the log's sampling interval [s]: a delay below half of it is no delay, since a
+    torque sampled and held is late by that much already.
+    """
     count = int(background.block.max()) + 1
     joints = len(background.sigma)
     gains = np.zeros((count, joints))
     before = np.zeros(joints)
+    inner, square = np.zeros(count), np.zeros(count)
     signs = []
     for fold, columns in zip(background.halves, candidate.columns[1:], strict=True):
         free = fold.free_part(columns)
         a = coefficients(free, fold)
         signs.append(a)
         out = ~fold.train
-        error = fold.residual[out] - free[out] @ a
-        fall = fold.residual[out] ** 2 - error**2
+        predicted = free[out] @ a
+        fall = fold.residual[out] ** 2 - (fold.residual[out] - predicted) ** 2
         np.add.at(gains, background.block[out], fall)
+        np.add.at(inner, background.block[out], (predicted * fold.residual[out]).sum(axis=1))
+        np.add.at(square, background.block[out], (predicted**2).sum(axis=1))
         before += (fold.residual[out] ** 2).sum(axis=0)
     whole = coefficients(background.whole.free_part(candidate.columns[0]), background.whole)
     per_joint = gains.sum(axis=0)
@@ -100,9 +110,9 @@ def score(candidate: Candidate, background: Background) -> Score:
         joint = int(np.argmax(per_joint / before))
     # A joint effect is a matter of its own joint; others may gain through shared parameters.
     share = float(max(per_joint[joint] / before[joint], (per_joint / before).max()))
-    spread = blocks.std(ddof=1) / np.sqrt(count)
-    t = blocks.mean() / max(spread, 1e-300)
     allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
+    if candidate.term.effect == "time_delay":
+        allowed = abs(whole[0]) > 0.5 * interval
     weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
     return Score(
         candidate=candidate,
@@ -111,11 +121,32 @@ def score(candidate: Candidate, background: Background) -> Score:
         blocks=blocks,
         share=share,
         joint=joint,
-        p_value=float(stats.t.sf(t, count - 1)),
+        p_value=slope_p_value(inner, square),
         repeats=float((blocks[weighty] > 0).mean()) if weighty.any() else 0.0,
         coefficients=whole,
         allowed=bool(allowed),
     )
+
+
+def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
+    """One-sided p-value of a positive slope from sums over blocks, by the jackknife.
+
+    Args:
+        inner: Sum of prediction times residual of every block, (B,).
+        square: Sum of squared predictions of every block, (B,).
+
+    >>> slope_p_value(np.array([1.0, 1.1, 0.9, 1.0]), np.ones(4)) < 1e-3
+    True
+    >>> slope_p_value(np.array([4.0, 0.0, 0.0, 0.0]), np.array([4.0, 0.1, 0.1, 0.1])) > 0.1
+    True
+    """
+    count, total = len(inner), square.sum()
+    rest = total - square
+    if total <= 0 or (rest <= 1e-9 * total).any():
+        return 1.0
+    slopes = (inner.sum() - inner) / rest
+    spread = np.sqrt((count - 1) / count * ((slopes - slopes.mean()) ** 2).sum())
+    return float(stats.t.sf(inner.sum() / total / max(spread, 1e-300), count - 1))
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:
@@ -142,7 +173,19 @@ def difference(one: Score, other: Score) -> float:
     return float(change.mean() / max(spread, 1e-12 * abs(one.blocks).max() + 1e-300))
 
 
-def choose(guilty: list[Score], rules: Rules) -> tuple[Score, list[Score]]:
+def is_special_case(inner: Candidate, outer: Candidate, background: Background) -> bool:
+    """Whether ``outer`` can do all that ``inner`` does: then it is its generalization, no rival."""
+    if outer.size <= inner.size:
+        return False
+    fold = background.whole
+    a = fold.free_part(inner.columns[0]).reshape(-1, inner.columns[0].shape[2])
+    b = fold.free_part(outer.columns[0]).reshape(-1, outer.columns[0].shape[2])
+    b = b / np.maximum(np.linalg.norm(b, axis=0), 1e-300)
+    left = a - b @ np.linalg.lstsq(b, a, rcond=1e-6)[0]
+    return bool(np.linalg.norm(left) < 0.1 * np.linalg.norm(a))
+
+
+def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[Score, list[Score]]:
     """The best of the guilty, and its rivals: those the data do not tell from it.
 
     Among rivals within ``rules.tie`` standard errors the one with the fewest parameters is chosen.
@@ -155,4 +198,9 @@ def choose(guilty: list[Score], rules: Rules) -> tuple[Score, list[Score]]:
         if s is best or difference(best, s) < rules.tie or s.gain > 0.995 * best.gain
     ]
     chosen = min(close, key=lambda s: (s.candidate.size, -s.gain))
-    return chosen, [s for s in close if s is not chosen]
+    rivals = [
+        s
+        for s in close
+        if s is not chosen and not is_special_case(chosen.candidate, s.candidate, background)
+    ]
+    return chosen, rivals

@@ -93,11 +93,14 @@ def diagnose(
         scores = ask(current, background, seed, banned)
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
+        # A touch is believed only if nothing that lasts explains more.
+        most = max((s.gain for s in scores), default=0.0)
+        guilty = [s for s in guilty if s.candidate.term.effect != "contact" or s.gain >= most]
         if not guilty or round_number == _MOST_STEPS:
             break
-        chosen, rivals = choose(guilty, rules)
+        chosen, rivals = choose(guilty, rules, background)
         progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
-        after, removed = add(current, chosen, rules, seed)
+        after, removed = add(current, chosen)
         if after is None:
             banned.add(_key(chosen.candidate.term))
             continue
@@ -114,22 +117,26 @@ def ask(found: Estimate, background: Background, seed: int, banned=frozenset()) 
     """Score every suspect against an estimate."""
     suspects = tuple(t for t in list_suspects(found.model, found.motions) if _key(t) not in banned)
     columns = Columns(found, background, jax.random.key(seed))
-    return [score(c, background) for c in columns.gather(suspects)]
+    interval = max(m.interval for m in found.motions)
+    return [score(c, background, interval) for c in columns.gather(suspects)]
 
 
-def add(
-    current: Estimate, chosen: Score, rules: Rules, seed: int
-) -> tuple[Estimate | None, tuple[Term, ...]]:
+def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:
     """Refit with the chosen term, without what it contains; None if the refit does not confirm it."""
+    after = refit_with(current, chosen)
+    if after is None:
+        return None, ()
+    kept = {_key(t) for t in after.model.terms}
+    return after, tuple(t for t in current.model.terms if _key(t) not in kept)
+
+
+def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
+    """The estimate with one more term, without those it contains; None if the cost does not fall."""
     term = _with_start(chosen)
     inner = CONTAINS.get(term.effect, ())
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
-    removed = [t for t in current.model.terms if t not in kept]
     after = refit(current, (*kept, term))
-    gain = 1.0 - _cost(after, current) / _cost(current, current)
-    if gain <= 0:
-        return None, ()
-    return after, tuple(removed)
+    return after if _cost(after, current) < _cost(current, current) else None
 
 
 def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:

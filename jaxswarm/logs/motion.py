@@ -55,6 +55,9 @@ class Motion:
         channels: Further channels on the same clock.
         decimator: The low-pass and decimation shared by torque and columns.
         motion_cutoff, torque_cutoff: The frequencies used [Hz].
+        interval: Median sampling interval of the log [s].
+        torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
+            (n,): the noise density of the upper half of the band, taken as flat; None without torque.
     """
 
     source: str
@@ -68,6 +71,8 @@ class Motion:
     decimator: Decimator
     motion_cutoff: float
     torque_cutoff: float
+    interval: float
+    torque_noise: np.ndarray | None
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -136,9 +141,11 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     if log.ddq is not None:
         given = _resample(log.t, log.ddq, full_clock, cubic=False)
         ddq = smooth(_thin(given, rate, stride), working, motion_cutoff)
-    tau = None
+    tau = noise = None
     if log.tau is not None:
-        tau = _thin(_resample(log.t, log.tau, full_clock, cubic=False), rate, stride)
+        raw = _resample(log.t, log.tau, full_clock, cubic=False)
+        noise = np.sqrt(noise_floor(raw, rate)[2] * torque_cutoff)
+        tau = _thin(raw, rate, stride)
     decimator = design_decimator(working, torque_cutoff)
     if len(decimator.kept(len(clock))) < 10:
         decimator = Decimator(np.ones(1), 1)
@@ -157,6 +164,8 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         decimator=decimator,
         motion_cutoff=float(motion_cutoff),
         torque_cutoff=float(torque_cutoff),
+        interval=1.0 / rate,
+        torque_noise=noise,
         notes=log.notes,
     )
 

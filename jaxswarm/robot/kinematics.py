@@ -82,7 +82,7 @@ def joint_transforms(robot: Robot, q: jax.Array, sincos: SinCos = sincos) -> lis
                 )
                 for r in range(3)
             )
-            transforms.append(sp.settle(Transform(turned, translations[i])))
+            transforms.append(sp.settle(Transform(turned, translations[i]), robot.num_joints))
         else:
             shift = sp.scale(q[i], sp.rotate(rotations[i], axes[i]))
             transforms.append(Transform(rotations[i], sp.add(translations[i], shift)))
@@ -118,7 +118,7 @@ def link_motions(
         else:
             coriolis = sp.scale(2.0, sp.cross(carried, speed))
             acceleration = sp.add(acceleration, sp.add(push, coriolis))
-        motions.append(sp.settle(LinkMotion(carried, turning, acceleration)))
+        motions.append(sp.settle(LinkMotion(carried, turning, acceleration), robot.num_joints))
     return motions
 
 
@@ -131,7 +131,9 @@ def base_transforms(robot: Robot, transforms: list[Transform]) -> list[Transform
             continue
         carrier = poses[parent]
         origin = sp.add(carrier.translation, sp.rotate(carrier.rotation, translation))
-        poses.append(sp.settle(Transform(sp.product(carrier.rotation, rotation), origin)))
+        poses.append(
+            sp.settle(Transform(sp.product(carrier.rotation, rotation), origin), robot.num_joints)
+        )
     return poses
 
 

@@ -25,6 +25,7 @@ Entry = Any  # float when known at trace time, else a JAX array
 Vector = tuple[Entry, Entry, Entry]
 Matrix = tuple[Vector, Vector, Vector]
 
+LONG = 4  # joints from which intermediate results are stored, see settle
 ZERO: Vector = (0.0, 0.0, 0.0)
 
 
@@ -167,8 +168,8 @@ def symmetric(ixx: Entry, ixy: Entry, iyy: Entry, ixz: Entry, iyz: Entry, izz: E
     return ((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz))
 
 
-def settle(entries: Any) -> Any:
-    """Return the same entries, computed once and stored.
+def settle(entries: Any, num_joints: int) -> Any:
+    """Return the same entries, computed once and stored, if the robot is long enough to need it.
 
     XLA on a CPU fuses elementwise programs without limit and computes a value again for every
     consumer; along a chain of n joints that doubles with every joint (six joints: 540 times slower).
@@ -177,7 +178,10 @@ def settle(entries: Any) -> Any:
 
     Args:
         entries: Any nesting of entries; known numbers stay known.
+        num_joints: Joints of the robot. Below ``LONG`` computing again is cheaper than storing.
     """
+    if num_joints < LONG:
+        return entries
     leaves, structure = jax.tree.flatten(entries)
     free = [i for i, x in enumerate(leaves) if not isinstance(x, float)]
     if len(free) < 2:

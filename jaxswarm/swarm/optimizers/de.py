@@ -113,13 +113,13 @@ def within(mutants: jax.Array, members: jax.Array) -> jax.Array:
 def de(
     num_particles: int = 50,
     *,
-    strategy: str = "rand/1",
-    weight: ScalarOrSchedule = 0.5,
-    crossover_rate: ScalarOrSchedule = 0.9,
-    dither: ScalarOrSchedule = 0.0,
+    strategy: str = "best/1",
+    weight: ScalarOrSchedule = 0.6,
+    crossover_rate: ScalarOrSchedule = 0.8,
+    dither: ScalarOrSchedule = 0.2,
     random: str = "hash",
 ) -> DE:
-    """Classic differential evolution with binomial crossover.
+    """Classic differential evolution with binomial crossover; best/1 with dither by default.
 
     Args:
       num_particles: n, at least 4.
@@ -129,7 +129,7 @@ def de(
       dither: half width of the range in which F is drawn, once a generation.
       random: ``"hash"`` or ``"threefry"``.
 
-    >>> de(20, strategy="best/1").init(jax.random.key(0), 3).position.shape
+    >>> de(20, strategy="rand/1").init(jax.random.key(0), 3).position.shape
     (20, 3)
     """
     if strategy not in STRATEGIES:

@@ -12,9 +12,11 @@ transforms.
 
 References:
     J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995; Y. Shi, R. Eberhart, "A
-    modified particle swarm optimizer", CEC 1998 (inertia); M. Clerc, J. Kennedy, "The particle
-    swarm: explosion, stability, and convergence", IEEE Trans. Evol. Comput. 6 (2002), doi
-      10.1109/4235.985692.
+    modified particle swarm optimizer", CEC 1998 (inertia); I. C. Trelea, "The particle swarm
+    optimization algorithm: convergence analysis and parameter selection", Inf. Process. Lett. 85
+    (2003), doi 10.1016/S0020-0190(02)00447-7 (default coefficients). The constriction values of M.
+    Clerc and J. Kennedy (2002), 0.7298 and 1.49618, converge more slowly: with a budget of 300
+    evaluations a dimension their median error was larger on most of the benchmark's problems.
 """
 
 import math
@@ -142,9 +144,9 @@ class PSO:
 def pso(
     num_particles: int = 40,
     *,
-    inertia: ScalarOrSchedule = 0.7298,
-    cognitive: ScalarOrSchedule = 1.49618,
-    social: ScalarOrSchedule = 1.49618,
+    inertia: ScalarOrSchedule = 0.6,
+    cognitive: ScalarOrSchedule = 1.7,
+    social: ScalarOrSchedule = 1.7,
     velocity_limit: ScalarOrSchedule = math.inf,
     topology: Any = None,
     boundary: Any = None,
@@ -152,7 +154,7 @@ def pso(
     control: Any = None,
     random: str = "hash",
 ) -> PSO:
-    """Assemble a particle swarm; the defaults are Clerc's constriction values with a global best.
+    """Assemble a particle swarm; the default coefficients are Trelea's, with a global best.
 
     Args:
       num_particles: n, at least 2.
@@ -173,11 +175,11 @@ def pso(
     Raises:
       InputError: too few particles, a coefficient that is no number and no schedule.
 
-    >>> optimizer = pso(20, inertia=0.6)
+    >>> optimizer = pso(20, inertia=0.5)
     >>> state = optimizer.init(jax.random.key(0), 3)
     >>> state, info = optimizer.update(jax.random.key(1), state, jnp.sum(state.position**2, axis=1))
     >>> state.position.shape, float(info.hyper["inertia"])
-    ((20, 3), 0.6)
+    ((20, 3), 0.5)
     """
     return PSO(
         num_particles=at_least(

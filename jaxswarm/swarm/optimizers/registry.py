@@ -38,8 +38,8 @@ class Entry(NamedTuple):
 OPTIMIZERS: dict[str, Entry] = {
     "pso": Entry(
         pso,
-        "global-best swarm with constriction coefficients; every part can be exchanged",
-        "Clerc & Kennedy 2002, doi 10.1109/4235.985692",
+        "global-best swarm; every part can be exchanged",
+        "Kennedy & Eberhart 1995; Trelea 2003, doi 10.1016/S0020-0190(02)00447-7",
     ),
     "spso": Entry(
         spso,

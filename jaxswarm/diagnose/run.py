@@ -1,0 +1,126 @@
+"""The command ``diagnose``, from files to files."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from jaxswarm import outputs, plots
+from jaxswarm.diagnose import pictures
+from jaxswarm.diagnose.decide import Rules
+from jaxswarm.diagnose.html import render
+from jaxswarm.diagnose.loop import Diagnosis, diagnose
+from jaxswarm.diagnose.result import to_result
+from jaxswarm.diagnose.unexplained import Unexplained, find_unexplained
+from jaxswarm.identify.model import model_torque, save_model
+from jaxswarm.identify.run import Options, read_motions
+from jaxswarm.identify.summary import units
+from jaxswarm.identify.terms import parse_terms
+from jaxswarm.logs import read_log, summarize
+from jaxswarm.logs.motion import Filtering, Motion, prepare
+from jaxswarm.robot.load import load_robot
+
+
+def diagnose_files(
+    paths: list[Path],
+    robot_spec: str,
+    declare: str,
+    out: Path,
+    validation: list[Path] | None = None,
+    options: Options | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> dict:
+    """Find what a declared model lacks and write the report.
+
+    Args:
+        paths: Logs to fit.
+        robot_spec: Built-in name, ``.urdf`` or ``.toml``.
+        declare: List of declared effects.
+        out: Folder for ``diagnosis.json``, ``model.json``, ``report.html`` and pictures.
+        validation: Logs to score on; none: blocks of time held out in turn.
+        options: Frequencies and seed.
+        progress: Called with one line per stage.
+
+    Returns:
+        The content of ``diagnosis.json``.
+
+    Raises:
+        InputError: On anything that cannot be used; nothing is written then.
+    """
+    options = options or Options()
+    robot = load_robot(robot_spec)
+    terms = parse_terms(declare, robot.joints)
+    outputs.check_folder(out)
+    progress("reading logs")
+    filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
+    logs, motions = read_motions(paths, robot, filtering)
+    filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+    gains = np.asarray(robot.drive_gain)
+    unseen = [prepare(read_log(path, robot.joints, gains), filtering) for path in validation or ()]
+    diagnosis = diagnose(robot, terms, motions, seed=options.seed, progress=progress)
+    result, left = conclude(diagnosis, unseen, options.seed, progress)
+    result["logs"] = [{**summarize(log).to_dict(), "notes": log.notes} for log in logs]
+    write_report(diagnosis, left, result, unseen, out, progress)
+    return result
+
+
+def conclude(
+    diagnosis: Diagnosis,
+    unseen: list[Motion],
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[dict, list[Unexplained]]:
+    """What remains after the loop, and everything as ``diagnosis.json`` has it."""
+    progress("looking at what remains")
+    left = find_unexplained(diagnosis.final, diagnosis.background, seed)
+    return to_result(diagnosis, left, unseen), left
+
+
+def write_report(
+    diagnosis: Diagnosis,
+    left: list[Unexplained],
+    result: dict,
+    unseen: list[Motion],
+    out: Path,
+    progress: Callable[[str], None] = lambda text: None,
+) -> None:
+    """Write ``diagnosis.json``, ``model.json``, ``report.html`` and the pictures, whole or not at all."""
+    progress("writing the report")
+    final = diagnosis.final
+    robot, motion = final.model.robot, final.motions[0]
+    shown = unseen[0] if unseen else motion
+    low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
+    figures = {"ladder.png": pictures.ladder(result)}
+    for number, step in enumerate(diagnosis.steps, 1):
+        figures[f"effect_{number}.png"] = pictures.evidence(step, final.model, motion)
+    for item in left:
+        rows = final.regression.log >= 0
+        figures[f"unexplained_{robot.joints[item.joint]}.png"] = pictures.structure(
+            item,
+            final.fit.residual[rows, item.joint],
+            robot.joints[item.joint],
+            units(robot)[item.joint],
+        )
+    figures["torque.png"] = plots.torque_overlay(
+        shown.t[kept],
+        low.apply(shown.tau),
+        low.apply(model_torque(final.model, shown)),
+        robot.joints,
+        units(robot),
+        f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model",
+    )
+    figures["residual_before.png"] = pictures.remaining(
+        replace(diagnosis, final=diagnosis.declared), "what the declared model leaves"
+    )
+    figures["residual.png"] = pictures.remaining(diagnosis, "what the final model leaves")
+    images = {name: plots.png_bytes(figure) for name, figure in figures.items()}
+    outputs.write_files(
+        out,
+        {
+            "diagnosis.json": outputs.to_json(result),
+            "model.json": lambda path: save_model(final.model, path),
+            "report.html": render(result, images),
+            **images,
+        },
+    )

@@ -1,0 +1,150 @@
+r"""Structure that no law explains: what the residual depends on, and a smooth term for it.
+
+The residual of each joint is regressed on smooth random features of every single variable and pair of
+variables, by ridge regression fitted to one half of the time and scored on the other. Features are
+:math:`\cos(\omega^T x + \varphi)` with x standardized (A. Rahimi, B. Recht, NIPS 2007), freed of what the
+model absorbs, so that a share of the error is claimed only if the model cannot follow it by refitting.
+A second variable is named only if it raises the held-out share clearly over the first alone.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from jaxswarm.diagnose.background import Background
+from jaxswarm.identify.estimate import Estimate
+
+_FEATURES = {1: 14, 2: 48}
+# Least share of a joint's held-out squared error to call structure, and to add a second variable.
+_LEAST, _SECOND = 0.15, 0.06
+_SIGNIFICANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """Structure left on one joint.
+
+    Attributes:
+        joint: Index.
+        depends_on: Names such as ``q_joint1``, most important first.
+        share: Share of the joint's held-out squared error that a smooth function of them takes off.
+        p_value: One-sided, over blocks.
+        smooth: The smooth function on the decimated clock, whole fit [N m], shape (T,).
+        variables: Values of the named variables, shape (T, m).
+    """
+
+    joint: int
+    depends_on: tuple[str, ...]
+    share: float
+    p_value: float
+    smooth: np.ndarray
+    variables: np.ndarray
+
+
+def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
+    """Everything a residual may depend on, on the decimated clock: name to (T,)."""
+    joints = found.model.robot.joints
+    names: dict[str, list] = {}
+    for motion in found.motions:
+        low = motion.decimator
+        kept = low.kept(len(motion.t))
+        for j, joint in enumerate(joints):
+            names.setdefault(f"q_{joint}", []).append(motion.q[kept, j])
+            names.setdefault(f"dq_{joint}", []).append(motion.dq[kept, j])
+            names.setdefault(f"ddq_{joint}", []).append(motion.ddq[kept, j])
+            heat = motion.channels.get("temperature")
+            if heat is not None and heat.ndim == 2 and np.isfinite(heat[:, j]).all():
+                names.setdefault(f"temperature_{joint}", []).append(heat[kept, j])
+        names.setdefault("t", []).append(motion.t[kept])
+    return {name: np.concatenate(parts) for name, parts in names.items()}
+
+
+def find_unexplained(found: Estimate, background: Background, seed: int = 0) -> list[Unexplained]:
+    """Joints whose residual is predictable from the motion although no law passed."""
+    variables = residual_variables(found)
+    names = [n for n, x in variables.items() if np.ptp(x) > 1e-9]
+    table = {n: _standard(variables[n]) for n in names}
+    found_structure = []
+    for joint in range(len(background.sigma)):
+        singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in names]
+        singles.sort(key=lambda item: -item[0][0])
+        best, pick = singles[0]
+        # Pairs with each of the three most telling variables, and with the joint's own velocity.
+        own = f"dq_{found.model.robot.joints[joint]}"
+        leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
+        pairs = [
+            (_try(background, joint, [table[a], table[b]], seed), (a, b))
+            for a in leads
+            for b in names
+            if a in table and b != a
+        ]
+        asked = len(singles) + len(pairs)
+        pairs.sort(key=lambda item: -item[0][0])
+        if pairs and pairs[0][0][0] > best[0] + _SECOND:
+            best, pick = pairs[0]
+        share, p_value = best
+        if share < _LEAST or p_value * asked > _SIGNIFICANCE:
+            continue
+        smooth = _fit_whole(background, joint, [table[n] for n in pick], seed)
+        found_structure.append(
+            Unexplained(
+                joint,
+                pick,
+                share,
+                min(1.0, p_value * asked),
+                smooth * background.sigma[joint],
+                np.stack([variables[n] for n in pick], axis=1),
+            )
+        )
+    return found_structure
+
+
+def _standard(x: np.ndarray) -> np.ndarray:
+    return (x - x.mean()) / max(x.std(), 1e-12)
+
+
+def _features(inputs: list[np.ndarray], seed: int) -> np.ndarray:
+    """Random Fourier features with a constant, (T, m), and signs of each input for jumps at zero."""
+    x = np.stack(inputs, axis=1)
+    rng = np.random.default_rng(seed)
+    count = _FEATURES[x.shape[1]]
+    omega = rng.normal(size=(x.shape[1], count)) * 1.5
+    phase = rng.uniform(0, 2 * np.pi, count)
+    return np.concatenate([np.cos(x @ omega + phase), x, np.ones((len(x), 1))], axis=1)
+
+
+def _columns(background: Background, joint: int, inputs, seed) -> np.ndarray:
+    features = _features(inputs, seed)
+    columns = np.zeros((len(features), len(background.sigma), features.shape[1]))
+    columns[:, joint] = features
+    return columns
+
+
+def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    gram = free.T @ free
+    return np.linalg.solve(
+        gram + 1e-2 * np.trace(gram) / len(gram) * np.eye(len(gram)), free.T @ residual
+    )
+
+
+def _try(background: Background, joint: int, inputs, seed: int) -> tuple[float, float]:
+    """Held-out share of the joint's squared error, and its p-value over blocks."""
+    columns = _columns(background, joint, inputs, seed)
+    count = int(background.block.max()) + 1
+    gains, before = np.zeros(count), 0.0
+    for fold in background.halves:
+        free = fold.free_part(columns)[:, joint]
+        a = _ridge(free[fold.train], fold.residual[fold.train, joint])
+        out = ~fold.train
+        r = fold.residual[out, joint]
+        np.add.at(gains, background.block[out], r**2 - (r - free[out] @ a) ** 2)
+        before += float((r**2).sum())
+    spread = max(gains.std(ddof=1) / np.sqrt(count), 1e-300)
+    return float(gains.sum() / before), float(stats.t.sf(gains.mean() / spread, count - 1))
+
+
+def _fit_whole(background: Background, joint: int, inputs, seed: int) -> np.ndarray:
+    columns = _columns(background, joint, inputs, seed)
+    free = background.whole.free_part(columns)[:, joint]
+    return columns[:, joint] @ _ridge(free, background.whole.residual[:, joint])
