@@ -21,7 +21,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
     'Known: rx60, ur10e.'
     """
     known = sorted(known)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.55)
     if close:
         return f"Did you mean {' or '.join(close)}?"
     return f"Known: {', '.join(known)}."

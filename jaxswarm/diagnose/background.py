@@ -7,7 +7,10 @@ keeps
 .. math:: c_\perp = c - P\,(Q^T c_A),
 
 its part that the refitted model cannot imitate, on the rows it was fitted to and on those it was not.
-Blocks of time alternate between two folds; each is scored by the fit to the other.
+Blocks of time alternate between two folds; each is scored by the fit to the other. Rows are weighted by
+the joint's noise (median absolute deviation, so that rare large residuals do not count as noise) and the
+few beyond four times it are bounded in their influence (P. J. Huber, Ann. Math. Stat. 35 (1964)): an
+impact or an outlier must not decide what a joint lacks.
 """
 
 from dataclasses import dataclass
@@ -21,6 +24,8 @@ from jaxswarm.identify.validate import time_blocks
 
 # Blocks per log: at least this many, no shorter than so many correlation lengths of the residual.
 _BLOCKS, _LENGTHS = 20, 4.0
+# Residuals beyond this multiple of the noise are bounded in their influence.
+_REACH = 4.0
 
 
 @dataclass(frozen=True)
@@ -49,14 +54,14 @@ class Background:
     """All folds of a model.
 
     Attributes:
-        sigma: Weights, shape (n,).
+        weight: What every row and joint is multiplied by, shape (T, n).
         block: Block of every row, shape (T,).
         whole: The fit to all rows.
         halves: The two fits to alternating blocks.
         effective: Independent residuals in the data.
     """
 
-    sigma: np.ndarray
+    weight: np.ndarray
     block: np.ndarray
     whole: Fold
     halves: tuple[Fold, Fold]
@@ -68,8 +73,8 @@ class Background:
         return (self.whole, *self.halves)
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
-        """Divide columns (T, n, k) by the joints' standard deviations."""
-        return columns / self.sigma[:, None]
+        """Columns (T, n, k) in units of the noise."""
+        return columns * self.weight[:, :, None]
 
 
 def make_background(found: Estimate, frozen: bool = False) -> Background:
@@ -81,12 +86,12 @@ def make_background(found: Estimate, frozen: bool = False) -> Background:
             absorbs nothing.
     """
     regression, solution = found.regression, found.fit
-    sigma = solution.sigma
-    columns = regression.columns[:, :, solution.base.kept] / sigma[:, None]
+    weight = robust_weight(solution.residual)
+    columns = regression.columns[:, :, solution.base.kept] * weight[:, :, None]
     if frozen:
         columns = columns[:, :, :0]
-    error = solution.residual / sigma
-    torque = error if frozen else regression.torque / sigma
+    error = solution.residual * weight
+    torque = error if frozen else regression.torque * weight
     length = correlation_length(error, regression.log)
     per_log = min(
         np.bincount(regression.log).min() // 8,
@@ -96,7 +101,15 @@ def make_background(found: Estimate, frozen: bool = False) -> Background:
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
     whole, first, second = (_fold(columns, torque, rows) for rows in (everything, odd, ~odd))
-    return Background(sigma, block, whole, (first, second), error.size / length)
+    return Background(weight, block, whole, (first, second), error.size / length)
+
+
+def robust_weight(residual: np.ndarray) -> np.ndarray:
+    """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
+    size = np.abs(residual)
+    noise = 1.4826 * np.median(size, axis=0)
+    noise = np.maximum(noise, 1e-6 * size.max(axis=0) + 1e-300)
+    return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
 
 
 def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray) -> Fold:

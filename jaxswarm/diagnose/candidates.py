@@ -21,7 +21,7 @@ from jaxswarm.identify.model import linear_values
 from jaxswarm.identify.terms import Term
 
 _SOFT = [(k, d) for k in np.geomspace(30.0, 3e5, 17) for d in (0.003, 0.01, 0.03, 0.1)]
-_GAPS = np.geomspace(2e-4, 0.1, 20)
+_GAPS = np.geomspace(2e-4, 0.1, 40)
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ class Columns:
             e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
             change = -(e * slopes[0] + v * slopes[1] + a * slopes[2])
             curves.append(np.stack([motion.decimator.apply(c) for c in change]))
-        curves = np.concatenate(curves, axis=1) / self.background.sigma
+        curves = np.concatenate(curves, axis=1) * self.background.weight
         picks = []
         for fold in self.background.folds:
             gains = [_single_gain(fold.free_part(c[:, :, None])[..., 0], fold) for c in curves]

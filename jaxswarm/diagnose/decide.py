@@ -24,6 +24,9 @@ from scipy import stats
 from jaxswarm.diagnose.background import Background, Fold
 from jaxswarm.diagnose.candidates import Candidate
 
+# Candidates that say the same thing to this degree compete for one explanation.
+_OVERLAP = 0.7
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -86,7 +89,7 @@ def score(candidate: Candidate, background: Background, interval: float = 0.0) -
     torque sampled and held is late by that much already.
     """
     count = int(background.block.max()) + 1
-    joints = len(background.sigma)
+    joints = background.weight.shape[1]
     gains = np.zeros((count, joints))
     before = np.zeros(joints)
     inner, square = np.zeros(count), np.zeros(count)
@@ -112,7 +115,7 @@ def score(candidate: Candidate, background: Background, interval: float = 0.0) -
     share = float(max(per_joint[joint] / before[joint], (per_joint / before).max()))
     allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
     if candidate.term.effect == "time_delay":
-        allowed = abs(whole[0]) > 0.5 * interval
+        allowed = abs(whole[0]) > 0.5 * interval and max(map(abs, whole)) < 0.05
     weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
     return Score(
         candidate=candidate,
@@ -185,6 +188,17 @@ def is_special_case(inner: Candidate, outer: Candidate, background: Background) 
     return bool(np.linalg.norm(left) < 0.1 * np.linalg.norm(a))
 
 
+def overlap(one: Candidate, other: Candidate, background: Background) -> float:
+    """Correlation of what two candidates take off the residual, 1 if they say the same."""
+    fold = background.whole
+    said = []
+    for candidate in (one, other):
+        free = fold.free_part(candidate.columns[0])
+        said.append((free @ coefficients(free, fold)).ravel())
+    size = np.linalg.norm(said[0]) * np.linalg.norm(said[1])
+    return float(said[0] @ said[1] / size) if size > 0 else 0.0
+
+
 def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[Score, list[Score]]:
     """The best of the guilty, and its rivals: those the data do not tell from it.
 
@@ -195,7 +209,11 @@ def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[S
     close = [
         s
         for s in ranked
-        if s is best or difference(best, s) < rules.tie or s.gain > 0.995 * best.gain
+        if s is best
+        or (
+            overlap(best.candidate, s.candidate, background) > _OVERLAP
+            and (difference(best, s) < rules.tie or s.gain > 0.995 * best.gain)
+        )
     ]
     chosen = min(close, key=lambda s: (s.candidate.size, -s.gain))
     rivals = [

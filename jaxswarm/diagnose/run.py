@@ -8,7 +8,6 @@ import numpy as np
 
 from jaxswarm import outputs, plots
 from jaxswarm.diagnose import pictures
-from jaxswarm.diagnose.decide import Rules
 from jaxswarm.diagnose.html import render
 from jaxswarm.diagnose.loop import Diagnosis, diagnose
 from jaxswarm.diagnose.result import to_result

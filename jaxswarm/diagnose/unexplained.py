@@ -66,7 +66,7 @@ def find_unexplained(found: Estimate, background: Background, seed: int = 0) -> 
     names = [n for n, x in variables.items() if np.ptp(x) > 1e-9]
     table = {n: _standard(variables[n]) for n in names}
     found_structure = []
-    for joint in range(len(background.sigma)):
+    for joint in range(background.weight.shape[1]):
         singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in names]
         singles.sort(key=lambda item: -item[0][0])
         best, pick = singles[0]
@@ -93,7 +93,7 @@ def find_unexplained(found: Estimate, background: Background, seed: int = 0) -> 
                 pick,
                 share,
                 min(1.0, p_value * asked),
-                smooth * background.sigma[joint],
+                smooth,
                 np.stack([variables[n] for n in pick], axis=1),
             )
         )
@@ -115,8 +115,8 @@ def _features(inputs: list[np.ndarray], seed: int) -> np.ndarray:
 
 
 def _columns(background: Background, joint: int, inputs, seed) -> np.ndarray:
-    features = _features(inputs, seed)
-    columns = np.zeros((len(features), len(background.sigma), features.shape[1]))
+    features = _features(inputs, seed) * background.weight[:, joint, None]
+    columns = np.zeros((len(features), background.weight.shape[1], features.shape[1]))
     columns[:, joint] = features
     return columns
 
@@ -147,4 +147,5 @@ def _try(background: Background, joint: int, inputs, seed: int) -> tuple[float, 
 def _fit_whole(background: Background, joint: int, inputs, seed: int) -> np.ndarray:
     columns = _columns(background, joint, inputs, seed)
     free = background.whole.free_part(columns)[:, joint]
-    return columns[:, joint] @ _ridge(free, background.whole.residual[:, joint])
+    features = _features(inputs, seed)
+    return features @ _ridge(free, background.whole.residual[:, joint])

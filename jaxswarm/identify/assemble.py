@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.warps import contact_stiffness, deflection, shift
-from jaxswarm.identify.columns import Rigid, load_of, rigid_columns, term_columns
+from jaxswarm.identify.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -126,25 +126,47 @@ def assemble(
             static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
         load = load_of(full, static, pi)
 
-    def finish(block: np.ndarray) -> np.ndarray:
-        for term in warped(terms, "gain"):
-            block = block.copy()
-            block[:, term.joint] *= term.values["gain"]
-        for term in delays:
-            block = np.asarray(_shift(block, term.values["seconds"], 1.0 / motion.rate))
-        return block
-
-    parts = [finish(kept) if kept is not None else low(finish(full))]
+    parts = [kept if kept is not None else low(full)]
+    if warped(terms, "gain") or delays:
+        parts = [low(report(terms, motion, full))]
     for term in terms:
-        if term.law.warp == "window":
-            parts.append(low(finish(window_columns(term, motion))))
-        if term.law.torque is None:
-            continue
-        own = term_columns(term, motion, width, load)
-        block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
-        block[:, term.joint] = own
-        parts.append(low(finish(block)))
+        if term.columns(robot.joints):
+            parts.append(low(report(terms, motion, own_columns(term, motion, width, load))))
     return np.concatenate(parts, axis=2)
+
+
+def own_columns(term: Term, motion: Motion, width: float, load: Load | None) -> np.ndarray:
+    """Columns of a term on the working clock, (T, n, k), zero on joints it does not act on."""
+    if term.law.warp == "window":
+        return window_columns(term, motion)
+    own = term_columns(term, motion, width, load)
+    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
+    block[:, term.joint] = own
+    return block
+
+
+def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
+    """Columns (T, n, k) as the drives report them: scaled by their gains, on a late clock."""
+    for term in warped(terms, "gain"):
+        block = block.copy()
+        block[:, term.joint] *= term.values["gain"]
+    for term in warped(terms, "delay"):
+        block = np.asarray(_shift(block, term.values["seconds"], 1.0 / motion.rate))
+    return block
+
+
+def term_block(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    term: Term,
+    motion: Motion,
+    width: float,
+    pi: np.ndarray,
+    rigid: Rigid,
+) -> np.ndarray:
+    """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
+    load = load_of(rigid.full, rigid.static, pi) if term.law.uses_load else None
+    return motion.decimator.apply(report(terms, motion, own_columns(term, motion, width, load)))
 
 
 def window_columns(term: Term, motion: Motion) -> np.ndarray:

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.assemble import assemble, moves_links, uses_load
+from jaxswarm.identify.assemble import assemble, moves_links, term_block, uses_load
 from jaxswarm.identify.columns import Rigid, rigid_of
 from jaxswarm.identify.least_squares import Fit, fit
 from jaxswarm.identify.model import Model, linear_values
@@ -194,7 +194,8 @@ def _finish(problem, terms, solution, regression, pi, moving) -> Estimate:
             k += 1
         filled.append(replace(term, values=values))
     filled = tuple(filled)
-    filtering = Filtering(problem.motions[0].motion_cutoff, problem.motions[0].torque_cutoff)
+    first = problem.motions[0]
+    filtering = Filtering(first.motion_cutoff, first.torque_cutoff, skew=first.skew)
     model = Model(
         robot.replace(parameters=jnp.asarray(pi.reshape(-1, 10))),
         filled,
@@ -257,14 +258,27 @@ def best_width(robot, terms, motions, rigids, pi=None) -> float:
     speed = float(np.median([np.sqrt(np.mean(m.dq**2)) for m in motions]))
     if not any(t.law.uses_direction for t in terms):
         return max(0.01 * speed, 1e-6)
-    terms = tuple(t for t in terms if t.law.warp is None)
-    grid = speed * np.concatenate([[1e-6], np.geomspace(1e-3, 0.2, 12)])
+    speed_grid = speed * np.concatenate([[1e-6], np.geomspace(1e-3, 0.2, 12)])
+    pi = np.zeros(10 * robot.num_joints) if pi is None else pi
+    regression = build_regression(robot, terms, motions, 0.01 * speed, pi, rigids)
     costs, sigma = [], None
-    for width in grid:
-        regression = build_regression(robot, terms, motions, float(width), pi, rigids)
-        solution = fit(regression, sigma=sigma)
+    for width in speed_grid:
+        columns = regression.columns.copy()
+        k = 10 * robot.num_joints
+        for term in terms:
+            size = len(term.columns(robot.joints))
+            if term.law.uses_direction:
+                columns[:, :, k : k + size] = np.concatenate(
+                    [
+                        term_block(robot, terms, term, m, float(width), pi, r)
+                        for m, r in zip(motions, rigids, strict=True)
+                    ]
+                )
+            k += size
+        solution = fit(replace(regression, columns=columns), sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(_cost(solution, sigma))
+    grid = speed_grid
     best = int(np.argmin(costs))
     if 1 < best < len(grid) - 1:
         # Vertex of the parabola through the three best points, in the logarithm of the width.

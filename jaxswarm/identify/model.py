@@ -88,6 +88,7 @@ def save_model(model: Model, path: Path) -> None:
             "motion_cutoff": model.filtering.motion_cutoff,
             "torque_cutoff": model.filtering.torque_cutoff,
             "use_logged_velocity": model.filtering.use_logged_velocity,
+            "skew": model.filtering.skew,
         },
         "sigma": list(map(float, model.sigma)),
     }

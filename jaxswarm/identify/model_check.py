@@ -1,11 +1,13 @@
 """What a ``model.json`` must hold, checked value by value before a model is built from it."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 
 from jaxswarm.effects.base import get_law
 from jaxswarm.errors import InputError, nearest
+from jaxswarm.logs.motion import Filtering
 
 _KINDS = ("revolute", "prismatic")
 
@@ -32,17 +34,23 @@ def check_content(content: dict) -> None:
         _check_term(term, joints, f"terms[{k}]")
     if not _is_number(content.get("width")) or content["width"] <= 0:
         raise InputError("width is no positive number; identify it again")
-    filtering = _get(content, "filtering", dict, "")
-    for name in ("motion_cutoff", "torque_cutoff"):
-        value = filtering.get(name)
-        if value is not None and not (_is_number(value) and value > 0):
-            raise InputError(f"filtering.{name} is {value!r}, not a positive number or null")
-    velocity = filtering.get("use_logged_velocity")
-    if velocity is not None and not isinstance(velocity, bool):
-        raise InputError(f"filtering.use_logged_velocity is {velocity!r}, not true, false or null")
-    if set(filtering) != {"motion_cutoff", "torque_cutoff", "use_logged_velocity"}:
-        raise InputError(f"filtering has the entries {sorted(filtering)}; identify it again")
+    _check_filtering(_get(content, "filtering", dict, ""))
     _each(content, "sigma", n, lambda s, _: _is_number(s) and s >= 0, "a number not below 0", "")
+
+
+def _check_filtering(filtering: dict) -> None:
+    names = {field.name for field in fields(Filtering)}
+    if set(filtering) != names:
+        raise InputError(f"filtering has {sorted(filtering)}, not {sorted(names)}; identify again")
+    for name, value in filtering.items():
+        if name == "use_logged_velocity":
+            holds, expected = isinstance(value, bool), "true, false or null"
+        elif name.endswith("_cutoff"):
+            holds, expected = _is_number(value) and value > 0, "a positive number or null"
+        else:
+            holds, expected = _is_number(value), "a number or null"
+        if value is not None and not holds:
+            raise InputError(f"filtering.{name} is {value!r}, not {expected}")
 
 
 def _check_term(term, joints: list[str], place: str) -> None:

@@ -5,7 +5,7 @@ torque), low-pass the positions where they become noise, differentiate, keep a w
 eight times the motion's band, and design the decimator that torque and model columns share.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import interpolate, signal
@@ -35,11 +35,14 @@ class Filtering:
         motion_cutoff: Zero-phase low-pass of positions [Hz].
         torque_cutoff: Shared low-pass of torque and columns [Hz].
         use_logged_velocity: Whether a logged ``dq`` is used in place of a differentiated ``q``.
+        skew: Time by which the torque lags the positions [s], a fraction of the sampling interval: a
+            torque that is sampled and held is late by up to half of it.
     """
 
     motion_cutoff: float | None = None
     torque_cutoff: float | None = None
     use_logged_velocity: bool | None = None
+    skew: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ class Motion:
         decimator: The low-pass and decimation shared by torque and columns.
         motion_cutoff, torque_cutoff: The frequencies used [Hz].
         interval: Median sampling interval of the log [s].
+        skew: Time by which the motion was moved against the torque [s].
         torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
             (n,): the noise density of the upper half of the band, taken as flat; None without torque.
     """
@@ -74,6 +78,7 @@ class Motion:
     interval: float
     torque_noise: np.ndarray | None
     notes: tuple[str, ...] = field(default=())
+    skew: float = 0.0
 
     @property
     def rate(self) -> float:
@@ -149,7 +154,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     decimator = design_decimator(working, torque_cutoff)
     if len(decimator.kept(len(clock))) < 10:
         decimator = Decimator(np.ones(1), 1)
-    return Motion(
+    motion = Motion(
         source=log.source,
         joints=log.joints,
         t=clock - log.t[0],
@@ -167,6 +172,22 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         interval=1.0 / rate,
         torque_noise=noise,
         notes=log.notes,
+    )
+    return shift_motion(motion, filtering.skew) if filtering.skew else motion
+
+
+def shift_motion(motion: Motion, seconds: float) -> Motion:
+    """The motion as it was ``seconds`` earlier, against an unmoved torque; a fraction of a sample."""
+
+    def moved(x: np.ndarray) -> np.ndarray:
+        return interpolate.CubicSpline(motion.t, x, axis=0)(motion.t - seconds)
+
+    return replace(
+        motion,
+        q=moved(motion.q),
+        dq=moved(motion.dq),
+        ddq=moved(motion.ddq),
+        skew=motion.skew + seconds,
     )
 
 

@@ -62,5 +62,17 @@ def make_motion(robot, extra=None, length=600, noise=0.0, seed=0) -> Motion:
     tau += 0.0 if extra is None else extra(q, dq, ddq)
     tau += noise * rng.normal(size=tau.shape)
     return Motion(
-        "made", robot.joints, t, q, dq, ddq, tau, {}, Decimator(np.ones(1), 1), 20.0, 10.0
+        source="made",
+        joints=robot.joints,
+        t=t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        tau=tau,
+        channels={},
+        decimator=Decimator(np.ones(1), 1),
+        motion_cutoff=20.0,
+        torque_cutoff=10.0,
+        interval=0.01,
+        torque_noise=np.full(n, noise),
     )

@@ -18,6 +18,7 @@ from jaxswarm.robot import (
     rx60,
     standard_parameter_names,
 )
+from jaxswarm.robot import spatial as sp
 
 SEEDS = range(4)
 
@@ -151,3 +152,14 @@ def test_parameter_names_count_links_from_one():
     names = standard_parameter_names(rx60())
     assert len(names) == 30
     assert names[0] == "m1" and names[13] == "mz2" and names[29] == "Izz3"
+
+
+def test_settled_entries_keep_their_values_and_derivatives():
+    """A long arm stores what it hands on: the numbers are the same, known ones stay known."""
+    x = jnp.array([0.3, -0.7, 1e-300])
+    kept, (known, last) = sp.settle((x, (0.0, x * x)), 6)
+    assert known == 0.0 and isinstance(known, float)
+    np.testing.assert_array_equal(kept, x)
+    np.testing.assert_array_equal(last, x * x)
+    slope = jax.grad(lambda x: sum(sp.settle((x[0] * x[1], x[1] ** 2), 6)))(x)
+    np.testing.assert_allclose(slope, [x[1], x[0] + 2 * x[1], 0.0])
