@@ -64,6 +64,53 @@ def _status():
 
 
 @app.command()
+def demo(
+    seed: Annotated[int, typer.Option(min=0, help="Draws the arm, its motion and the effect.")] = 0,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path("out/demo"),
+    json: Json = False,
+) -> None:
+    """Make an RX60 log with an undeclared effect, find it, and only then show the truth."""
+    _start()
+    from jaxswarm.diagnose import print_diagnosis
+    from jaxswarm.diagnose.demo import run_demo
+    from jaxswarm.diagnose.words import where
+
+    with _status() as status:
+        result, truth = run_demo(seed, out, status.update)
+
+    def text() -> None:
+        print_diagnosis(result, out)
+        values = ", ".join(f"{k} = {v:.5g}" for k, v in truth["values"].items())
+        print(f"the truth: {where(truth)} ({values})")
+
+    _show({**result, "truth": truth}, json, text)
+
+
+@app.command()
+def study(
+    name: Annotated[str, typer.Argument(help="rx60 or sepso.")],
+    out: Out,
+    fast: Annotated[
+        bool, typer.Option("--fast", help="Fewer runs: a minute, not minutes.")
+    ] = False,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    json: Json = False,
+) -> None:
+    """Run the experiments of one of the two papers and write the report."""
+    _start()
+    from jaxswarm.errors import nearest
+    from jaxswarm.outputs import check_folder
+    from jaxswarm.studies import STUDIES
+
+    if name not in STUDIES:
+        raise InputError(f"unknown study {name!r}. {nearest(name, STUDIES)}")
+    check_folder(out)
+    with _status() as status:
+        result = STUDIES[name](out, fast=fast, seed=seed, progress=status.update)
+    _show(result, json, lambda: print(f"report: {out / 'report.html'}"))
+
+
+@app.command()
 def identify(
     logs: Logs,
     robot: RobotName,

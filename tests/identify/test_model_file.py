@@ -163,5 +163,5 @@ def test_random_damage_never_breaks_the_reader(content, tmp_path, data):
     else:
         assert isinstance(found, Model)
         motion = make_motion(planar_arm(), length=20)
-        if found.robot.joints == motion.joints:
+        if path[0] != "robot":  # another robot would be another compiled program
             assert model_torque(found, motion).shape == (20, 2)
