@@ -118,8 +118,9 @@ def _against(rows, mine, peers) -> str:
         # Below 1e-10 of the optimum there is nothing left to tell apart.
         own, other = np.maximum(own, 1e-10), np.maximum(other, 1e-10)
         same = np.all(own == other[0]) and np.all(other == other[0])
-        p = 1.0 if same else stats.mannwhitneyu(own, other).pvalue
-        tests.append((p, np.median(own) < np.median(other), task, best))
+        test = stats.mannwhitneyu(own, other)
+        lower = test.statistic < own.size * other.size / 2.0
+        tests.append((1.0 if same else test.pvalue, lower, task, best))
     corrected, running = {}, 0.0
     for i, (p, _, task, _) in enumerate(sorted(tests, key=lambda test: test[0])):
         running = max(running, min(1.0, p * (len(tests) - i)))

@@ -37,12 +37,18 @@ class Fold:
         project: P, shape (T, n, b).
         basis: Q on the training rows and zeros elsewhere, shape (T, n, b).
         residual: Weighted residual of all rows, shape (T, n).
+        solve: From coordinates in the basis to base parameters, shape (b', b).
     """
 
     train: np.ndarray
     project: np.ndarray
     basis: np.ndarray
     residual: np.ndarray
+    solve: np.ndarray
+
+    def absorbed(self, torque: np.ndarray) -> np.ndarray:
+        """Change of the base parameters (b',) by which the model takes up a weighted torque (T, n)."""
+        return self.solve @ np.einsum("tjb,tj->b", self.basis, torque)
 
     def free_part(self, columns: np.ndarray) -> np.ndarray:
         """c_perp of weighted columns (T, n, k)."""
@@ -115,7 +121,7 @@ def robust_weight(residual: np.ndarray) -> np.ndarray:
 def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray) -> Fold:
     joints, size = columns.shape[1:]
     if size == 0:
-        return Fold(train, columns, columns, torque)
+        return Fold(train, columns, columns, torque, np.zeros((0, 0)))
     rows = columns[train].reshape(-1, size)
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     q, r, order = linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)
@@ -128,4 +134,7 @@ def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray) -> Fold:
         check_finite=False,
     ).T.reshape(len(columns), joints, rank)
     basis = np.where(train[:, None, None], project, 0.0)
-    return Fold(train, project, basis, torque - project @ np.einsum("tjb,tj->b", basis, torque))
+    solve = np.zeros((size, rank))
+    solve[pick] = linalg.solve_triangular(r[:rank, :rank], np.eye(rank)) / scale[pick, None]
+    left = torque - project @ np.einsum("tjb,tj->b", basis, torque)
+    return Fold(train, project, basis, left, solve)

@@ -10,18 +10,22 @@ from dataclasses import dataclass, replace
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy import ndimage
 
 from jaxswarm.diagnose.background import Background
 from jaxswarm.diagnose.search import Stage, search_law
 from jaxswarm.effects.warps import contact_stiffness, deflection
-from jaxswarm.identify.assemble import assemble, link_motion, sensitivity, tilted, warped
+from jaxswarm.identify.assemble import assemble, link_motion, sensitivity_columns, tilted, warped
 from jaxswarm.identify.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.model import linear_values
 from jaxswarm.identify.terms import Term
 
 _SOFT = [(k, d) for k in np.geomspace(30.0, 3e5, 17) for d in (0.003, 0.01, 0.03, 0.1)]
-_GAPS = np.geomspace(2e-4, 0.1, 40)
+_GAPS = np.geomspace(2e-4, 0.1, 32)
+_SETTLE = 4
+# Time [s] over which the torque of a loose joint is averaged before it is judged.
+_BLUR = 0.12
 
 
 @dataclass(frozen=True)
@@ -33,11 +37,20 @@ class Candidate:
         columns: Weighted columns (T, n, k) for the whole log, the first half, the second half, each
             with the nonlinear parameters found on its own rows.
         size: Parameters it spends, linear and nonlinear.
+        blur: Rows over which it is averaged before it is judged. When a loose gear strikes is decided
+            by torques below the noise; how the load shifts around the strike is not.
     """
 
     term: Term
     columns: tuple[np.ndarray, np.ndarray, np.ndarray]
     size: int
+    blur: int = 1
+
+    def view(self, x: np.ndarray) -> np.ndarray:
+        """Average (T, ...) over ``blur`` rows."""
+        if self.blur == 1:
+            return x
+        return ndimage.uniform_filter1d(x, self.blur, axis=0, mode="nearest")
 
     @property
     def positive(self) -> bool:
@@ -182,47 +195,56 @@ class Columns:
         return np.stack(columns, axis=2)
 
     def _lagging(self, term: Term) -> Candidate | None:
-        """A soft or loose joint: the best of a lattice of stiffness and damping, or of gaps."""
-        soft = term.law.warp == "elastic"
-        curves, sensed = [], []
-        for motion in self.found.motions:
-            sensed.append(sensitivity(self.arm, motion, term.joint, self.pi))
-        inertia = float(np.median(np.abs(sensed[0][3][:, term.joint])))
-        if inertia < 1e-6:
+        """A soft or loose joint: the best of a lattice of stiffness and damping, or of gaps.
+
+        When the link crosses the play depends on small torques, and the parameters were fitted without
+        the play: they are settled with every gap, to first order, before it is judged.
+        """
+        soft, j = term.law.warp == "elastic", term.joint
+        motions = self.found.motions
+        sensed = [sensitivity_columns(self.arm, m, j) for m in motions]
+        inertia = sensed[0][3][:, j] @ self.pi
+        if np.median(np.abs(inertia)) < 1e-6:
             return None
-        stiff, damped = contact_stiffness(jnp.asarray(sensed[0][3][:, term.joint]))
+        stiff, damped = (float(x) for x in contact_stiffness(jnp.asarray(inertia)))
         if soft:
-            options = [{"k": k, "d": r * 2 * np.sqrt(k * inertia) * 10} for k, r in _SOFT]
+            unit = 20.0 * np.sqrt(float(np.median(np.abs(inertia))))
+            options = [{"k": k, "d": r * np.sqrt(k) * unit} for k, r in _SOFT]
         else:
             options = [{"gap": g} for g in _GAPS]
         limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
         options = [{n: float(np.clip(v, *limits[n])) for n, v in o.items()} for o in options]
-        for motion, (torque, *slopes) in zip(self.found.motions, sensed, strict=True):
-            j = term.joint
-            by_q, by_dq, by_ddq = (jnp.asarray(s[:, j]) for s in slopes)
-
-            def lag(k, d, gap, torque=torque, j=j, by=(by_q, by_dq, by_ddq), motion=motion):
-                return deflection(
-                    by[2], by[1], by[0], jnp.asarray(torque[:, j]), k, d, gap, 1 / motion.rate, 2
-                )
-
-            k = jnp.array([o.get("k", float(stiff)) for o in options])
-            d = jnp.array([o.get("d", float(damped)) for o in options])
-            gap = jnp.array([o.get("gap", 0.0) for o in options])
-            e, v, a = (np.asarray(x) for x in jax.vmap(lag)(k, d, gap))
-            # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
-            alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < 1.0)
-            e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
-            change = -(e * slopes[0] + v * slopes[1] + a * slopes[2])
-            curves.append(np.stack([motion.decimator.apply(c) for c in change]))
-        curves = np.concatenate(curves, axis=1) * self.background.weight
+        k = np.array([o.get("k", stiff) for o in options])
+        d = np.array([o.get("d", damped) for o in options])
+        gap = np.array([o.get("gap", 0.0) for o in options])
+        pis = np.repeat(self.pi[None], len(options), axis=0)
+        for _ in range(1 if soft else _SETTLE):
+            curves = np.concatenate(
+                [
+                    _lag_torque(m, columns, j, pis, k, d, gap)
+                    for m, columns in zip(motions, sensed, strict=True)
+                ],
+                axis=1,
+            )
+            curves = curves * self.background.weight
+            pis = self.pi - np.stack([self._absorbed(c) for c in curves])
+        blur = 1 if soft else max(1, round(_BLUR / self.found.regression.step[0]))
+        judge = Candidate(term, (), 2 if soft else 1, blur)
         picks = []
         for fold in self.background.folds:
-            gains = [_single_gain(fold.free_part(c[:, :, None])[..., 0], fold) for c in curves]
-            picks.append(int(np.argmax(gains)))
+            residual = judge.view(fold.residual)[fold.train]
+            free = (judge.view(fold.free_part(c[:, :, None])[..., 0])[fold.train] for c in curves)
+            picks.append(int(np.argmax([_single_gain(c, residual) for c in free])))
         columns = tuple(curves[p][:, :, None] for p in picks)
-        size = 2 if soft else 1
-        return Candidate(replace(term, values=options[picks[0]]), columns, size)
+        return replace(judge, term=replace(term, values=options[picks[0]]), columns=columns)
+
+    def _absorbed(self, torque: np.ndarray) -> np.ndarray:
+        """Change of the rigid parameters (10 n,) by which the model takes up a weighted torque."""
+        base = self.found.fit.base
+        full = np.zeros(len(base.names))
+        change = self.background.whole.absorbed(torque)
+        full[base.kept[: len(change)]] = change
+        return full[: len(self.pi)]
 
     def _touch(self, term: Term) -> Candidate | None:
         """The window whose constant torques explain most, found on running sums of the residual."""
@@ -251,13 +273,28 @@ class Columns:
         return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])
 
 
+def _lag_torque(motion, columns, joint, pis, k, d, gap) -> np.ndarray:
+    """Decimated torque (m, T', n) that a lagging link changes, for m options with their parameters."""
+    torque, by_q, by_dq, by_ddq = (np.einsum("tnp,mp->mtn", c, pis) for c in columns)
+
+    def lag(tau, s, c, m, k, d, gap):
+        return deflection(m, c, s, tau, k, d, gap, 1.0 / motion.rate, 2)
+
+    own = [jnp.asarray(x[:, :, joint]) for x in (torque, by_q, by_dq, by_ddq)]
+    e, v, a = (np.asarray(x) for x in jax.vmap(lag)(*own, *map(jnp.asarray, (k, d, gap))))
+    # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
+    alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < 1.0)
+    e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
+    change = -(e * by_q + v * by_dq + a * by_ddq)
+    return np.stack([motion.decimator.apply(c) for c in change])
+
+
 def _padded(basis: np.ndarray, multiple: int = 16) -> jax.Array:
     """Basis columns filled up with zeros, so that a model that grows does not recompile the search."""
     return jnp.asarray(np.pad(basis, ((0, 0), (0, -basis.shape[1] % multiple))))
 
 
-def _single_gain(column: np.ndarray, fold) -> float:
-    """Sum of squares one column (T, n) with a positive coefficient explains on the training rows."""
-    c, r = column[fold.train].ravel(), fold.residual[fold.train].ravel()
-    size, inner = c @ c, c @ r
-    return float(inner**2 / size) if size > 0 and inner > 0 else 0.0
+def _single_gain(column: np.ndarray, residual: np.ndarray) -> float:
+    """Sum of squares that one column (T, n) with a positive coefficient explains."""
+    size, inner = float((column**2).sum()), float((column * residual).sum())
+    return inner**2 / size if size > 0 and inner > 0 else 0.0

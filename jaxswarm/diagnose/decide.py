@@ -74,12 +74,13 @@ class Score:
     allowed: bool
 
 
-def coefficients(free: np.ndarray, fold: Fold) -> np.ndarray:
+def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = None) -> np.ndarray:
     """Least-squares coefficients (k,) of free columns (T, n, k) on the training rows."""
+    residual = fold.residual if residual is None else residual
     rows = free[fold.train].reshape(-1, free.shape[2])
     scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0] = 1.0
-    return np.linalg.lstsq(rows / scale, fold.residual[fold.train].ravel(), rcond=1e-6)[0] / scale
+    return np.linalg.lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6)[0] / scale
 
 
 def score(candidate: Candidate, background: Background, interval: float = 0.0) -> Score:
@@ -96,15 +97,16 @@ def score(candidate: Candidate, background: Background, interval: float = 0.0) -
     signs = []
     for fold, columns in zip(background.halves, candidate.columns[1:], strict=True):
         free = fold.free_part(columns)
-        a = coefficients(free, fold)
+        a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
         signs.append(a)
         out = ~fold.train
-        predicted = free[out] @ a
-        fall = fold.residual[out] ** 2 - (fold.residual[out] - predicted) ** 2
+        predicted = candidate.view(free @ a)[out]
+        residual = candidate.view(fold.residual)[out]
+        fall = residual**2 - (residual - predicted) ** 2
         np.add.at(gains, background.block[out], fall)
-        np.add.at(inner, background.block[out], (predicted * fold.residual[out]).sum(axis=1))
+        np.add.at(inner, background.block[out], (predicted * residual).sum(axis=1))
         np.add.at(square, background.block[out], (predicted**2).sum(axis=1))
-        before += (fold.residual[out] ** 2).sum(axis=0)
+        before += (residual**2).sum(axis=0)
     whole = coefficients(background.whole.free_part(candidate.columns[0]), background.whole)
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)

@@ -16,23 +16,24 @@ from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
 
-def sensitivity(robot: Robot, motion: Motion, joint: int, pi: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint.
+def sensitivity_columns(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
+    """Rigid columns (T, n, 10 n) and their derivatives by position, velocity, acceleration of a joint.
 
     Differences of the regressor: exact for the acceleration, in which the torque is linear.
     """
-
-    def torque(*moved: np.ndarray) -> np.ndarray:
-        return rigid_columns(robot, *moved) @ pi
-
     here = (motion.q, motion.dq, motion.ddq)
     slopes = []
     for argument, step in enumerate((1e-5, 1e-4, 1.0)):
         high, low = list(here), list(here)
         axis = step * (np.arange(robot.num_joints) == joint)
         high[argument], low[argument] = here[argument] + axis, here[argument] - axis
-        slopes.append((torque(*high) - torque(*low)) / (2.0 * step))
-    return torque(*here), *slopes
+        slopes.append((rigid_columns(robot, *high) - rigid_columns(robot, *low)) / (2.0 * step))
+    return rigid_columns(robot, *here), *slopes
+
+
+def sensitivity(robot: Robot, motion: Motion, joint: int, pi: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint."""
+    return tuple(columns @ pi for columns in sensitivity_columns(robot, motion, joint))
 
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:

@@ -14,6 +14,10 @@ import numpy as np
 from scipy import interpolate, linalg, signal
 
 
+# Densities within this factor of the lowest count as the valley's floor.
+_FLAT = 1.5
+
+
 def smooth(x: np.ndarray, rate: float, cutoff: float) -> np.ndarray:
     r"""Low-pass along the first axis by penalized fourth differences (Whittaker smoothing).
 
@@ -30,7 +34,7 @@ def smooth(x: np.ndarray, rate: float, cutoff: float) -> np.ndarray:
 
     >>> t = np.arange(0, 2, 0.01)
     >>> slow, fast = np.sin(2 * np.pi * t), np.sin(2 * np.pi * 40 * t)
-    >>> bool(np.abs(smooth(slow + fast, 100.0, 10.0) - slow).max() < 1e-2)
+    >>> bool(np.abs(smooth(slow + fast, 100.0, 10.0) - slow)[20:-20].max() < 1e-2)
     True
     """
     if cutoff >= 0.475 * rate or len(x) <= 8:
@@ -64,8 +68,9 @@ def acceleration_valley(position: np.ndarray, rate: float) -> float:
     """Find the frequency [Hz] at which differentiation noise overtakes a motion.
 
     The density of the acceleration, that of the position times (2 pi f)^4, falls with the motion and
-    rises again with the noise; its lowest point, in third-octave averages, lies between them whether
-    the noise is white, quantized or colored.
+    rises again with the noise; its lowest stretch, in third-octave averages, lies between them whether
+    the noise is white, quantized or colored. The end of that stretch is returned: before it the
+    density may dip between the harmonics of a motion.
 
     Args:
         position: Shape (T,) or (T, n); of several joints the median valley is returned.
@@ -82,7 +87,8 @@ def acceleration_valley(position: np.ndarray, rate: float) -> float:
         average = np.array([power[m].mean() if m.any() else np.inf for m in near])
         # Motion peaks in the low decade of the band; the valley comes after.
         peak = int(np.argmax(np.where(grid <= 10.0 * grid[0], average, 0.0)))
-        valleys.append(grid[peak + int(np.argmin(average[peak:]))])
+        low = np.flatnonzero(average[peak:] <= _FLAT * average[peak:].min())
+        valleys.append(grid[peak + low[-1]])
     return float(np.median(valleys)) if valleys else 0.475 * rate
 
 

@@ -22,7 +22,7 @@ from jaxswarm.logs.filtering import (
 from jaxswarm.logs.log import Log
 
 # Motion is kept up to this multiple of the valley between motion and noise.
-_MOTION_BAND = 1.5
+_MOTION_BAND = 1.3
 # The torque is compared over this share of the band in which the motion is known.
 _TORQUE_BAND = 0.6
 

@@ -60,7 +60,7 @@ def test_bounds_are_leaves():
         (lambda: Space(x=(0.0, np.inf)), "x: bounds 0.0 and inf must be finite"),
         (lambda: Space(x=(np.nan, 1.0)), "must be finite"),
         (lambda: Space(x=Bound(0.0, 1.0, "log")), "log scale needs lower > 0"),
-        (lambda: Space(x=Bound(0.0, 1.0, "lin")), "Did you mean linear"),
+        (lambda: Space(x=Bound(0.0, 1.0, "lin")), "scale=.lin.*linear"),
         (lambda: Space(x=3.0), "give a Bound or a pair"),
         (lambda: Space.vector([0.0, 1.0], [1.0, 0.5]), r"x\[1\]: lower"),
         (lambda: Space.from_arrays(["a"], [0.0, 0.0], [1.0, 1.0]), "names has 1 entries"),

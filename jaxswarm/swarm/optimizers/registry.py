@@ -123,7 +123,7 @@ def find_optimizer(name: str) -> Entry:
     >>> find_optimizer("cmaes")
     Traceback (most recent call last):
         ...
-    jaxswarm.errors.InputError: optimizer='cmaes' is unknown. Did you mean cma_es or aelspso?
+    jaxswarm.errors.InputError: optimizer='cmaes' is unknown...cma_es...
     """
     if name not in OPTIMIZERS:
         raise InputError(f"optimizer={name!r} is unknown. {nearest(str(name), OPTIMIZERS)}")

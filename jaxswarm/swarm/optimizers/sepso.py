@@ -62,7 +62,7 @@ def sepso(
     >>> sepso(variant="R4")
     Traceback (most recent call last):
         ...
-    jaxswarm.errors.InputError: variant='R4' is unknown. Did you mean R3 or R2 or R1?
+    jaxswarm.errors.InputError: variant='R4' is unknown...
     """
     if variant not in VARIANTS:
         raise InputError(f"variant={variant!r} is unknown. {nearest(str(variant), VARIANTS)}")
