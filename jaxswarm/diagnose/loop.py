@@ -158,12 +158,16 @@ def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, 
 
 
 def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
-    """The estimate with one more term, without those it contains; None if the cost does not fall."""
+    """The estimate with one more term, without those it contains; None if the cost does not fall or a
+    coefficient leaves its physical bounds.
+    """
     term = _with_start(chosen)
     inner = CONTAINS.get(term.effect, ())
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
     after = refit(current, (*kept, term))
-    return after if _cost(after, current) < _cost(current, current) else None
+    fitted = next(t for t in after.model.terms if _key(t) == _key(term))
+    physical = all(fitted.values[p.name] >= p.lower for p in term.law.linear)
+    return after if physical and _cost(after, current) < _cost(current, current) else None
 
 
 def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import interpolate, linalg, signal
 
-
 # Densities within this factor of the lowest count as the valley's floor.
 _FLAT = 1.5
 
