@@ -146,8 +146,12 @@ def diagnose(
     robot: RobotName,
     out: Out,
     declare: Annotated[
-        str, typer.Option(help="What is known to be there: none, or name[@joint[:partner]],...")
-    ] = "none",
+        str | None,
+        typer.Option(help="What is known to be there: none, or name[@joint[:partner]],..."),
+    ] = None,
+    model: Annotated[
+        Path | None, typer.Option(help="model.json identified before: find what changed since.")
+    ] = None,
     validation: Annotated[
         list[Path] | None, typer.Option(help="Log to score on; may be repeated.")
     ] = None,
@@ -163,8 +167,16 @@ def diagnose(
     from jaxswarm.identify.run import Options
 
     options = Options(seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff)
+    if model is not None and declare is not None:
+        raise InputError("--declare and --model exclude each other; a model holds what is declared")
     with _status() as status:
-        result = diagnose_files(logs, robot, declare, out, validation, options, status.update)
+        if model is not None:
+            from jaxswarm.diagnose.run_against import compare_files
+
+            result = compare_files(logs, robot, model, out, validation, options, status.update)
+        else:
+            declare = declare or "none"
+            result = diagnose_files(logs, robot, declare, out, validation, options, status.update)
     _show(result, json, lambda: print_diagnosis(result, out))
 
 
@@ -181,6 +193,29 @@ def predict(
 
     result = predict_file(model, log, out)
     _show(result, json, lambda: print(f"{result['samples']} samples written to {result['out']}"))
+
+
+@app.command()
+def excite(
+    robot: RobotName,
+    limits: Annotated[Path, typer.Option(help="TOML file: what every joint may do.")],
+    out: Out,
+    effects: Annotated[
+        str, typer.Option(help="What will be identified: none, or name[@joint[:partner]],...")
+    ] = "viscous_friction,coulomb_friction",
+    duration: Annotated[
+        float | None, typer.Option(min=0.1, help="Length [s]; default one period.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0,
+    json: Json = False,
+) -> None:
+    """Plan a motion within limits on which the parameters can be told apart best."""
+    _start()
+    from jaxswarm.identify.excite_run import excite_file, print_excitation
+
+    with _status() as status:
+        result = excite_file(robot, limits, out, effects, duration, seed, status.update)
+    _show(result, json, lambda: print_excitation(result, out))
 
 
 @app.command()

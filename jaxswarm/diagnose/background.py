@@ -22,8 +22,8 @@ from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.least_squares import correlation_length
 from jaxswarm.identify.validate import time_blocks
 
-# Blocks per log: at least this many, no shorter than so many correlation lengths of the residual.
-_BLOCKS, _LENGTHS = 20, 4.0
+# Blocks per log, and the least number of rows in one.
+_BLOCKS, _LEAST_ROWS = 20, 8
 # Residuals beyond this multiple of the noise are bounded in their influence.
 _REACH = 4.0
 
@@ -52,7 +52,9 @@ class Fold:
 
     def free_part(self, columns: np.ndarray) -> np.ndarray:
         """c_perp of weighted columns (T, n, k)."""
-        return columns - self.project @ np.einsum("tjb,tjk->bk", self.basis, columns)
+        rows = columns.reshape(-1, columns.shape[2])
+        inner = self.basis.reshape(len(rows), -1).T @ rows
+        return columns - (self.project.reshape(len(rows), -1) @ inner).reshape(columns.shape)
 
 
 @dataclass(frozen=True)
@@ -99,11 +101,8 @@ def make_background(found: Estimate, frozen: bool = False) -> Background:
     error = solution.residual * weight
     torque = error if frozen else regression.torque * weight
     length = correlation_length(error, regression.log)
-    per_log = min(
-        np.bincount(regression.log).min() // 8,
-        max(8, min(_BLOCKS, int(np.bincount(regression.log).min() / (_LENGTHS * length)))),
-    )
-    block = time_blocks(regression.log, max(2, int(per_log)))
+    per_log = min(_BLOCKS, np.bincount(regression.log).min() // _LEAST_ROWS)
+    block = time_blocks(regression.log, max(4, int(per_log)))
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
     whole, first, second = (_fold(columns, torque, rows) for rows in (everything, odd, ~odd))

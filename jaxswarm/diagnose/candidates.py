@@ -39,12 +39,14 @@ class Candidate:
         size: Parameters it spends, linear and nonlinear.
         blur: Rows over which it is averaged before it is judged. When a loose gear strikes is decided
             by torques below the noise; how the load shifts around the strike is not.
+        signed: Whether the coefficient is a change of something known, of either sign.
     """
 
     term: Term
     columns: tuple[np.ndarray, np.ndarray, np.ndarray]
     size: int
     blur: int = 1
+    signed: bool = False
 
     def view(self, x: np.ndarray) -> np.ndarray:
         """Average (T, ...) over ``blur`` rows."""
@@ -56,6 +58,8 @@ class Candidate:
     def positive(self) -> bool:
         """Whether physics wants its single coefficient positive."""
         law = self.term.law
+        if self.signed:
+            return False
         if law.warp in ("elastic", "play"):
             return True
         return len(law.linear) == 1 and law.linear[0].lower >= 0

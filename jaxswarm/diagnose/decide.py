@@ -39,7 +39,7 @@ class Rules:
         tie: Rivals whose gains differ by fewer standard errors than this are not told apart.
     """
 
-    significance: float = 1e-3
+    significance: float = 0.01
     share: float = 0.15
     repeat: float = 0.6
     tie: float = 2.0
@@ -214,7 +214,7 @@ def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[S
         if s is best
         or (
             overlap(best.candidate, s.candidate, background) > _OVERLAP
-            and (difference(best, s) < rules.tie or s.gain > 0.995 * best.gain)
+            and (difference(best, s) < rules.tie or s.gain > 0.97 * best.gain)
         )
     ]
     chosen = min(close, key=lambda s: (s.candidate.size, -s.gain))

@@ -108,6 +108,19 @@ def noise_floor(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray, np.
     return frequency, density, np.median(density[frequency > 0.25 * rate], axis=0)
 
 
+def energy_band(x: np.ndarray, rate: float, share: float) -> float:
+    """Frequency [Hz] below which every column of a signal holds the given share of its variance.
+
+    >>> t = np.arange(0, 20, 0.01)
+    >>> 2.0 < energy_band(np.sin(2 * np.pi * 2 * t)[:, None], 100.0, 0.99) < 3.0
+    True
+    """
+    frequency, density, _ = noise_floor(x, rate)
+    growing = np.cumsum(density, axis=0)
+    reached = np.argmax(growing >= share * np.maximum(growing[-1], 1e-300), axis=0)
+    return float(frequency[reached].max())
+
+
 @dataclass(frozen=True)
 class Decimator:
     """A symmetric FIR low-pass followed by keeping every ``factor``-th sample; no phase.

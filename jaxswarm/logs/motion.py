@@ -16,6 +16,7 @@ from jaxswarm.logs.filtering import (
     acceleration_valley,
     derivatives,
     design_decimator,
+    energy_band,
     noise_floor,
     smooth,
 )
@@ -23,6 +24,8 @@ from jaxswarm.logs.log import Log
 
 # Motion is kept up to this multiple of the valley between motion and noise.
 _MOTION_BAND = 1.3
+# Share of the torque's variance that the compared band has to hold.
+_TORQUE_ENERGY = 0.9999
 # The torque is compared over this share of the band in which the motion is known.
 _TORQUE_BAND = 0.6
 
@@ -122,10 +125,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         )
     full_clock, rate = _uniform(log)
     q = _resample(log.t, log.q, full_clock, cubic=True)
-    motion_cutoff = filtering.motion_cutoff or min(
-        _MOTION_BAND * acceleration_valley(q, rate), 0.4 * rate
-    )
-    torque_cutoff = filtering.torque_cutoff or _TORQUE_BAND * motion_cutoff
+    motion_cutoff, torque_cutoff = _cutoffs(filtering, log, q, full_clock, rate)
     if not 0.0 < torque_cutoff <= 0.5 * rate:
         raise InputError(
             f"{log.source}: torque cutoff {torque_cutoff:g} Hz is outside (0, {0.5 * rate:g}] Hz, "
@@ -174,6 +174,22 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         notes=log.notes,
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
+
+
+def _cutoffs(
+    filtering: Filtering, log: Log, q: np.ndarray, clock: np.ndarray, rate: float
+) -> tuple[float, float]:
+    """Cutoffs [Hz] of motion and torque: those asked for, else found from the spectra."""
+    motion = min(_MOTION_BAND * acceleration_valley(q, rate), 0.4 * rate)
+    torque = _TORQUE_BAND * motion
+    if log.tau is not None:
+        # Above the band that holds the torque, errors of phase and structure are all there is.
+        holds = energy_band(_resample(log.t, log.tau, clock, cubic=False), rate, _TORQUE_ENERGY)
+        if holds < torque:
+            torque, motion = holds, min(motion, 2.0 * holds)
+    if filtering.motion_cutoff:
+        motion, torque = filtering.motion_cutoff, _TORQUE_BAND * filtering.motion_cutoff
+    return motion, filtering.torque_cutoff or torque
 
 
 def shift_motion(motion: Motion, seconds: float) -> Motion:

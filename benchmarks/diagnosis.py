@@ -1,0 +1,85 @@
+"""Logs with an undeclared effect: is it named, on its joint, and is nothing else?
+
+    python -m benchmarks.diagnosis practice|suite|real [--fast] [--only NAME,...]
+
+``practice``: the cases of another simulator under ``cases/`` (``JAXSWARM_DATA``, default ``../shared``);
+``suite``: simulated logs, see :mod:`benchmarks.diagnosis_suite`; ``real``: measured robots. Rows go to
+``benchmarks/results/`` as JSON lines, tables beside them. The suite skips what is finished already.
+"""
+
+import argparse
+import json
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: see jaxswarm.cli
+
+import jax
+
+from benchmarks.timing import RESULTS, write_lines
+
+
+def practice(only: set[str]) -> None:
+    from benchmarks.diagnosis_practice import data_root, practice_case, practice_table
+
+    rows = []
+    for folder in sorted((data_root() / "cases").glob("p*")):
+        if only and folder.name not in only:
+            continue
+        rows.append(practice_case(folder))
+        print(json.dumps(rows[-1]), flush=True)
+    if not only:
+        write_lines("diagnosis_practice.jsonl", rows)
+        (RESULTS / "diagnosis_practice.md").write_text(practice_table(rows))
+    print(practice_table(rows))
+
+
+def real(only: set[str]) -> None:
+    from benchmarks.diagnosis_practice import REAL, real_case
+
+    rows = []
+    for name in REAL:
+        if not only or name in only:
+            rows.append(real_case(name))
+            print(json.dumps(rows[-1]), flush=True)
+    if not only:
+        write_lines("diagnosis_real.jsonl", rows)
+
+
+def suite(fast: bool, only: set[str]) -> None:
+    from benchmarks.diagnosis_suite import all_cases, run_case
+    from benchmarks.diagnosis_tables import summarize
+
+    path = RESULTS / ("diagnosis_suite_fast.jsonl" if fast else "diagnosis_suite.jsonl")
+    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    done = {row["case"] for row in rows}
+    for case in all_cases(fast):
+        if case.name in done or (only and case.effect not in only):
+            continue
+        rows.append(run_case(case))
+        print(json.dumps(rows[-1]), flush=True)
+        with path.open("a") as file:
+            file.write(json.dumps(rows[-1]) + "\n")
+    print(summarize(rows, path.with_suffix("")))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("part", choices=["practice", "suite", "real"])
+    parser.add_argument("--fast", action="store_true", help="suite: one case per effect")
+    parser.add_argument("--only", default="", help="names of cases, robots or effects")
+    options = parser.parse_args()
+    RESULTS.mkdir(exist_ok=True)
+    jax.config.update("jax_enable_x64", True)
+    jax.config.update("jax_compilation_cache_dir", str(RESULTS / "compiled"))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+    only = set(filter(None, options.only.split(",")))
+    if options.part == "suite":
+        suite(options.fast, only)
+    elif options.part == "practice":
+        practice(only)
+    else:
+        real(only)
+
+
+if __name__ == "__main__":
+    main()
