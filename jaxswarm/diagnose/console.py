@@ -12,6 +12,8 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
     """Print verdict, ladder of errors, added effects and what to do next."""
     console = Console()
     console.print(f"[bold]{result['robot']}[/bold]: {verdict_sentence(result)}")
+    if result["error"]["before"] is None:
+        return
     units = result["torque_units"]
     table = Table("on unseen motion", *result["joints"], "global")
 
@@ -31,7 +33,7 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
     for effect in result["effects"]:
         values = ", ".join(f"{n} = {value_text(v)}" for n, v in effect["parameters"].items())
         console.print(f"{where(effect)}: {values}")
-    for line in next_steps(result):
+    for line in [*result.get("reasons", ()), *next_steps(result)]:
         console.print(f"- {line}")
     if out is not None:
         console.print(f"report: {out / 'report.html'}")

@@ -31,7 +31,9 @@ def render(result: dict, images: dict[str, bytes]) -> str:
     for name in sorted(images):
         if name.startswith("unexplained_"):
             parts += ["<h2>Structure no law explains</h2>", _image(images, name)]
-    todo = "".join(f"<li>{escape(s)}</li>" for s in next_steps(result))
+    todo = "".join(
+        f"<li>{escape(s)}</li>" for s in [*result.get("reasons", ()), *next_steps(result)]
+    )
     parts += [
         "<h2>What to do next</h2>",
         f"<ul>{todo}</ul>" if todo else "<p>Nothing the data ask for.</p>",

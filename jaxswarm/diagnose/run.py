@@ -10,7 +10,8 @@ from jaxswarm import outputs, plots
 from jaxswarm.diagnose import pictures
 from jaxswarm.diagnose.html import render
 from jaxswarm.diagnose.loop import Diagnosis, diagnose
-from jaxswarm.diagnose.result import to_result
+from jaxswarm.diagnose.poor import resting_joints, too_short, undecidable
+from jaxswarm.diagnose.result import place, to_result
 from jaxswarm.diagnose.unexplained import Unexplained, find_unexplained
 from jaxswarm.identify.model import model_torque, save_model
 from jaxswarm.identify.run import Options, read_motions
@@ -54,11 +55,20 @@ def diagnose_files(
     progress("reading logs")
     filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
     logs, motions = read_motions(paths, robot, filtering)
-    filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+    reasons = resting_joints(motions, robot)
+    columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
+    short = too_short(motions, columns)
+    if short:
+        declared = [place(t, robot.joints) for t in terms]
+        result = undecidable(robot, declared, units(robot), [*short, *reasons])
+        outputs.write_files(out, {"diagnosis.json": outputs.to_json(result)})
+        return result
     gains = np.asarray(robot.drive_gain)
-    unseen = [prepare(read_log(path, robot.joints, gains), filtering) for path in validation or ()]
+    further = [read_log(path, robot.joints, gains) for path in validation or ()]
     diagnosis = diagnose(robot, terms, motions, seed=options.seed, progress=progress)
+    unseen = [prepare(log, diagnosis.final.model.filtering) for log in further]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
+    result["reasons"] = reasons
     result["logs"] = [{**summarize(log).to_dict(), "notes": log.notes} for log in logs]
     write_report(diagnosis, left, result, unseen, out, progress)
     return result

@@ -12,6 +12,8 @@ def where(entry: dict) -> str:
 def verdict_sentence(result: dict) -> str:
     """The verdict in one sentence, with the error before and after."""
     before, after = result["error"]["before"], result["error"]["after"]
+    if before is None:
+        return "; ".join(result["reasons"]) + "."
     change = f"{100 * before['relative_global']:.2f} %"
     if result["effects"]:
         change += f" before, {100 * after['relative_global']:.2f} % after, on {after['on']}"

@@ -1,0 +1,8 @@
+"""The two papers as runnable studies: ``jaxswarm study rx60`` and ``jaxswarm study sepso``."""
+
+from jaxswarm.studies.rx60 import run_rx60
+
+STUDIES = {"rx60": run_rx60}
+"""Studies by the name the command line knows them by."""
+
+__all__ = ["STUDIES", "run_rx60"]

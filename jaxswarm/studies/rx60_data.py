@@ -10,6 +10,7 @@ so a particle costs 13 x 13 operations instead of 7001 x 3 x 13, and near zero e
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import jax
 import numpy as np
@@ -22,6 +23,7 @@ from jaxswarm.studies.rx60_paper import NAMES, NOISE, TRUE
 _COLUMNS = np.array((9, 14, 16, 19, 18, 17, 15, 24, 26, 29, 28, 27, 25))
 _SIGNS = np.array([-1.0 if name[0] in "DEF" else 1.0 for name in NAMES])
 _RATE = np.pi / 4.0  # rad/s, as printed
+_BLOCK = 1024
 READINGS = {
     "c pi": "q1 = c pi sin(pi t/4), q2 = c pi cos(pi t/4), q3 = r cos(pi t/4)",
     "c t": "q1 = c t sin(pi t/4), q2 = c t cos(pi t/4), q3 = r cos(pi t/4)",
@@ -114,7 +116,14 @@ def _regressors(robot, q, dq, ddq):
 
 def columns(q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
     """The thirteen columns W (T, 3, 13) of a motion (T, 3)."""
-    return np.asarray(_regressors(rx60(), q, dq, ddq)) @ selection().T
+    signals = np.stack([q, dq, ddq])
+    blocks = -(-signals.shape[1] // _BLOCK)  # whole blocks, so that every length is one program
+    padded = np.zeros((3, blocks * _BLOCK, 3))
+    padded[:, : signals.shape[1]] = signals
+    parts = [
+        np.asarray(_regressors(rx60(), *block)) for block in np.split(padded, blocks, axis=1)
+    ]
+    return np.concatenate(parts)[: signals.shape[1]] @ selection().T
 
 
 def experiment(
@@ -125,14 +134,19 @@ def experiment(
     samples: int = 7001,
 ) -> Experiment:
     """Simulate the experiment; with a seed, with the paper's noise on all four signals."""
-    t = np.linspace(0.0, 7.0, samples)
-    signals = motion(reading, *constants, t)
-    tau = columns(*signals) @ TRUE
+    t, signals, tau = _clean(reading, constants, samples)
     if noise_seed is not None:
         rng = np.random.default_rng([noise_seed, 60])
         signals = tuple(x + rng.normal(0.0, NOISE["motion"], x.shape) for x in signals)
         tau = tau + rng.normal(0.0, NOISE["torque"], tau.shape)
     return Experiment(t, *signals, tau)
+
+
+@cache
+def _clean(reading, constants, samples):
+    t = np.linspace(0.0, 7.0, samples)
+    signals = motion(reading, *constants, t)
+    return t, signals, columns(*signals) @ TRUE
 
 
 def averaged(data: Experiment, width: int = 50) -> Experiment:

@@ -228,7 +228,7 @@ def test_other_bad_input_is_refused(tmp_path):
     refused(tmp_path, "temperature_friction", more=("--effects", "temperature_friction"))
     refused(tmp_path, "time_delay", more=("--effects", "time_delay"))
     refused(tmp_path, "load_dependent", more=("--effects", "load_dependent_friction"))
-    refused(tmp_path, "--duration", more=("--duration", "nan"))
+    refused(tmp_path, "--duration", more=("--duration", "inf"))
     (tmp_path / "out").write_text("in the way")
     refused(tmp_path, "--out")
 

@@ -1,0 +1,83 @@
+"""What a model can absorb: projections against explicit refits."""
+
+import numpy as np
+import pytest
+from planted import declared_fit, log_with
+
+from jaxswarm.diagnose.background import make_background, robust_weight
+from jaxswarm.identify.terms import Term
+
+
+@pytest.fixture(scope="module")
+def stage():
+    spring = Term("joint_spring", 1, values={"k": 5.0, "tau0": 0.5})
+    return declared_fit(log_with(spring))
+
+
+def weighted(found, background):
+    columns = found.regression.columns[:, :, found.fit.base.kept]
+    weight = background.weight[:, :, None]
+    return columns * weight, found.regression.torque * background.weight
+
+
+def test_free_part_is_orthogonal_to_the_model_on_training_rows(stage):
+    found, background = stage
+    columns, _ = weighted(found, background)
+    suspect = background.weigh(np.random.default_rng(0).normal(size=(*columns.shape[:2], 3)))
+    for fold in background.folds:
+        free = fold.free_part(suspect)[fold.train].reshape(-1, 3)
+        model = columns[fold.train].reshape(-1, columns.shape[2])
+        model = model / np.linalg.norm(model, axis=0)
+        np.testing.assert_allclose(model.T @ free, 0.0, atol=1e-9 * np.linalg.norm(free))
+
+
+def test_held_out_residual_equals_an_explicit_refit(stage):
+    found, background = stage
+    columns, torque = weighted(found, background)
+    for fold in background.halves:
+        a, y = columns[fold.train].reshape(-1, columns.shape[2]), torque[fold.train].ravel()
+        scale = np.linalg.norm(a, axis=0)
+        theta = np.linalg.lstsq(a / scale, y, rcond=1e-12)[0] / scale
+        np.testing.assert_allclose(fold.residual, torque - columns @ theta, atol=1e-6)
+
+
+def test_what_the_model_can_do_is_absorbed_whole_and_given_back_as_parameters(stage):
+    found, background = stage
+    columns, _ = weighted(found, background)
+    change = np.random.default_rng(1).normal(size=columns.shape[2])
+    torque = columns @ change
+    for fold in background.folds:
+        free = fold.free_part(torque[:, :, None])
+        assert np.abs(free).max() < 1e-8 * np.abs(torque).max()
+        np.testing.assert_allclose(columns @ fold.absorbed(torque), torque, atol=1e-7)
+
+
+def test_halves_share_no_rows_and_cover_all(stage):
+    _, background = stage
+    first, second = (fold.train for fold in background.halves)
+    assert (first ^ second).all()
+    assert background.whole.train.all()
+    for block in np.unique(background.block):
+        assert np.ptp(first[background.block == block].astype(int)) == 0
+
+
+def test_a_frozen_model_absorbs_nothing(stage):
+    found, _ = stage
+    background = make_background(found, frozen=True)
+    suspect = np.ones((*background.weight.shape, 1))
+    np.testing.assert_array_equal(background.whole.free_part(suspect), suspect)
+    np.testing.assert_allclose(background.whole.residual, found.fit.residual * background.weight)
+
+
+def test_outliers_are_bounded_and_do_not_count_as_noise():
+    residual = np.random.default_rng(0).normal(size=(2000, 1)) * 0.3
+    residual[::100] = 50.0
+    weight = robust_weight(residual)
+    assert np.median(weight) == pytest.approx(1 / 0.3, rel=0.1)
+    np.testing.assert_allclose((residual * weight)[::100], 4.0)
+
+
+def test_effective_samples_are_fewer_where_the_residual_is_structured(stage):
+    structured = stage[1].effective
+    clean = declared_fit(log_with())[1].effective
+    assert structured < 0.5 * clean

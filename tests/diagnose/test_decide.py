@@ -1,0 +1,141 @@
+"""The decision: the test by hand and its level, thresholds, rivals and special cases."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import declared_fit, log_with
+from scipy import signal, stats
+
+from jaxswarm.diagnose.candidates import Candidate
+from jaxswarm.diagnose.decide import (
+    Rules,
+    choose,
+    difference,
+    is_special_case,
+    overlap,
+    passes,
+    score,
+    slope_p_value,
+)
+from jaxswarm.identify.terms import Term
+
+
+def test_slope_p_value_by_hand():
+    inner, square = np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 2.0])
+    # Leaving one block out: slopes 5/4, 3/3, 4/3; all blocks: 6/5.
+    slopes = np.array([1.25, 1.0, 4 / 3])
+    spread = np.sqrt(2 / 3 * ((slopes - slopes.mean()) ** 2).sum())
+    assert slope_p_value(inner, square) == pytest.approx(stats.t.sf(1.2 / spread, 2))
+
+
+def test_slope_p_value_of_nothing_and_of_a_single_block_is_one():
+    assert slope_p_value(np.zeros(4), np.zeros(4)) == 1.0
+    assert slope_p_value(np.array([5.0, 0, 0]), np.array([5.0, 0, 0])) == 1.0
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.8])
+def test_level_of_the_test_under_white_and_autocorrelated_noise(memory):
+    """A wrong prediction is called right at about the nominal rate, or less often."""
+    rng = np.random.default_rng(0)
+    count, rows, trials = 20, 60, 2000
+    wave = np.sin(2 * np.pi * 0.013 * np.arange(count * rows)).reshape(count, rows)
+    noise = rng.normal(size=(trials, count * rows))
+    noise = signal.lfilter([1.0], [1.0, -memory], noise, axis=1).reshape(trials, count, rows)
+    p = [slope_p_value((wave * e).sum(axis=1), (wave**2).sum(axis=1)) for e in noise]
+    for level in (0.05, 0.01):
+        allowed = level + 3.5 * np.sqrt(level / trials)
+        assert np.mean(np.array(p) < level) < allowed
+
+
+def test_power_of_the_test():
+    rng = np.random.default_rng(1)
+    wave = np.sin(0.1 * np.arange(1200)).reshape(20, 60)
+    y = 0.3 * wave + rng.normal(size=wave.shape)
+    assert slope_p_value((wave * y).sum(axis=1), (wave**2).sum(axis=1)) < 1e-4
+
+
+@pytest.fixture(scope="module")
+def stage():
+    return declared_fit(log_with(Term("joint_spring", 1, values={"k": 6.0, "tau0": 0.0})))
+
+
+def candidate(stage, own, joint=1, size=1, effect="joint_spring"):
+    """A candidate with the given columns (T, k) on a joint."""
+    _, background = stage
+    columns = np.zeros((*background.weight.shape, own.shape[1]))
+    columns[:, joint] = own
+    columns = background.weigh(columns)
+    return Candidate(Term(effect, joint), (columns,) * 3, size)
+
+
+def position(stage):
+    motion = stage[0].motions[0]
+    return motion.q[motion.decimator.kept(len(motion.t)), 1]
+
+
+@pytest.fixture(scope="module")
+def truth(stage):
+    return candidate(stage, position(stage)[:, None], effect="torque_offset")
+
+
+def test_truth_scores_and_passes_and_noise_does_not(stage, truth):
+    right = score(truth, stage[1])
+    assert right.share > 0.8 and right.joint == 1 and right.repeats > 0.8
+    assert right.coefficients[0] == pytest.approx(6.0, rel=0.05)
+    assert right.blocks.sum() == pytest.approx(right.gain) == right.per_joint.sum()
+    assert passes(right, 100, Rules())
+    noise = np.random.default_rng(0).normal(size=(len(position(stage)), 1))
+    assert not passes(score(candidate(stage, noise), stage[1]), 100, Rules())
+
+
+def test_every_threshold_can_refuse(stage, truth):
+    good, rules = score(truth, stage[1]), Rules()
+    assert passes(good, 100, rules)
+    for change in (
+        {"share": 0.99 * rules.share},
+        {"repeats": 0.99 * rules.repeat},
+        {"p_value": 1.01 * rules.significance / 100},
+        {"allowed": False},
+        {"gain": -1.0},
+    ):
+        assert not passes(replace(good, **change), 100, rules), change
+    assert passes(replace(good, p_value=0.9 * rules.significance / 100), 100, rules)
+
+
+def test_a_coefficient_against_physics_is_not_allowed(stage):
+    wrong = candidate(stage, -position(stage)[:, None], effect="coulomb_friction")
+    item = score(wrong, stage[1])
+    assert item.gain > 0 and not item.allowed
+
+
+def test_the_smaller_of_two_that_say_the_same_is_chosen_and_the_other_is_no_rival(stage, truth):
+    q = position(stage)
+    wide = candidate(stage, np.stack([q, np.sin(9 * q)], axis=1), size=2)
+    background = stage[1]
+    assert is_special_case(truth, wide, background)
+    assert not is_special_case(wide, truth, background)
+    both = [score(c, background) for c in (wide, truth)]
+    chosen, rivals = choose(both, Rules(), background)
+    assert chosen.candidate is truth and rivals == []
+
+
+def test_equal_candidates_of_other_laws_are_rivals(stage, truth):
+    q = position(stage)
+    twin = candidate(stage, (q + 0.02 * np.cos(5 * q))[:, None], effect="coulomb_friction")
+    background = stage[1]
+    assert overlap(truth, twin, background) > 0.95
+    chosen, rivals = choose([score(c, background) for c in (truth, twin)], Rules(), background)
+    assert {chosen.candidate.term.effect, rivals[0].candidate.term.effect} == {
+        "torque_offset",
+        "coulomb_friction",
+    }
+
+
+def test_unrelated_candidates_are_no_rivals_and_the_better_wins(stage, truth):
+    background = stage[1]
+    other = candidate(stage, np.sin(4 * position(stage))[:, None], joint=0)
+    scores = [score(c, background) for c in (other, truth)]
+    chosen, rivals = choose(scores, Rules(), background)
+    assert chosen.candidate is truth and rivals == []
+    assert difference(scores[1], scores[0]) > 2.0 > difference(scores[0], scores[1])

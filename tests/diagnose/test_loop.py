@@ -1,0 +1,98 @@
+"""The whole loop on short logs: what is planted is named on its joint, and nothing else is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import BAND, added, diagnose_log, log_with, small_arm
+from scipy import signal
+
+from jaxswarm.diagnose import diagnose
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import prepare
+
+PLANTED = [
+    Term("joint_spring", 0, values={"k": 6.0, "tau0": 1.0}),
+    Term("torque_ripple", 1, values={"sine": 0.5, "cosine": -0.4, "n": 17.0}),
+    Term("stribeck_friction", 1, values={"df": 3.0, "vs": 0.12, "delta": 2.0}),
+    Term("hysteresis", 0, values={"fc": 4.0, "x0": 0.07}),
+    Term("thermal_drift", 0, values={"fc": 3.0, "tc": 5.0}),
+    Term("transmission_coupling", 1, 0, values={"b": 2.0, "fc": 0.0, "ia": 0.0}),
+    Term("quadratic_drag", 0, values={"c": 1.5}),
+]
+
+
+@pytest.mark.parametrize("term", PLANTED, ids=lambda t: f"{t.effect}@{t.joint}")
+def test_planted_effect_is_added_on_its_joint_and_nothing_else(term):
+    found = diagnose_log(log_with(term))
+    assert added(found) == [(term.effect, term.joint)]
+    assert found.steps[0].added.other == term.other
+    fitted = found.steps[0].added.values
+    for name in ("df", "vs", "n", "x0", "b", "c", "k"):
+        if name in term.values:
+            assert fitted[name] == pytest.approx(term.values[name], rel=0.25), name
+
+
+def test_delay_is_found_and_refitted_exactly():
+    found = diagnose_log(log_with(Term("time_delay", values={"seconds": 0.012})))
+    assert added(found) == [("time_delay", None)]
+    # What is left of a sample may be taken as clock skew first.
+    total = found.steps[0].added.values["seconds"] + found.final.motions[0].skew
+    assert total == pytest.approx(0.012, abs=5e-4)
+
+
+def test_two_effects_are_both_found():
+    spring = Term("joint_spring", 0, values={"k": 6.0, "tau0": 1.0})
+    ripple = Term("torque_ripple", 1, values={"sine": 0.5, "cosine": -0.4, "n": 17.0})
+    found = diagnose_log(log_with(spring, ripple))
+    assert sorted(added(found)) == [("joint_spring", 0), ("torque_ripple", 1)]
+    errors = [found.declared.fit.sigma, *(s.after.fit.sigma for s in found.steps)]
+    assert all((b <= a * 1.001).all() for a, b in zip(errors, errors[1:], strict=False))
+
+
+def clean(kind):
+    log = log_with(seed=21)
+    rng = np.random.default_rng(5)
+    if kind == "colored":
+        noise = signal.lfilter([0.1], [1.0, -0.9], rng.normal(size=log.q.shape), axis=0)
+        return replace(log, tau=log.tau + noise)
+    if kind == "quantized":
+        return replace(log, q=np.round(log.q / 1e-4) * 1e-4, tau=np.round(log.tau / 0.3) * 0.3)
+    return log
+
+
+@pytest.mark.parametrize("kind", ["white", "colored", "quantized"])
+def test_nothing_is_added_to_a_clean_log(kind):
+    found = diagnose_log(clean(kind))
+    assert added(found) == []
+    assert len(found.last) == found.asked > 20
+
+
+def test_skew_below_half_a_sample_is_a_matter_of_the_clock_and_no_effect():
+    seconds = 0.003  # the sampling interval is 8 ms
+    found = diagnose_log(log_with(Term("time_delay", values={"seconds": seconds})))
+    assert added(found) == []
+    assert found.final.motions[0].skew == pytest.approx(seconds, abs=5e-4)
+
+
+def test_declared_pair_that_an_added_law_contains_is_removed():
+    arm = small_arm()
+    asymmetric = Term(
+        "asymmetric_friction", 1, values={"fc_pos": 2.5, "fc_neg": 1.0, "b_pos": 2.0, "b_neg": 1.0}
+    )
+    # The declared friction of joint 2 (fc = b = 1.5) comes on top in each direction.
+    log = log_with(asymmetric)
+    declared = tuple(Term(e, j) for e in ("viscous_friction", "coulomb_friction") for j in range(2))
+    found = diagnose(arm, declared, [prepare(log, BAND)])
+    assert added(found) == [("asymmetric_friction", 1)]
+    removed = {(t.effect, t.joint) for t in found.steps[0].removed}
+    assert removed == {("viscous_friction", 1), ("coulomb_friction", 1)}
+    values = found.steps[0].added.values
+    assert values["fc_pos"] == pytest.approx(4.0, abs=0.3)
+    assert values["fc_neg"] == pytest.approx(2.5, abs=0.3)
+
+
+def test_the_same_log_gives_the_same_diagnosis():
+    one, other = (diagnose_log(log_with(PLANTED[0])) for _ in range(2))
+    assert one.steps[0].added.values == other.steps[0].added.values
+    assert [s.gain for s in one.last] == [s.gain for s in other.last]

@@ -1,0 +1,131 @@
+"""What ``diagnosis.json`` and the report hold."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from planted import BAND, diagnose_log, log_with
+
+from jaxswarm.diagnose import pictures
+from jaxswarm.diagnose.html import render
+from jaxswarm.diagnose.result import to_result, verdict
+from jaxswarm.diagnose.run import conclude, write_report
+from jaxswarm.diagnose.unexplained import Unexplained
+from jaxswarm.diagnose.words import next_steps, verdict_sentence
+from jaxswarm.identify.model import load_model, model_torque
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import prepare
+from jaxswarm.outputs import to_json
+
+SPRING = Term("joint_spring", 0, values={"k": 6.0, "tau0": 1.0})
+LEFT = Unexplained(1, ("q_joint2",), 0.4, 1e-5, np.zeros(3), np.zeros((3, 1)))
+
+
+@pytest.fixture(scope="module")
+def found():
+    return diagnose_log(log_with(SPRING))
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return diagnose_log(log_with())
+
+
+@pytest.fixture(scope="module")
+def unseen():
+    return [prepare(log_with(SPRING, seed=2), BAND)]
+
+
+@pytest.fixture(scope="module")
+def result(found, unseen):
+    return conclude(found, unseen)[0]
+
+
+def test_keys_of_the_contract(result):
+    assert {
+        "robot", "joints", "declared", "effects", "steps", "unexplained", "undecided", "error",
+        "verdict",
+    } <= set(result)  # fmt: skip
+    assert result["joints"] == ["joint1", "joint2"]
+    assert {"effect": "coulomb_friction", "joint": "joint2"} in result["declared"]
+    effect = result["effects"][0]
+    assert (effect["effect"], effect["joint"]) == ("joint_spring", "joint1")
+    assert {"parameters", "gain", "alternatives"} <= set(effect)
+    assert set(effect["parameters"]["k"]) >= {"value", "std_error", "unit"}
+    assert effect["parameters"]["k"]["unit"] == "N m/rad"
+    assert set(result["steps"][0]) >= {"added", "before", "after"}
+    assert set(result["error"]) >= {"before", "after", "noise_floor"}
+
+
+def test_values_and_intervals(result):
+    k = result["effects"][0]["parameters"]["k"]
+    low, high = k["interval_95"]
+    assert low < k["value"] < high
+    assert (high - low) / 2 == pytest.approx(1.96 * k["std_error"])
+    assert abs(k["value"] - 6.0) < 4 * k["std_error"] < 2.0
+
+
+def test_errors_are_on_the_validation_log_and_fall(result):
+    before, after = result["error"]["before"], result["error"]["after"]
+    assert after["rms"][0] < 0.5 * before["rms"][0]
+    assert result["steps"][0]["before"] == before and result["steps"][-1]["after"] == after
+    assert after["on"].startswith("synthetic")
+    floor = result["error"]["noise_floor"]["rms"]
+    assert 0.7 < after["rms"][0] / floor[0] < 1.5
+
+
+def test_without_validation_errors_are_on_held_out_time(found):
+    assert to_result(found, [])["error"]["after"]["on"] == "held-out blocks of time"
+
+
+def test_verdicts(found, clean):
+    assert verdict(clean, []) == "nothing missing"
+    assert verdict(clean, [LEFT]) == "unexplained"
+    assert verdict(found, []) == "explained"
+    assert verdict(found, [LEFT]) == "partly explained"
+
+
+def test_sentence_of_every_verdict(found, clean):
+    for one in (found, clean):
+        for left in ([], [LEFT]):
+            told = to_result(one, left)
+            sentence = verdict_sentence(told)
+            assert ("joint_spring on joint1" in sentence) == bool(one.steps)
+            assert ("q_joint2" in sentence) == bool(left)
+            assert bool(next_steps(told)) or not left
+
+
+def test_result_is_json_and_every_rejection_has_a_reason(result):
+    again = json.loads(to_json(result))
+    assert again["verdict"] == "explained"
+    assert again["suspects"] and all(s["rejected_because"] for s in again["suspects"])
+
+
+def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen, tmp_path):
+    result = {**result, "logs": []}
+    write_report(found, [], result, unseen, tmp_path)
+    page = (tmp_path / "report.html").read_text()
+    assert not re.search(r"(src|href)\s*=\s*\"?(?!data:)", page)
+    assert "http" not in page and "url(" not in page and "@import" not in page
+    assert page.count('alt="effect_') == len(result["effects"]) == 1
+    assert verdict_sentence(result).split(" (")[0] in page
+    assert (tmp_path / "effect_1.png").read_bytes().startswith(b"\x89PNG")
+    written = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert written["effects"][0]["effect"] == "joint_spring"
+    model = load_model(tmp_path / "model.json")
+    np.testing.assert_allclose(
+        model_torque(model, unseen[0]), model_torque(found.final.model, unseen[0]), atol=1e-9
+    )
+
+
+def test_report_escapes_what_it_is_told(result):
+    images = {n: b"x" for n in ("ladder.png", "effect_1.png", "torque.png", "residual.png")}
+    page = render({**result, "robot": "<b>", "logs": []}, {**images, "residual_before.png": b"x"})
+    assert "<b>" not in page and "&lt;b&gt;" in page
+
+
+def test_pictures_have_a_figure_for_every_step(found):
+    for step in found.steps:
+        figure = pictures.evidence(step, found.final.model, found.final.motions[0])
+        assert figure.axes

@@ -1,0 +1,100 @@
+"""The swarms' search of nonlinear parameters, on columns without noise."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from planted import log_with, small_arm
+
+from jaxswarm.diagnose.search import Stage, decimate, explained, search_law
+from jaxswarm.effects import get_law
+from jaxswarm.identify.columns import Load, rigid_of, term_columns
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.filtering import Decimator, design_decimator
+from jaxswarm.logs.motion import Filtering, prepare
+
+PLANTED = [
+    ("stribeck_friction", {"vs": 0.11, "delta": 1.6}, [3.0]),
+    ("torque_ripple", {"n": 23.37}, [0.6, -0.4]),
+    ("hysteresis", {"x0": 0.043}, [2.0]),
+    ("thermal_drift", {"tc": 7.3}, [4.0]),
+    ("nonlinear_viscous_friction", {"alpha": 0.47}, [2.0]),
+    ("load_dependent_friction", {"inertial": 0.35}, [0.1]),
+]
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return prepare(log_with(), Filtering(20.0, 10.0))
+
+
+@pytest.fixture(scope="module")
+def load(motion):
+    rigid = rigid_of(small_arm(), motion)
+    pi = np.asarray(small_arm().parameters).ravel()
+    return Load(rigid.full @ pi, rigid.static @ pi)
+
+
+def stages_of(motion, residual, basis=None):
+    """One joint's residual for both joints and two folds: all rows, and every second one."""
+    length = len(residual)
+    basis = np.zeros((length, 1)) if basis is None else basis
+    folds = []
+    for train in (np.ones(length), (np.arange(length) // 20 % 2).astype(float)):
+        folds.append(Stage(*map(jnp.asarray, (basis * train[:, None], residual * train, train))))
+    joint = jax.tree.map(lambda *x: jnp.stack(x), *folds)
+    return jax.tree.map(lambda *x: jnp.stack(x), joint, joint)
+
+
+@pytest.mark.parametrize(("effect", "values", "linear"), PLANTED)
+def test_planted_parameters_are_recovered(motion, load, key, effect, values, linear):
+    term = Term(effect, 1, values=values)
+    columns = motion.decimator.apply(term_columns(term, motion, 0.01, load))
+    residual = columns @ np.array(linear)
+    stages = stages_of(motion, residual)
+    found = search_law(get_law(effect), motion, 0.01, load, stages, [(1, None)], key)
+    for fold, weight in zip(found[0], np.asarray(stages.train[0]), strict=True):
+        placed = Term(effect, 1, values=fold)
+        again = motion.decimator.apply(term_columns(placed, motion, 0.01, load))
+        a, y = again * weight[:, None], residual * weight
+        left = y - a @ np.linalg.lstsq(a, y, rcond=None)[0]
+        # The floor of the valley: less than one percent of the torque is missed.
+        assert np.linalg.norm(left) < 0.01 * np.linalg.norm(y)
+        for name, value in values.items():
+            assert fold[name] == pytest.approx(value, rel=0.1)
+
+
+@pytest.mark.parametrize("length", [301, 1500])
+@pytest.mark.parametrize(("rate", "cutoff"), [(125.0, 10.0), (250.0, 31.7), (100.0, 45.0)])
+def test_decimate_equals_the_decimator_of_the_logs(length, rate, cutoff):
+    low = design_decimator(rate, cutoff)
+    x = np.random.default_rng(0).normal(size=(length, 3))
+    ours = decimate(jnp.asarray(x), jnp.asarray(low.taps), low.factor)
+    np.testing.assert_allclose(ours, low.apply(x), atol=1e-12)
+
+
+def test_decimate_with_a_single_tap_keeps_every_sample():
+    x = np.arange(12.0).reshape(6, 2)
+    ours = decimate(jnp.asarray(x), jnp.ones(1), 1)
+    np.testing.assert_array_equal(ours, Decimator(np.ones(1), 1).apply(x))
+
+
+def test_explained_is_the_fall_of_the_squared_error_by_a_refit():
+    rng = np.random.default_rng(3)
+    model, columns, y = rng.normal(size=(80, 4)), rng.normal(size=(80, 2)), rng.normal(size=80)
+    basis = np.linalg.qr(model)[0]
+    residual = y - basis @ (basis.T @ y)
+    stage = Stage(*map(jnp.asarray, (basis, residual, np.ones(80))))
+
+    def cost(a):
+        return ((y - a @ np.linalg.lstsq(a, y, rcond=None)[0]) ** 2).sum()
+
+    fall = cost(model) - cost(np.column_stack([model, columns]))
+    assert float(explained(jnp.asarray(columns), stage, False)) == pytest.approx(fall, rel=1e-6)
+
+
+def test_a_coefficient_of_the_wrong_sign_explains_nothing():
+    column = np.sin(np.arange(50.0))[:, None]
+    stage = Stage(*map(jnp.asarray, (np.zeros((50, 1)), -2.0 * column[:, 0], np.ones(50))))
+    assert float(explained(jnp.asarray(column), stage, True)) == 0.0
+    assert float(explained(jnp.asarray(column), stage, False)) > 1.0
