@@ -22,8 +22,8 @@ from jaxswarm.identify.model import linear_values
 from jaxswarm.identify.terms import Term
 
 _SOFT = [(k, d) for k in np.geomspace(30.0, 3e5, 17) for d in (0.003, 0.01, 0.03, 0.1)]
-_GAPS = np.geomspace(2e-4, 0.1, 32)
-_SETTLE = 4
+_GAPS = np.geomspace(2e-4, 0.06, 44)
+_SETTLE = 3
 # Time [s] over which the torque of a loose joint is averaged before it is judged.
 _BLUR = 0.12
 

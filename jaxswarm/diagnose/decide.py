@@ -40,7 +40,7 @@ class Rules:
     """
 
     significance: float = 0.01
-    share: float = 0.15
+    share: float = 0.2
     repeat: float = 0.6
     tie: float = 2.0
 

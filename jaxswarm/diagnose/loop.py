@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import jax
 import numpy as np
 
-from jaxswarm.diagnose.background import Background, make_background
+from jaxswarm.diagnose.background import Background, make_background, robust_weight
 from jaxswarm.diagnose.candidates import Columns
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
@@ -97,7 +97,7 @@ def diagnose(
         most = max((s.gain for s in scores), default=0.0)
         guilty = [s for s in guilty if s.candidate.term.effect != "contact" or s.gain >= most]
         late = clock_skew(scores, rules)
-        if late and len(skews) < 2 and (not guilty or not steps):
+        if late and len(skews) < 3:
             skews.append(late)
             current = with_skew(current, late)
             first = current if not steps else first
@@ -167,7 +167,12 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     after = refit(current, (*kept, term))
     fitted = next(t for t in after.model.terms if _key(t) == _key(term))
     physical = all(fitted.values[p.name] >= p.lower for p in term.law.linear)
-    return after if physical and _cost(after, current) < _cost(current, current) else None
+    weight = robust_weight(current.fit.residual)
+
+    def cost(one: Estimate) -> float:
+        return float(((one.fit.residual * weight) ** 2).sum())
+
+    return after if physical and cost(after) < cost(current) else None
 
 
 def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:

@@ -105,8 +105,10 @@ register(
     Law(
         name="backlash",
         scope="joint",
-        parameters=(Parameter("gap", "rad", 1e-5, 0.2, False, 0.005, "width of the play", "log"),),
-        summary="encoder on the motor: dead zone of the given width in the transmission",
+        parameters=(
+            Parameter("gap", "rad", 1e-5, 0.2, False, 0.005, "play to either side", "log"),
+        ),
+        summary="encoder on the motor: dead zone in the transmission",
         reference="Nordin, Gutman 2002, Automatica 38(10)",
         warp="play",
     )

@@ -8,12 +8,16 @@ The order in which a torque comes about fixes the order here: the links move (``
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy import ndimage
 
 from jaxswarm.effects.warps import contact_stiffness, deflection, shift
 from jaxswarm.identify.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
+
+# Uncertainty [s] of the moment at which a loose link strikes.
+_STRIKE = 0.12
 
 
 def sensitivity_columns(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
@@ -44,10 +48,15 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
         gap = term.values["gap"]
     else:
         k, d, gap = term.values["k"], term.values["d"], 0.0
-    return deflection(
+    lag = deflection(
         by_ddq, by_dq, by_q, torque, jnp.asarray(k, float), jnp.asarray(d, float),
         jnp.asarray(gap, float), 1.0 / motion.rate,
     )  # fmt: skip
+    if term.effect != "backlash":
+        return tuple(np.asarray(x) for x in lag)
+    # When the link strikes is uncertain by torques below the noise: the mean over that uncertainty.
+    size = max(1, round(_STRIKE * motion.rate))
+    return tuple(ndimage.uniform_filter1d(np.asarray(x), size, mode="nearest") for x in lag)
 
 
 def warped(terms: tuple[Term, ...], name: str) -> list[Term]:

@@ -118,8 +118,8 @@ def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
         k, d = rotor * frequency**2, 0.4 * rotor * frequency
     if isinstance(gap, float) and gap == 0.0:
         return k * twist + d * twist_rate
-    into = jnp.sign(twist) * jnp.maximum(jnp.abs(twist) - 0.5 * gap, 0.0)
-    # The damping fades in over a twentieth of the gap: a force that jumps on contact would cost
+    into = jnp.sign(twist) * jnp.maximum(jnp.abs(twist) - gap, 0.0)
+    # The damping fades in over a tenth of the gap: a force that jumps on contact would cost
     # the integrator its order.
-    touch = jnp.minimum(jnp.abs(into) / (0.05 * gap), 1.0)
+    touch = jnp.minimum(jnp.abs(into) / (0.1 * gap), 1.0)
     return k * into + d * touch * twist_rate

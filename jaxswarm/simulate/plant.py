@@ -3,7 +3,7 @@
 A joint with ``joint_elasticity`` or ``backlash`` is *soft*: its motor has a coordinate of its own, and
 the transmission passes
 
-    s = k z + d (dtheta - dq),   z = dead zone of (theta - q), width ``gap``.
+    s = k z + d (dtheta - dq),   z = dead zone of (theta - q), ``gap`` to either side.
 
 Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
 ripple and rotor inertia see motor position and velocity, the rigid body sees the links. Effects that

@@ -120,9 +120,7 @@ def columns(q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
     blocks = -(-signals.shape[1] // _BLOCK)  # whole blocks, so that every length is one program
     padded = np.zeros((3, blocks * _BLOCK, 3))
     padded[:, : signals.shape[1]] = signals
-    parts = [
-        np.asarray(_regressors(rx60(), *block)) for block in np.split(padded, blocks, axis=1)
-    ]
+    parts = [np.asarray(_regressors(rx60(), *block)) for block in np.split(padded, blocks, axis=1)]
     return np.concatenate(parts)[: signals.shape[1]] @ selection().T
 
 

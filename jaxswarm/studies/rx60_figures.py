@@ -26,9 +26,7 @@ def convergence(searches: dict[tuple[str, str], Search], optimum: dict[str, floa
     figure, axes = plots.panels(1, 2, 10.0, 3.8)
     for axis, case in zip(axes, ("clean", "noisy"), strict=True):
         for name, color in COLORS.items():
-            low, middle, high = np.quantile(
-                searches[name, case].history, [0.25, 0.5, 0.75], axis=0
-            )
+            low, middle, high = np.quantile(searches[name, case].history, [0.25, 0.5, 0.75], axis=0)
             steps = np.arange(1, len(middle) + 1)
             axis.semilogy(steps, middle, color=color, label=name.upper())
             axis.fill_between(steps, low, high, color=color, alpha=0.2, lw=0)
@@ -53,7 +51,9 @@ def null_space(raw: np.ndarray, base: np.ndarray, labels: tuple[str, ...]) -> Fi
     axes[0].legend(frameon=False)
     axes[0].set_title("standard deviation over the runs, raw [kg m^2]", fontsize=9)
     shown = [k for k, label in enumerate(labels) if "+" in label or " - " in label]
-    axes[1].bar([labels[k] for k in shown], base[:, shown].std(axis=0, ddof=1), color=plots.RESIDUAL)
+    axes[1].bar(
+        [labels[k] for k in shown], base[:, shown].std(axis=0, ddof=1), color=plots.RESIDUAL
+    )
     axes[1].set_yscale("log")
     axes[1].tick_params(axis="x", labelsize=7)
     axes[1].set_title("the same runs in base combinations (log scale)", fontsize=9)

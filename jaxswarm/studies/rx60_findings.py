@@ -26,7 +26,9 @@ def identifiability(problem: Compressed) -> dict:
     base = base_of(problem)
     left = np.linalg.svd(problem.factor)
     null = left[2][base.size :]
-    moved = [n for n, size in zip(paper.NAMES, np.abs(null).max(axis=0), strict=True) if size > 1e-6]
+    moved = [
+        n for n, size in zip(paper.NAMES, np.abs(null).max(axis=0), strict=True) if size > 1e-6
+    ]
     return {
         "parameters": 13,
         "rank": base.size,

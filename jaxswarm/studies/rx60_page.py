@@ -68,10 +68,21 @@ def render(result: dict, images: dict[str, bytes]) -> str:
         show("convergence.png"),
         page.heading("Why AELSPSO lost in the paper"),
         page.reconstructions(
-            ["the paper does not print c1, c2, the gate or what a failed trial does: all are varied here"]
+            [
+                "the paper does not print c1, c2, the gate or what a failed trial does: all are varied here"
+            ]
         ),
         page.table(
-            ["coordinates", "c", "GPSO", "AELSPSO", "spread at the end", "mean w", "A12", "AELSPSO is"],
+            [
+                "coordinates",
+                "c",
+                "GPSO",
+                "AELSPSO",
+                "spread at the end",
+                "mean w",
+                "A12",
+                "AELSPSO is",
+            ],
             [
                 [
                     r["coordinates"],
@@ -159,7 +170,10 @@ def _sensitivity(result):
         f"{row['bounds']:g}."
         for name, row in nearest.items()
     ]
-    return [page.heading("Sensitivity to what the paper does not print"), *map(page.sentence, texts)]
+    return [
+        page.heading("Sensitivity to what the paper does not print"),
+        *map(page.sentence, texts),
+    ]
 
 
 def _readings(result):
@@ -188,7 +202,9 @@ def _physics(result):
         page.heading("The stated truth is no rigid body"),
         *map(page.sentence, reasons),
         page.table(["", *paper.NAMES], rows),
-        page.sentence(f"The nearest physical arm has a noise-free fbest of {found['fbest']:.4f} N m."),
+        page.sentence(
+            f"The nearest physical arm has a noise-free fbest of {found['fbest']:.4f} N m."
+        ),
     ]
 
 
@@ -220,7 +236,11 @@ def _loop(result):
             [f"{r['hidden']}: GPSO, RMS on unseen motion", *r["gpso"]["rms"], ""],
             [f"{r['hidden']}: AELSPSO", *r["aelspso"]["rms"], ""],
             [f"{r['hidden']}: declared rigid body", *r["loop"]["before"], ""],
-            [f"{r['hidden']}: after the loop", *r["loop"]["after"], effects or r["loop"]["verdict"]],
+            [
+                f"{r['hidden']}: after the loop",
+                *r["loop"]["after"],
+                effects or r["loop"]["verdict"],
+            ],
         ]
     error = np.array([r["torque_noise"] for r in result["loop"]]).max()
     return [

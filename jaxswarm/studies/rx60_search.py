@@ -148,5 +148,7 @@ def summary(found: Search, at: View) -> dict:
         "least_squares": at.optimum,
         "evaluations": found.per_step * found.history.shape[1],
         "final_diversity": float(np.median(found.diversity[:, -1])),
-        "mean_inertia": float(np.nanmean(found.inertia)) if np.isfinite(found.inertia).any() else None,
+        "mean_inertia": float(np.nanmean(found.inertia))
+        if np.isfinite(found.inertia).any()
+        else None,
     }

@@ -41,7 +41,8 @@ def sensitivity(at: View, key: jax.Array, *, runs: int, fast: bool) -> list[dict
     Each scheme and size is one program mapped over bounds, c and runs. The iterations are those of the
     schedule of the whole search, so each length is a search of its own.
     """
-    sizes, lengths = ((24,), (200,)) if fast else ((12, 24, 48), (100, 200, 500, 2000))
+    settings = [(24, 200)] if fast else [(n, k) for n in (12, 24, 48) for k in (100, 200, 500)]
+    settings += [] if fast else [(24, 2000)]
     stretches = STRETCH[1:3] if fast else STRETCH
     accelerations = ACCELERATION[1::3] if fast else ACCELERATION
     boxes = [np.stack(side) for side in zip(*(bounds(s) for s in stretches), strict=True)]
@@ -49,23 +50,22 @@ def sensitivity(at: View, key: jax.Array, *, runs: int, fast: bool) -> list[dict
     problem = jax.tree.map(jnp.asarray, (at.factor, at.target, at.rest))
     rows = []
     for name in ("gpso", "aelspso"):
-        for size in sizes:
-            for steps in lengths:
-                medians = np.asarray(
-                    _sweep(name, size, steps, problem, boxes, jnp.asarray(accelerations), keys)
-                )
-                rows += [
-                    {
-                        "scheme": name,
-                        "particles": size,
-                        "steps": steps,
-                        "bounds": stretch,
-                        "c": c,
-                        "fbest_median": float(medians[i, j, -1]),
-                    }
-                    for i, stretch in enumerate(stretches)
-                    for j, c in enumerate(accelerations)
-                ]
+        for size, steps in settings:
+            medians = np.asarray(
+                _sweep(name, size, steps, problem, boxes, jnp.asarray(accelerations), keys)
+            )
+            rows += [
+                {
+                    "scheme": name,
+                    "particles": size,
+                    "steps": steps,
+                    "bounds": stretch,
+                    "c": c,
+                    "fbest_median": float(medians[i, j, -1]),
+                }
+                for i, stretch in enumerate(stretches)
+                for j, c in enumerate(accelerations)
+            ]
     return rows
 
 

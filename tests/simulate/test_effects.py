@@ -129,7 +129,7 @@ def test_flexible_joint_arm_equals_its_textbook_equations():
 
 
 def test_backlash_leaves_the_link_alone_until_the_gap_is_crossed():
-    gap, rotor = 0.02, 0.5
+    gap, rotor = 0.01, 0.5
     terms = [
         Acting("backlash", 0, values={"gap": gap}),
         Acting("rotor_inertia", 0, values={"ia": rotor}),
@@ -139,14 +139,14 @@ def test_backlash_leaves_the_link_alone_until_the_gap_is_crossed():
     run = jax.jit(lambda f: simulate(plant, rest(plant, jnp.zeros(1)), f, dt=dt))
     motion = run(jnp.full((num, 1), force))
     free = 0.5 * (force / rotor) * np.asarray(motion.t) ** 2
-    inside = free < 0.49 * gap
+    inside = free < 0.98 * gap
     np.testing.assert_allclose(motion.q[inside, 0], free[inside], atol=1e-12)
     assert np.abs(motion.q_link[inside]).max() == 0.0
     # Momentum: the force acts on both together, whatever passes between them.
     momentum = rotor * motion.dq[-1, 0] + 1.5 * motion.dq_link[-1, 0]
     assert abs(momentum - force * motion.t[-1]) < 1e-9
     twist = np.asarray(motion.q - motion.q_link)[-200:, 0]
-    assert (np.abs(twist) < 0.75 * gap).all()
+    assert (np.abs(twist) < 1.5 * gap).all()
 
 
 def test_bristle_friction_equals_a_stiff_solver():
