@@ -165,14 +165,24 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     inner = CONTAINS.get(term.effect, ())
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
     after = refit(current, (*kept, term))
-    fitted = next(t for t in after.model.terms if _key(t) == _key(term))
-    physical = all(fitted.values[p.name] >= p.lower for p in term.law.linear)
+    fitted, errors = next(
+        (t, e)
+        for t, e in zip(after.model.terms, after.std_errors, strict=True)
+        if _key(t) == _key(term)
+    )
+    linear = term.law.linear
+    physical = all(fitted.values[p.name] >= p.lower for p in linear)
+    # A coefficient that is nowhere larger than twice its doubt stands for something else.
+    certain = not linear or any(
+        abs(fitted.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name])
+        for p in linear
+    )
     weight = robust_weight(current.fit.residual)
 
     def cost(one: Estimate) -> float:
         return float(((one.fit.residual * weight) ** 2).sum())
 
-    return after if physical and cost(after) < cost(current) else None
+    return after if physical and certain and cost(after) < cost(current) else None
 
 
 def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:

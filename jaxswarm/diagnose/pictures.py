@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from jaxswarm import plots
 from jaxswarm.diagnose.loop import Diagnosis, Step
 from jaxswarm.diagnose.unexplained import Unexplained
+from jaxswarm.diagnose.words import where
 from jaxswarm.identify.model import Model, model_torque
 from jaxswarm.identify.summary import units
 from jaxswarm.identify.terms import Term
@@ -70,28 +71,26 @@ def evidence(step: Step, final: Model, motion: Motion) -> Figure:
 
 def ladder(result: dict) -> Figure:
     """Error of every joint on unseen motion, before and after each added effect."""
-    stages = [("declared", result["error"]["before"])]
+    stages = [("declared model", result["error"]["before"])]
     for step in result["steps"]:
-        joint = step["added"]["joint"]
-        stages.append(
-            (f"+ {step['added']['effect']}" + (f"\n{joint}" if joint else ""), step["after"])
-        )
+        stages.append((f"+ {where(step['added'])}", step["after"]))
     joints, labels = result["joints"], result["torque_units"]
-    figure, axes = plots.panels(1, len(joints), 2.9 * len(joints) + 0.8, 3.4)
+    height = 1.4 + 0.34 * len(stages)
+    figure, axes = plots.panels(1, len(joints), 3.0 + 2.3 * len(joints), height, sharey=True)
     floor = result["error"]["noise_floor"]["rms"]
+    rows = np.arange(len(stages))
     for j, axis in enumerate(axes):
         rms = [errors["rms"][j] for _, errors in stages]
-        share = [100 * errors["relative"][j] for _, errors in stages]
         colors = [plots.MEASURED] + [plots.MODEL] * (len(stages) - 1)
-        axis.bar(range(len(stages)), rms, color=colors, width=0.6)
-        for k, (value, percent) in enumerate(zip(rms, share, strict=True)):
-            axis.text(
-                k, value, f"{value:.3g}\n{percent:.1f} %", ha="center", va="bottom", fontsize=7
-            )
-        axis.axhline(floor[j], color=plots.RESIDUAL, lw=1, ls="--")
-        axis.set_xticks(range(len(stages)), [name for name, _ in stages], fontsize=7)
+        axis.barh(rows, rms, color=colors, height=0.62)
+        for k, (_, errors) in enumerate(stages):
+            text = f" {rms[k]:.3g} ({100 * errors['relative'][j]:.1f} %)"
+            axis.text(rms[k], k, text, ha="left", va="center", fontsize=7)
+        axis.axvline(floor[j], color=plots.RESIDUAL, lw=1, ls="--")
         axis.set_title(f"{joints[j]} [{labels[j]}]", fontsize=9)
-        axis.margins(y=0.25)
+        axis.set_xlim(0, 1.6 * max(max(rms), floor[j]))
+    axes[0].set_yticks(rows, [name for name, _ in stages], fontsize=8)
+    axes[0].invert_yaxis()
     figure.suptitle("error on unseen motion; dashed: noise of the torque sensor", fontsize=10)
     return figure
 
