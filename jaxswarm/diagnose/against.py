@@ -212,7 +212,7 @@ def _values(term: Term, own, doubt, joints) -> tuple[dict, dict]:
     elif law.warp == "delay":
         names = ["seconds"]
     elif law.warp == "gravity":
-        names = ["gx", "gy"]
+        names, own, doubt = ["gx", "gy"], own[:2], doubt[:2]
     elif law.warp == "window":
         names = [f"tau_{j}" for j in joints]
     elif law.warp in ("elastic", "play"):

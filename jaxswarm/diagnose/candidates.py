@@ -180,7 +180,9 @@ class Columns:
             return Candidate(replace(term, values={"seconds": 0.0}), (columns,) * 3, 1)
         if kind == "gravity":
             columns = self.stack(self._tilt)
-            return Candidate(replace(term, values={"gx": 0.0, "gy": 0.0}), (columns,) * 3, 2)
+            return Candidate(
+                replace(term, values={"gx": 0.0, "gy": 0.0}), (columns,) * 3, columns.shape[2]
+            )
         if kind == "payload":
             last = slice(-10, None)
             columns = self.stack(lambda k: self.found.rigids[k].full[:, :, last])
@@ -190,13 +192,28 @@ class Columns:
         return self._lagging(term)
 
     def _tilt(self, k: int) -> np.ndarray:
-        """Torque of a unit of gravity along base x and y, (T, n, 2)."""
+        """Torque of a unit of gravity along base x and y, (T, n, 2 and more).
+
+        Gravity aside also loads masses that the level arm never felt, such as that of a first link
+        about its vertical axis: their torques follow as further columns with free coefficients.
+        """
         zero = np.zeros_like(self.moved[k][1])
-        columns = []
+        unknown = np.setdiff1d(np.arange(len(self.pi)), self.found.fit.base.kept)
+        known, free = [], []
         for axis in np.eye(3)[:2]:
             arm = self.arm.replace(gravity=jnp.asarray(axis))
-            columns.append(rigid_columns(arm, self.moved[k][0], zero, zero) @ self.pi)
-        return np.stack(columns, axis=2)
+            rows = rigid_columns(arm, self.moved[k][0], zero, zero)
+            known.append(rows @ self.pi)
+            free.append(rows[:, :, unknown])
+        known, free = np.stack(known, axis=2), np.concatenate(free, axis=2)
+        # What the level arm's own columns cannot say already, as few columns as span it.
+        own = rigid_columns(self.arm, self.moved[k][0], zero, zero).reshape(-1, len(self.pi))
+        basis = np.linalg.svd(own, full_matrices=False)
+        inside = basis[0][:, basis[1] > 1e-9 * basis[1][0]]
+        flat = free.reshape(len(own), -1)
+        u, size, _ = np.linalg.svd(flat - inside @ (inside.T @ flat), full_matrices=False)
+        fresh = u[:, size > 1e-6 * max(np.linalg.norm(flat, axis=0).max(), 1e-300)]
+        return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
 
     def _lagging(self, term: Term) -> Candidate | None:
         """A soft or loose joint: the best of a lattice of stiffness and damping, or of gaps.

@@ -10,12 +10,15 @@ from jaxswarm.diagnose.background import Background, make_background, robust_wei
 from jaxswarm.diagnose.candidates import Columns
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
+from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate, best_width, estimate
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
-_MOST_STEPS = 10
+_MOST_STEPS = 12
+# A law below the first share of a joint's error is doubted where a smooth function reaches the second.
+_SMALL_PART, _NEARLY_ALL = 0.4, 0.7
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,12 @@ class Diagnosis:
     last: tuple[Score, ...]
     background: Background
     asked: int
+
+    @property
+    def kept(self) -> tuple[Step, ...]:
+        """The steps whose effect was not removed again by a later one."""
+        gone = {_key(t) for step in self.steps for t in step.removed}
+        return tuple(step for step in self.steps if _key(step.added) not in gone)
 
 
 def diagnose(
@@ -105,6 +114,9 @@ def diagnose(
         if not guilty or round_number == _MOST_STEPS:
             break
         chosen, rivals = choose(guilty, rules, background)
+        if stands_in(chosen, current, background, seed):
+            banned.add(_key(chosen.candidate.term))
+            continue
         progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
         after, removed = add(current, chosen)
         if after is None:
@@ -117,6 +129,18 @@ def diagnose(
         steps.append(Step(added, chosen, tuple(rivals), tuple(others[:8]), current, after, removed))
         current = after
     return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked)
+
+
+def stands_in(chosen: Score, current: Estimate, background: Background, seed: int) -> bool:
+    """Whether a law only stands in for one that no catalog holds.
+
+    That is so if it explains a small part of what a smooth function of one or two variables explains
+    nearly all of.
+    """
+    if chosen.share > _SMALL_PART or chosen.candidate.term.joint is None:
+        return False
+    smooth = find_unexplained(current, background, seed, [chosen.joint])
+    return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
 
 
 def clock_skew(scores: Sequence[Score], rules: Rules) -> float:
@@ -229,7 +253,7 @@ def _with_start(chosen: Score) -> Term:
     elif term.law.warp == "delay":
         values["seconds"] = float(np.clip(a[0], -0.045, 0.045))
     elif term.law.warp == "gravity":
-        values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a)
+        values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a[:2])
     return replace(term, values=values)
 
 

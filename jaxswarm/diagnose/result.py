@@ -64,7 +64,7 @@ def to_result(
         "robot": robot.name,
         "joints": list(joints),
         "declared": [place(t, joints) for t in diagnosis.declared.model.terms],
-        "effects": [_effect(step, final, joints) for step in diagnosis.steps],
+        "effects": [_effect(step, final, joints) for step in diagnosis.kept],
         "steps": steps,
         "removed": [place(t, joints) for step in diagnosis.steps for t in step.removed],
         "unexplained": [

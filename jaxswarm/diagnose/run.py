@@ -101,7 +101,7 @@ def write_report(
     shown = unseen[0] if unseen else motion
     low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
     figures = {"ladder.png": pictures.ladder(result)}
-    for number, step in enumerate(diagnosis.steps, 1):
+    for number, step in enumerate(diagnosis.kept, 1):
         figures[f"effect_{number}.png"] = pictures.evidence(step, final.model, motion)
     for item in left:
         rows = final.regression.log >= 0

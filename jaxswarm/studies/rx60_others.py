@@ -9,7 +9,7 @@ from jaxswarm.studies.rx60_search import COORDINATES, PARTICLES, View, search
 from jaxswarm.swarm import OPTIMIZERS
 
 EVALUATIONS = 48_000
-FAST_NAMES = ("de", "cma_es", "random_search")
+FAST_NAMES = ("cma_es", "random_search")
 WITHIN = 0.01  # of the least-squares cost f^2
 
 

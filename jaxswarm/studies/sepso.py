@@ -96,7 +96,7 @@ def run_sepso(
         ],
         "sections": sections,
         "torque_error": [
-            _torque(p, keys, 100 if fast else 1000, ("SPSO", "SEPSO R1") if fast else names)
+            _torque(p, keys, 100 if fast else 1000, ("SPSO",) if fast else names)
             for p in PLANTS.values()
         ],
     }

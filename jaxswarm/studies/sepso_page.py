@@ -20,7 +20,7 @@ def verdict_lines(result: dict) -> list[str]:
                 f"{word} in {told.count(word)}" for word in ("better", "worse", "not told apart")
             )
             texts.append(
-                f"{variant} (reconstruction) against {rival}, parameter accuracy over {settings} settings: "
+                f"{variant} [reconstruction] against {rival}, parameter accuracy over {settings} settings: "
                 f"{counts}."
             )
     holds = [
@@ -79,7 +79,7 @@ def render(result: dict, images: dict[str, bytes]) -> str:
                 f"{t['least_squares_cost']:.1e}."
             ),
             _accuracy(t["rows"], names[t["plant"]], 0.0),
-            _comparisons(t["comparisons"]),
+            *([_comparisons(t["comparisons"])] if t["comparisons"] else []),
         ]
     return page.page("SEPSO: output error of two manipulators", parts)
 

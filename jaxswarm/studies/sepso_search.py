@@ -27,7 +27,7 @@ from jaxswarm.swarm import (
 PARTICLES = 40
 SEPSO = ("SEPSO R1", "SEPSO R2", "SEPSO R3", "SEPSO R1, c = 1.5 (ours)")
 RIVALS = ("SPSO", "GA", "textbook GA")
-FAST = ("SPSO", "GA", "SEPSO R1", "SEPSO R1, c = 1.5 (ours)")
+FAST = ("SPSO", "GA", "SEPSO R1")
 
 
 def contestants(num_steps: int) -> dict[str, Any]:

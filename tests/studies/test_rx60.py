@@ -43,7 +43,7 @@ def test_motions_are_consistent(reading):
 
 
 def test_unknown_reading_is_refused():
-    with pytest.raises(InputError, match="c pi"):
+    with pytest.raises(InputError, match="Did you mean c t"):
         motion("c tau", 1.0, 1.0, np.zeros(1))
 
 
