@@ -82,8 +82,8 @@ def to_result(
             "after": after,
             "noise_floor": {
                 "rms": list(map(float, noise)),
-                "how": "density of the torque's noise in the upper half of the band, taken as flat, "
-                "below the torque cutoff",
+                "how": "sample-to-sample noise of the torque (median third difference), taken as "
+                "white, below the torque cutoff",
                 "torque_cutoff_hz": final.motions[0].torque_cutoff,
             },
         },

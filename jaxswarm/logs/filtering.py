@@ -108,6 +108,19 @@ def noise_floor(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray, np.
     return frequency, density, np.median(density[frequency > 0.25 * rate], axis=0)
 
 
+def white_noise(x: np.ndarray) -> np.ndarray:
+    """Standard deviation of the sample-to-sample noise of every column of a signal (T, n), shape (n,).
+
+    From the median absolute third difference, which neither the signal's slow course nor its rare
+    jumps move.
+
+    >>> noise = np.random.default_rng(0).normal(size=(4000, 1))
+    >>> bool(abs(white_noise(0.1 * noise + np.linspace(0, 9, 4000)[:, None])[0] - 0.1) < 0.01)
+    True
+    """
+    return 1.4826 * np.median(np.abs(np.diff(x, 3, axis=0)), axis=0) / np.sqrt(20.0)
+
+
 def energy_band(x: np.ndarray, rate: float, share: float) -> float:
     """Frequency [Hz] below which every column of a signal holds the given share of its variance.
 

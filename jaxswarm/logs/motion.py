@@ -19,6 +19,7 @@ from jaxswarm.logs.filtering import (
     energy_band,
     noise_floor,
     smooth,
+    white_noise,
 )
 from jaxswarm.logs.log import Log
 
@@ -64,7 +65,7 @@ class Motion:
         interval: Median sampling interval of the log [s].
         skew: Time by which the motion was moved against the torque [s].
         torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
-            (n,): the noise density of the upper half of the band, taken as flat; None without torque.
+            (n,): that of the sample-to-sample noise, taken as white; None without torque.
     """
 
     source: str
@@ -149,7 +150,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     tau = noise = None
     if log.tau is not None:
         raw = _resample(log.t, log.tau, full_clock, cubic=False)
-        noise = np.sqrt(noise_floor(raw, rate)[2] * torque_cutoff)
+        noise = white_noise(raw) * np.sqrt(torque_cutoff / (0.5 * rate))
         tau = _thin(raw, rate, stride)
     decimator = design_decimator(working, torque_cutoff)
     if len(decimator.kept(len(clock))) < 10:

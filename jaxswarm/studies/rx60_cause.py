@@ -33,7 +33,7 @@ def stable_acceleration(inertia: float) -> float:
     """Largest c1 + c2 for which a swarm's spread shrinks at an inertia weight.
 
     >>> stable_acceleration(0.5), round(stable_acceleration(0.729), 3)
-    (4.0, 3.355)
+    (4.0, 3.352)
     """
     return 24.0 * (1.0 - inertia**2) / (7.0 - 5.0 * inertia)
 

@@ -68,4 +68,4 @@ def declared_fit(log: Log):
 
 def added(found: Diagnosis) -> list[tuple]:
     """What was added, as (effect, joint)."""
-    return [(s.added.effect, s.added.joint) for s in found.steps]
+    return [(s.added.effect, s.added.joint) for s in found.kept]

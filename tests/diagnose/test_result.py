@@ -106,7 +106,7 @@ def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen
     result = {**result, "logs": []}
     write_report(found, [], result, unseen, tmp_path)
     page = (tmp_path / "report.html").read_text()
-    assert not re.search(r"(src|href)\s*=\s*\"?(?!data:)", page)
+    assert not re.search(r"(src|href)\s*=\s*\"(?!data:)", page)
     assert "http" not in page and "url(" not in page and "@import" not in page
     assert page.count('alt="effect_') == len(result["effects"]) == 1
     assert verdict_sentence(result).split(" (")[0] in page

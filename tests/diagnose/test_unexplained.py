@@ -21,7 +21,7 @@ def with_extra(shape):
 
 
 LAWS = [
-    ("q_joint2", lambda q, dq: 2.0 * np.cos(2 * q[:, 1]) * np.tanh(dq[:, 1] / 0.05)),
+    ("q_joint2", lambda q, dq: 2.0 * np.cos(5 * q[:, 1]) * np.tanh(dq[:, 1] / 0.05)),
     ("q_joint1", lambda q, dq: 2.0 * np.sin(2 * q[:, 0]) * np.tanh(dq[:, 1] / 0.05)),
 ]
 
