@@ -62,7 +62,7 @@ def test_planted_parameters_are_recovered(motion, load, key, effect, values, lin
         missed = 0.01 if len(values) == 1 else 0.03
         assert np.linalg.norm(left) < missed * np.linalg.norm(y)
         for name, value in values.items():
-            assert fold[name] == pytest.approx(value, rel=0.1)
+            assert fold[name] == pytest.approx(value, rel=0.1 if len(values) == 1 else 0.15)
 
 
 @pytest.mark.parametrize("length", [301, 1500])
