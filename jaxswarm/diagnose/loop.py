@@ -213,9 +213,8 @@ def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
     """Estimate with other terms from where the current one stands, its sign width found anew."""
     robot = current.model.robot
     pi = np.asarray(robot.parameters).ravel()
-    nominal = robot
     after = estimate(
-        nominal,
+        robot,
         terms,
         current.motions,
         width=current.model.width,
@@ -224,7 +223,7 @@ def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
         start=pi,
     )
     width = best_width(
-        nominal,
+        robot,
         after.model.terms,
         current.motions,
         current.rigids,
@@ -233,7 +232,7 @@ def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
     if abs(np.log(width / current.model.width)) < 0.05:
         return after
     again = estimate(
-        nominal,
+        robot,
         after.model.terms,
         current.motions,
         width=width,

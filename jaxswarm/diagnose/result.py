@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.experiment import best_experiment
 from jaxswarm.diagnose.loop import Diagnosis, Step, refit_with
 from jaxswarm.diagnose.unexplained import Unexplained
 from jaxswarm.identify.estimate import Estimate
-from jaxswarm.identify.summary import term_parameters, units
+from jaxswarm.identify.summary import term_parameters, units, with_intervals
 from jaxswarm.identify.terms import Term
 from jaxswarm.identify.validate import held_out_errors, log_errors
 from jaxswarm.logs.motion import Motion
@@ -108,11 +106,7 @@ def _ranked(scores: Sequence[Score]) -> list[Score]:
 def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
     term, errors = _final_term(step.added, final)
     kind = "revolute" if term.joint is None else final.model.robot.kinds[term.joint]
-    parameters = term_parameters(term, kind, errors)
-    for row in parameters.values():
-        error = row["std_error"]
-        if error is not None and np.isfinite(error):
-            row["interval_95"] = [row["value"] - 1.96 * error, row["value"] + 1.96 * error]
+    parameters = with_intervals(term_parameters(term, kind, errors))
     total = float(step.score.gain)
     return {
         **place(term, joints),

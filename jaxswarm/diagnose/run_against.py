@@ -16,7 +16,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.metrics import torque_errors
 from jaxswarm.identify.model import load_model
 from jaxswarm.identify.run import Options
-from jaxswarm.identify.summary import term_parameters
+from jaxswarm.identify.summary import term_parameters, with_intervals
 from jaxswarm.logs import read_log, summarize
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot.load import load_robot
@@ -110,11 +110,7 @@ def _parameters(change: Change, kind: str) -> dict:
         table = term_parameters(
             replace(term, values={**missing, **term.values}), kind, change.std_errors
         )
-    for row in table.values():
-        error = row["std_error"]
-        if error is not None and np.isfinite(error):
-            row["interval_95"] = [row["value"] - 1.96 * error, row["value"] + 1.96 * error]
-    return table
+    return with_intervals(table)
 
 
 def _as_diagnosis(found: Comparison) -> Diagnosis:

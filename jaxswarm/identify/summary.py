@@ -94,6 +94,15 @@ def term_parameters(term: Term, kind: str, errors: dict[str, float] | None = Non
     return table
 
 
+def with_intervals(table: dict) -> dict:
+    """The table of :func:`term_parameters` with a 95 % interval wherever a standard error is known."""
+    for row in table.values():
+        error = row["std_error"]
+        if error is not None and np.isfinite(error):
+            row["interval_95"] = [row["value"] - 1.96 * error, row["value"] + 1.96 * error]
+    return table
+
+
 def correlation(found: Estimate) -> np.ndarray:
     """Correlation matrix of the base parameters (zero rows where one is at its bound)."""
     scale = np.where(found.fit.std_error > 0, found.fit.std_error, 1.0)
