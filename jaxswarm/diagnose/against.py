@@ -14,8 +14,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background
-from jaxswarm.diagnose.candidates import Candidate, Columns
+from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
+from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.errors import InputError
 from jaxswarm.identify.base_parameters import find_base
@@ -122,11 +124,11 @@ def compare(
     stages: list[Estimate] = []
     unseen: list[np.ndarray] = []
     changes: tuple[Change, ...] = ()
-    asked = 0
+    asked, memory = 0, Memory()
     for number in range(_MOST_STEPS + 1):
         progress(f"round {number + 1}: asking what changed")
         background = make_background(current, frozen=True)
-        scores = _ask(current, background, held, seed, {c.term for c, _, _ in picked})
+        scores = _ask(current, background, held, seed, {c.term for c, _, _ in picked}, memory)
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
         most = max((s.gain for s in scores), default=0.0)
@@ -148,12 +150,12 @@ def compare(
     )
 
 
-def _ask(found: Estimate, background: Background, held, seed: int, done) -> list[Score]:
+def _ask(found: Estimate, background: Background, held, seed: int, done, memory) -> list[Score]:
     suspects = [t for t in list_suspects(found.model, found.motions, True) if t not in done]
-    columns = Columns(found, background, jax.random.key(seed))
+    stand = Stand(found, background)
     interval = max(m.interval for m in found.motions)
     scores = []
-    for candidate in columns.gather(tuple(suspects)):
+    for candidate in gather(stand, tuple(suspects), jax.random.key(seed), memory):
         term = candidate.term
         known = (term.effect, term.joint, term.other) in held
         scores.append(score(replace(candidate, signed=known), background, interval))

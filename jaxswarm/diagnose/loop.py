@@ -7,8 +7,9 @@ import jax
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background, robust_weight
-from jaxswarm.diagnose.candidates import Columns
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
+from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate, best_width, estimate
@@ -96,10 +97,11 @@ def diagnose(
     progress("fitting the declared model")
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
+    memory = Memory()
     for round_number in range(_MOST_STEPS + 1):
         progress(f"round {round_number + 1}: asking the suspects")
         background = make_background(current)
-        scores = ask(current, background, seed, banned)
+        scores = ask(current, background, seed, banned, memory)
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
         # A touch is believed only if nothing that lasts explains more.
@@ -164,12 +166,20 @@ def with_skew(current: Estimate, seconds: float) -> Estimate:
     )
 
 
-def ask(found: Estimate, background: Background, seed: int, banned=frozenset()) -> list[Score]:
-    """Score every suspect against an estimate."""
+def ask(
+    found: Estimate,
+    background: Background,
+    seed: int,
+    banned=frozenset(),
+    memory: Memory | None = None,
+) -> list[Score]:
+    """Score every suspect against an estimate; ``memory`` spares searches between rounds."""
     suspects = tuple(t for t in list_suspects(found.model, found.motions) if _key(t) not in banned)
-    columns = Columns(found, background, jax.random.key(seed))
+    candidates = gather(
+        Stand(found, background), suspects, jax.random.key(seed), memory or Memory()
+    )
     interval = max(m.interval for m in found.motions)
-    return [score(c, background, interval) for c in columns.gather(suspects)]
+    return [score(c, background, interval) for c in candidates]
 
 
 def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:

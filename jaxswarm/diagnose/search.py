@@ -1,10 +1,11 @@
-r"""Nonlinear parameters of a law by swarms, on all joints and folds in one compiled program.
+r"""Nonlinear parameters of laws by swarms, for all laws, joints and folds through one compiled program.
 
 For a candidate :math:`\nu` the law's columns c on its joint are computed along the whole log, decimated,
 freed of what the model absorbs, and the linear parameters eliminated: the cost is minus the explained
 sum of squares, :math:`h^T G^{-1} h` with :math:`G = c_\perp^T c_\perp`, :math:`h = c_\perp^T r`.
 A coarse lattice over the cube finds the valley, which a torque ripple has one of per order, and a GPSO
-swarm in its cell finds the floor.
+swarm in its cell finds the floor. The law is chosen inside the program and lengths are rounded up, so
+that neither another suspect nor a log of another length costs a compilation.
 """
 
 from functools import partial
@@ -14,6 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Law, Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.columns import Load, joint_series
@@ -21,9 +23,11 @@ from jaxswarm.logs.motion import Motion
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
-# Lattice points per dimension; the order of a ripple has a narrow valley.
-_LATTICE = {1: 40, 2: 9, 3: 5}
+# Lattice points, shared by the dimensions; the order of a ripple has a narrow valley.
+_POINTS, _MOST_DIMS = 128, 3
 _FINE = {"torque_ripple": 480}
+# Lengths are rounded up to multiples of these: samples, filter taps.
+_CHUNK, _TAPS = 1024, 32
 
 
 class Stage(NamedTuple):
@@ -52,10 +56,10 @@ def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
     return sum(parts[s, s : s + kept] for s in range(spans))
 
 
-def explained(columns: jax.Array, stage: Stage, positive: bool) -> jax.Array:
+def explained(columns: jax.Array, stage: Stage, positive: bool | jax.Array) -> jax.Array:
     """Sum of squares that free linear parameters of the columns (T', k) take off the residual.
 
-    ``positive`` refuses a single column whose coefficient would be negative.
+    Columns of zeros say nothing. ``positive`` refuses a negative coefficient of the first column.
     """
     columns = columns * stage.train[:, None]
     inner = stage.basis.T @ columns
@@ -64,101 +68,132 @@ def explained(columns: jax.Array, stage: Stage, positive: bool) -> jax.Array:
     gram = gram / size / size[:, None] + 1e-9 * jnp.eye(columns.shape[1])
     right = (columns.T @ stage.residual) / size
     gain = right @ jnp.linalg.solve(gram, right)
-    if positive and columns.shape[1] == 1:
-        gain = jnp.where(right[0] > 0, gain, 0.0)
-    return gain
+    return jnp.where(jnp.logical_and(positive, right[0] <= 0), 0.0, gain)
 
 
-def _lattice(law: Law) -> np.ndarray:
-    """Lattice points in the unit cube, (m, d)."""
-    dims = len(law.nonlinear)
-    count = _FINE.get(law.name, _LATTICE[dims])
-    axis = (np.arange(count) + 0.5) / count
-    return np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
+class _Task(NamedTuple):
+    """One law on one joint with its folds (S, ...): the law by its number among those of the program."""
+
+    law: jax.Array
+    positive: jax.Array
+    lattice: jax.Array
+    cell: jax.Array
+    series: Sample
+    stages: Stage
 
 
-@partial(jax.jit, static_argnames=("law", "factor"))
-def _search(law: Law, factor: int, series: Sample, stages: Stage, taps: jax.Array, key: jax.Array):
-    """Positions in the unit cube (J, S, d): joints one after the other, folds together."""
-    table = sorted(law.nonlinear, key=lambda p: p.name)
-    lower = jnp.array([p.lower for p in table])
-    upper = jnp.array([p.upper for p in table])
-    log = np.array([p.scale == "log" for p in table])
-    lattice = jnp.asarray(_lattice(law))
-    cell = 1.0 / round(len(lattice) ** (1 / len(table)))
+@partial(jax.jit, static_argnames=("laws", "factor"))
+def _search(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, key: jax.Array):
+    """Best positions in the unit cube, one per fold: (S, 3)."""
+    width = max(len(law.linear) for law in laws)
 
-    def decode(u):
-        linear = lower + u * (upper - lower)
-        ratio = jnp.where(log, upper, 1.0) / jnp.where(log, lower, 1.0)
-        x = jnp.where(log, lower * ratio**u, linear)
-        return {p.name: x[k] for k, p in enumerate(table)}
+    def columns_of(law, u):
+        columns = law_columns(law, _decode(law, u), task.series)
+        return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
 
-    def one_joint(joint):
-        series, stages = joint
-        all_columns = jax.lax.map(
-            lambda u: decimate(law_columns(law, decode(u), series), taps, factor),
-            lattice,
-            batch_size=32,
-        )
-        positive = all(p.lower >= 0 for p in law.linear)
+    def columns_at(u):
+        full = jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
+        return decimate(full, taps, factor)
 
-        def one_fold(stage):
-            gains = jax.vmap(lambda c: explained(c, stage, positive))(all_columns)
-            low = jnp.clip(lattice[jnp.argmax(gains)] - cell, 0.0, 1.0 - 2.0 * cell)
+    lattice, cell = task.lattice, task.cell
+    everywhere = jax.lax.map(columns_at, lattice, batch_size=32)
 
-            def cost(u, data):
-                series, stage = data
-                columns = law_columns(law, decode(low + 2.0 * cell * u), series)
-                return -explained(decimate(columns, taps, factor), stage, positive)
+    def one_fold(stage):
+        gains = jax.vmap(lambda c: explained(c, stage, task.positive))(everywhere)
+        low = jnp.clip(lattice[jnp.argmax(gains)] - cell, 0.0, 1.0 - 2.0 * cell)
 
-            unit = Space.vector(np.zeros(len(table)), np.ones(len(table)))
-            swarm = minimize(cost, gpso(_PARTICLES), unit, key, (series, stage), num_steps=_STEPS)
-            better = -swarm.value > jnp.max(gains)
-            return jnp.where(better, low + 2.0 * cell * swarm.params, lattice[jnp.argmax(gains)])
+        def cost(u, stage):
+            return -explained(columns_at(low + 2.0 * cell * u), stage, task.positive)
 
-        return jax.vmap(one_fold)(stages)
+        unit = Space.vector(np.zeros(_MOST_DIMS), np.ones(_MOST_DIMS))
+        swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
+        better = -swarm.value > jnp.max(gains)
+        return jnp.where(better, low + 2.0 * cell * swarm.params, lattice[jnp.argmax(gains)])
 
-    return jax.lax.map(one_joint, (series, stages))
+    return jax.vmap(one_fold)(task.stages)
 
 
-def search_law(
-    law: Law,
+def search_laws(
+    tasks: list[tuple[Law, int, int | None]],
     motion: Motion,
     width: float,
     load: Load,
     stages: Stage,
-    joints: list[tuple[int, int | None]],
     key: jax.Array,
 ) -> list[list[dict[str, float]]]:
-    """Best nonlinear parameters of a law on several joints and folds.
+    """Best nonlinear parameters of laws on joints, for every fold.
 
     Args:
-        law: A law with nonlinear parameters and a torque.
+        tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
+            parameters.
         motion: The log.
         width: Width of the smooth sign.
         load: Rigid torque of the current model.
-        stages: Leading axes (joints of the robot, folds).
-        joints: Joint (and partner) of every search.
+        stages: Leading axes (joints of the robot, folds); rows as the log's decimator keeps them.
         key: Random key.
 
     Returns:
-        Values by name, for every entry of ``joints`` and every fold.
+        Values by name, for every task and every fold.
     """
-    series = [joint_series(motion, width, load, j, o) for j, o in joints]
-    stacked = jax.tree.map(lambda *x: jnp.stack(x), *series)
-    own = jax.tree.map(lambda x: x[jnp.array([j for j, _ in joints])], stages)
-    taps = jnp.asarray(motion.decimator.taps)
-    position = _search(law, motion.decimator.factor, stacked, own, taps, key)
-    table = sorted(law.nonlinear, key=lambda p: p.name)
+    taps, factor = np.asarray(motion.decimator.taps), motion.decimator.factor
+    taps = np.pad(taps, (0, -len(taps) % _TAPS))
+    extra = _TAPS - (len(motion.t) + _TAPS) % -_CHUNK
+    rows = (len(motion.t) + extra - len(taps)) // factor + 1
+    missing = rows - stages.train.shape[2]
+    stages = jax.tree.map(
+        lambda x: np.pad(x, ((0, 0), (0, 0), (0, missing), *((0, 0),) * (x.ndim - 3))), stages
+    )
     found = []
-    for per_joint in np.asarray(position):
-        found.append([])
-        for u in per_joint:
-            values = {}
-            for p, x in zip(table, u, strict=True):
-                if p.scale == "log":
-                    values[p.name] = float(p.lower * (p.upper / p.lower) ** x)
-                else:
-                    values[p.name] = float(p.lower + x * (p.upper - p.lower))
-            found[-1].append(values)
-    return found
+    for law, joint, other in tasks:
+        family = _family(law)
+        series = joint_series(motion, width, load, joint, other)
+        series = jax.tree.map(lambda x: np.pad(x, (0, extra), mode="edge"), series)
+        task = _Task(
+            np.int32(family.index(law)),
+            np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
+            *_lattice(len(law.nonlinear), _FINE.get(law.name, _POINTS)),
+            series,
+            jax.tree.map(lambda x, j=joint: x[j], stages),
+        )
+        found.append(_search(family, factor, task, taps, key))
+    return [
+        [{n: float(x) for n, x in _decode(law, u).items()} for u in np.asarray(positions)]
+        for (law, _, _), positions in zip(tasks, found, strict=True)
+    ]
+
+
+def _family(law: Law) -> tuple[Law, ...]:
+    """The laws that share a compiled program with this one."""
+    fine = _FINE.get(law.name)
+    known = {one.name: one for one in (*REGISTRY.values(), law)}
+    return tuple(
+        one
+        for one in known.values()
+        if one.torque is not None and one.nonlinear and _FINE.get(one.name) == fine
+    )
+
+
+def _lattice(dims: int, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lattice points in the unit cube, (points, 3), and half the width of a cell with its neighbors.
+
+    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to ``points``.
+    """
+    count = int(points ** (1 / dims) + 1e-9)
+    axis = (np.arange(count) + 0.5) / count
+    grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
+    lattice = np.full((points, _MOST_DIMS), 0.5)
+    lattice[:, :dims] = grid[np.minimum(np.arange(points), len(grid) - 1)]
+    return lattice, np.where(np.arange(_MOST_DIMS) < dims, 1.0 / count, 0.5)
+
+
+def _decode(law: Law, u) -> dict:
+    """Nonlinear parameters by name at a point of the unit cube."""
+    values = {}
+    for k, p in enumerate(sorted(law.nonlinear, key=lambda p: p.name)):
+        on_log = p.scale == "log"
+        values[p.name] = (
+            p.lower * (p.upper / p.lower) ** u[k]
+            if on_log
+            else p.lower + u[k] * (p.upper - p.lower)
+        )
+    return values

@@ -111,33 +111,31 @@ def direction(dq: np.ndarray, width: float) -> np.ndarray:
 def joint_series(
     motion: Motion, width: float, load: Load | None, joint: int, other: int | None = None
 ) -> Sample:
-    """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) arrays."""
+    """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) NumPy arrays."""
     zero = np.zeros(len(motion.t))
     temperature = motion.channels.get("temperature")
     dq = motion.dq[:, joint]
     partner = None if other is None else motion.dq[:, other]
     return Sample(
-        t=jnp.asarray(motion.t),
-        q=jnp.asarray(motion.q[:, joint]),
-        dq=jnp.asarray(dq),
-        ddq=jnp.asarray(motion.ddq[:, joint]),
-        direction=jnp.asarray(direction(dq, width)),
-        load=jnp.asarray(zero if load is None else load.full[:, joint]),
-        static_load=jnp.asarray(zero if load is None else load.static[:, joint]),
-        temperature=jnp.asarray(
-            np.full(len(motion.t), np.nan) if temperature is None else temperature[:, joint]
-        ),
-        dq_other=jnp.asarray(zero if other is None else partner),
-        ddq_other=jnp.asarray(zero if other is None else motion.ddq[:, other]),
-        direction_sum=jnp.asarray(zero if other is None else direction(dq + partner, width)),
-        state=jnp.asarray(zero),
+        t=motion.t,
+        q=motion.q[:, joint],
+        dq=dq,
+        ddq=motion.ddq[:, joint],
+        direction=direction(dq, width),
+        load=zero if load is None else load.full[:, joint],
+        static_load=zero if load is None else load.static[:, joint],
+        temperature=zero + np.nan if temperature is None else temperature[:, joint],
+        dq_other=zero if other is None else partner,
+        ddq_other=zero if other is None else motion.ddq[:, other],
+        direction_sum=zero if other is None else direction(dq + partner, width),
+        state=zero,
     )
 
 
 def term_columns(term: Term, motion: Motion, width: float, load: Load | None = None) -> np.ndarray:
     """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
     law = term.law
-    nonlinear = {p.name: jnp.asarray(float(term.values[p.name])) for p in law.nonlinear}
+    nonlinear = {p.name: np.float64(term.values[p.name]) for p in law.nonlinear}
     series = joint_series(motion, width, load, term.joint, term.other)
     return np.asarray(_law(law, nonlinear, series))
 

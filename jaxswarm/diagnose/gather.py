@@ -1,0 +1,84 @@
+r"""The columns a suspect would add to the model, for the whole log and for each half.
+
+A law's torque is linear in its linear parameters, so its columns are exact. An effect that moves the
+links, the clock or the scale is taken to first order about the current model: the difference it makes to
+the model's torque, or the derivative of that by its parameter. Once added, it is refitted exactly.
+"""
+
+from dataclasses import replace
+
+import jax
+import numpy as np
+
+from jaxswarm.diagnose.candidates import Candidate
+from jaxswarm.diagnose.lagging import lagging_candidate
+from jaxswarm.diagnose.search import Stage, search_laws
+from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.warped import warped_candidate
+from jaxswarm.identify.terms import Term
+
+# Basis columns are filled up to a multiple, so that a model that grows does not recompile the search.
+_MULTIPLE = 16
+
+
+def gather(
+    stand: Stand, suspects: tuple[Term, ...], key: jax.Array, memory: Memory
+) -> list[Candidate]:
+    """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
+    searched = [t for t in suspects if t.law.torque is not None and t.law.nonlinear]
+    values = dict(zip(searched, _search(stand, searched, key, memory), strict=True))
+    done: list[Candidate | None] = []
+    for term in suspects:
+        law = term.law
+        if term in values:
+            columns = tuple(stand.law(replace(term, values=v)) for v in values[term])
+            placed = replace(term, values=values[term][0])
+            done.append(Candidate(placed, columns, len(law.parameters)))
+        elif law.torque is not None:
+            done.append(Candidate(term, (stand.law(term),) * 3, len(law.linear)))
+        elif law.warp in ("elastic", "play"):
+            done.append(lagging_candidate(stand, term, memory))
+        else:
+            done.append(warped_candidate(stand, term))
+    return [c for c in done if c is not None]
+
+
+def _search(stand: Stand, terms: list[Term], key: jax.Array, memory: Memory) -> list[list[dict]]:
+    """Nonlinear parameters of laws per fold, found on the longest log."""
+    found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
+    unknown = [t for t in terms if found[t] is None]
+    if unknown:
+        motions = stand.found.motions
+        longest = int(np.argmax([len(m.t) for m in motions]))
+        values = search_laws(
+            [(t.law, t.joint, t.other) for t in unknown],
+            motions[longest],
+            stand.found.model.width,
+            stand.loads[longest],
+            _stages(stand, stand.found.regression.log == longest),
+            key,
+        )
+        for term, per_fold in zip(unknown, values, strict=True):
+            found[term] = per_fold
+            memory.keep(term, stand.residuals(term.joint), per_fold)
+    return [found[t] for t in terms]
+
+
+def _stages(stand: Stand, rows: np.ndarray) -> Stage:
+    """The rows of one log as stages of the search, (joints, folds, ...)."""
+    folds = stand.background.folds
+    width = -(-max(f.basis.shape[2] for f in folds) // _MULTIPLE) * _MULTIPLE
+    basis = np.stack([_filled(f.basis[rows], width) for f in folds], axis=1)
+    train = np.stack([f.train[rows] for f in folds])
+    residual = np.stack([np.where(f.train[rows, None], f.residual[rows], 0.0) for f in folds])
+    joints = basis.shape[0]
+    return Stage(
+        basis,
+        residual.transpose(2, 0, 1),
+        np.repeat(train[None].astype(float), joints, axis=0),
+    )
+
+
+def _filled(basis: np.ndarray, width: int) -> np.ndarray:
+    """Basis (T, n, b) as (n, T, width) with columns of zeros."""
+    return np.pad(basis.transpose(1, 0, 2), ((0, 0), (0, 0), (0, width - basis.shape[2])))

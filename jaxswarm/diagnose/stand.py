@@ -1,0 +1,94 @@
+"""Where the model stands when the suspects are asked, and what earlier rounds found."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jaxswarm.diagnose.background import Background
+from jaxswarm.identify.assemble import assemble, link_motion, sensitivity_columns, tilted, warped
+from jaxswarm.identify.columns import Load, rigid_columns, term_columns
+from jaxswarm.identify.estimate import Estimate
+from jaxswarm.identify.model import linear_values
+from jaxswarm.identify.terms import Term
+
+# A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
+_SAME = 0.05
+
+
+@dataclass
+class Memory:
+    """Nonlinear parameters found in earlier rounds, with the residuals they were found on."""
+
+    known: dict = field(default_factory=dict)
+
+    def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
+        """The values per fold, if the joint's residuals (folds, T) are still what they were."""
+        old, values = self.known.get((term.effect, term.joint, term.other), (None, None))
+        if old is None or old.shape != residuals.shape:
+            return None
+        change = np.linalg.norm(residuals - old, axis=1)
+        return values if (change < _SAME * np.linalg.norm(old, axis=1)).all() else None
+
+    def keep(self, term: Term, residuals: np.ndarray, values: list[dict[str, float]]) -> None:
+        """Remember the values per fold of a term."""
+        self.known[term.effect, term.joint, term.other] = (residuals, values)
+
+
+class Stand:
+    """Where the model stands: its torque, motion and loads on every log, and how columns are weighed."""
+
+    def __init__(self, found: Estimate, background: Background):
+        self.found, self.background = found, background
+        model = found.model
+        self.pi = np.asarray(model.robot.parameters).ravel()
+        theta = linear_values(model)
+        self.arm = tilted(model.robot, model.terms)
+        self.loads, self.outputs, self.moved, self._sensed = [], [], [], {}
+        plain = not any(warped(model.terms, w) for w in ("elastic", "play", "gravity"))
+        for motion, rigid in zip(found.motions, found.rigids, strict=True):
+            if plain:
+                moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
+            else:
+                moved = link_motion(self.arm, model.terms, motion, self.pi)
+                full = rigid_columns(self.arm, *moved)
+                static = rigid_columns(self.arm, moved[0], moved[1], np.zeros_like(moved[2]))
+            self.loads.append(Load(full @ self.pi, static @ self.pi))
+            self.outputs.append(
+                assemble(model.robot, model.terms, motion, model.width, self.pi, rigid) @ theta
+            )
+            self.moved.append(moved)
+
+    def sensed(self, joint: int) -> list[tuple[np.ndarray, ...]]:
+        """Rigid columns of every log and their derivatives by a joint's motion."""
+        if joint not in self._sensed:
+            motions = self.found.motions
+            self._sensed[joint] = [sensitivity_columns(self.arm, m, joint) for m in motions]
+        return self._sensed[joint]
+
+    def low(self, build) -> np.ndarray:
+        """Decimate what ``build(log index)`` gives along its first axis, all logs one after the other."""
+        motions = self.found.motions
+        return np.concatenate([m.decimator.apply(build(k)) for k, m in enumerate(motions)])
+
+    def stack(self, build) -> np.ndarray:
+        """Decimate and weigh what ``build(log index)`` gives as (T, n, k), all logs."""
+        return self.background.weigh(self.low(build))
+
+    def on_joint(self, build, joint: int) -> np.ndarray:
+        """Decimate and weigh columns (T, k) of one joint as (T', n, k), all logs."""
+        own = self.low(build)
+        block = np.zeros((len(own), self.found.model.robot.num_joints, own.shape[1]))
+        block[:, joint] = own
+        return self.background.weigh(block)
+
+    def law(self, term: Term) -> np.ndarray:
+        """Columns of a law with its nonlinear parameters in place."""
+        motions, width = self.found.motions, self.found.model.width
+        return self.on_joint(
+            lambda k: term_columns(term, motions[k], width, self.loads[k]), term.joint
+        )
+
+    def residuals(self, joint: int) -> np.ndarray:
+        """A joint's residual on every fold, (folds, T), zero outside the rows it was fitted to."""
+        folds = self.background.folds
+        return np.stack([np.where(f.train, f.residual[:, joint], 0.0) for f in folds])
