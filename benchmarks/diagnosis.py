@@ -1,10 +1,12 @@
 """Logs with an undeclared effect: is it named, on its joint, and is nothing else?
 
-    python -m benchmarks.diagnosis practice|suite|real [--fast] [--only NAME,...]
+    python -m benchmarks.diagnosis practice|suite|real [--fast] [--only NAME,...] [--share K/N]
 
 ``practice``: the cases of another simulator under ``cases/`` (``JAXSWARM_DATA``, default ``../shared``);
 ``suite``: simulated logs, see :mod:`benchmarks.diagnosis_suite`; ``real``: measured robots. Rows go to
-``benchmarks/results/`` as JSON lines, tables beside them. The suite skips what is finished already.
+``benchmarks/results/`` as JSON lines, tables beside them. The suite goes through its cases in a random
+order, so that a part of it says what the whole would; it skips what is finished already, and several
+processes may share it (``--share``).
 """
 
 import argparse
@@ -14,6 +16,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: see jaxswarm.cli
 
 import jax
+import numpy as np
 
 from benchmarks.timing import RESULTS, write_lines
 
@@ -45,20 +48,24 @@ def real(only: set[str]) -> None:
         write_lines("diagnosis_real.jsonl", rows)
 
 
-def suite(fast: bool, only: set[str]) -> None:
+def suite(fast: bool, only: set[str], share: str) -> None:
     from benchmarks.diagnosis_suite import all_cases, run_case
     from benchmarks.diagnosis_tables import summarize
 
     path = RESULTS / ("diagnosis_suite_fast.jsonl" if fast else "diagnosis_suite.jsonl")
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     done = {row["case"] for row in rows}
-    for case in all_cases(fast):
+    cases = all_cases(fast)
+    own, count = map(int, share.split("/"))
+    for number in np.random.default_rng(0).permutation(len(cases))[own - 1 :: count]:
+        case = cases[number]
         if case.name in done or (only and case.effect not in only):
             continue
         rows.append(run_case(case))
         print(json.dumps(rows[-1]), flush=True)
         with path.open("a") as file:
             file.write(json.dumps(rows[-1]) + "\n")
+    rows = [json.loads(line) for line in path.read_text().splitlines()]
     print(summarize(rows, path.with_suffix("")))
 
 
@@ -67,6 +74,7 @@ def main() -> None:
     parser.add_argument("part", choices=["practice", "suite", "real"])
     parser.add_argument("--fast", action="store_true", help="suite: one case per effect")
     parser.add_argument("--only", default="", help="names of cases, robots or effects")
+    parser.add_argument("--share", default="1/1", help="suite: which of how many processes this is")
     options = parser.parse_args()
     RESULTS.mkdir(exist_ok=True)
     jax.config.update("jax_enable_x64", True)
@@ -74,7 +82,7 @@ def main() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
     only = set(filter(None, options.only.split(",")))
     if options.part == "suite":
-        suite(options.fast, only)
+        suite(options.fast, only, options.share)
     elif options.part == "practice":
         practice(only)
     else:

@@ -24,7 +24,7 @@ from jaxswarm.identify.base_parameters import find_base
 from jaxswarm.identify.columns import rigid_of
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.least_squares import Fit, fit
-from jaxswarm.identify.model import Model, linear_values
+from jaxswarm.identify.model import Model, linear_values, smooth_torque
 from jaxswarm.identify.regression import Regression, build_regression
 from jaxswarm.identify.terms import Term
 from jaxswarm.identify.validate import time_blocks
@@ -85,6 +85,8 @@ def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
     model = replace(model, terms=terms)
     regression = build_regression(model.robot, terms, motions, model.width, pi, rigids)
     theta = linear_values(model)
+    smooth = [m.decimator.apply(smooth_torque(model, m)) for m in motions]
+    regression = replace(regression, torque=regression.torque - np.concatenate(smooth))
     residual = regression.torque - regression.columns @ theta
     sigma = np.sqrt((residual**2).mean(axis=0)) + 1e-12
     flat = regression.columns.reshape(-1, regression.columns.shape[2])

@@ -80,6 +80,8 @@ def _error_table(result: dict) -> str:
 
     rows = [row("declared model", result["error"]["before"])]
     rows += [row(f"+ {where(s['added'])}", s["after"]) for s in result["steps"]]
+    if "with_smooth_terms" in result["error"]:
+        rows.append(row("+ smooth terms without a law", result["error"]["with_smooth_terms"]))
     floor = [
         f"{x:.3g} {u}" for x, u in zip(result["error"]["noise_floor"]["rms"], units, strict=True)
     ]

@@ -35,7 +35,7 @@ def lagging_candidate(stand: Stand, term: Term, memory: Memory) -> Candidate | N
     k = np.array([o.get("k", stiff) for o in options])
     d = np.array([o.get("d", damped) for o in options])
     gap = np.array([o.get("gap", 0.0) for o in options])
-    pis = np.repeat(stand.pi[None], len(options), axis=0)
+    pis = stand.pi[None]
     for _ in range(1 if soft else _SETTLE):
         curves = np.concatenate(
             [
@@ -89,14 +89,18 @@ def _absorbed(stand: Stand, torque: np.ndarray) -> np.ndarray:
 
 
 def _lag_torque(motion, columns, joint, pis, k, d, gap) -> np.ndarray:
-    """Decimated torque (m, T', n) that a lagging link changes, for m options with their parameters."""
+    """Decimated torque (m, T', n) that a lagging link changes, for m options with their parameters.
+
+    One row of ``pis`` serves all options.
+    """
     torque, by_q, by_dq, by_ddq = (np.moveaxis(c @ pis.T, 2, 0) for c in columns)
 
     def lag(tau, s, c, m, k, d, gap):
         return deflection(m, c, s, tau, k, d, gap, 1.0 / motion.rate, 2)
 
-    own = [jnp.asarray(x[:, :, joint]) for x in (torque, by_q, by_dq, by_ddq)]
-    e, v, a = (np.asarray(x) for x in jax.vmap(lag)(*own, *map(jnp.asarray, (k, d, gap))))
+    shape = (len(k), len(motion.t))
+    own = [np.broadcast_to(x[:, :, joint], shape) for x in (torque, by_q, by_dq, by_ddq)]
+    e, v, a = (np.asarray(x) for x in jax.vmap(lag)(*own, k, d, gap))
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < 1.0)
     e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))

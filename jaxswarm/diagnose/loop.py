@@ -12,14 +12,17 @@ from jaxswarm.diagnose.gather import gather
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
-from jaxswarm.identify.estimate import Estimate, best_width, estimate
+from jaxswarm.identify.estimate import Estimate, estimate
 from jaxswarm.identify.terms import Term
+from jaxswarm.identify.width import best_width
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
 _MOST_STEPS = 12
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
 _SMALL_PART, _NEARLY_ALL = 0.4, 0.7
+# The logarithm of the width's ratio below which a fit is trusted to have found it by itself.
+_NEAR = 0.3
 
 
 @dataclass(frozen=True)
@@ -228,6 +231,7 @@ def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
         terms,
         current.motions,
         width=current.model.width,
+        refine_width=True,
         bounded=False,
         rigids=current.rigids,
         start=pi,
@@ -239,13 +243,14 @@ def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
         current.rigids,
         np.asarray(after.model.robot.parameters).ravel(),
     )
-    if abs(np.log(width / current.model.width)) < 0.05:
+    if abs(np.log(width / after.model.width)) < _NEAR:
         return after
     again = estimate(
         robot,
         after.model.terms,
         current.motions,
         width=width,
+        refine_width=True,
         bounded=False,
         rigids=current.rigids,
         start=np.asarray(after.model.robot.parameters).ravel(),

@@ -6,7 +6,7 @@ from pathlib import Path
 from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.experiment import best_experiment
 from jaxswarm.diagnose.loop import Diagnosis, Step, refit_with
-from jaxswarm.diagnose.unexplained import Unexplained
+from jaxswarm.diagnose.unexplained import Unexplained, with_smooth_terms
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.summary import term_parameters, units, with_intervals
 from jaxswarm.identify.terms import Term
@@ -71,6 +71,7 @@ def to_result(
                 "depends_on": list(u.depends_on),
                 "share": u.share,
                 "p_value": u.p_value,
+                "in_model": u.term is not None,
             }
             for u in left
         ],
@@ -78,6 +79,7 @@ def to_result(
         "error": {
             "before": before,
             "after": after,
+            **_smooth_errors(final, left, validation),
             "noise_floor": {
                 "rms": list(map(float, noise)),
                 "how": "sample-to-sample noise of the torque (median third difference), taken as "
@@ -97,6 +99,15 @@ def to_result(
         },
         "rules": vars(rules),
     }
+
+
+def _smooth_errors(final: Estimate, left: Sequence[Unexplained], validation) -> dict:
+    """Errors on the validation logs with smooth terms in the model, where there are both."""
+    if not validation or not any(u.term is not None for u in left):
+        return {}
+    model = with_smooth_terms(final, left)
+    parts = [{**log_errors(model, m), "on": Path(m.source).name} for m in validation]
+    return {"with_smooth_terms": {**parts[0], **({"further": parts[1:]} if parts[1:] else {})}}
 
 
 def _ranked(scores: Sequence[Score]) -> list[Score]:

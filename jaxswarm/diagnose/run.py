@@ -12,7 +12,7 @@ from jaxswarm.diagnose.html import render
 from jaxswarm.diagnose.loop import Diagnosis, diagnose
 from jaxswarm.diagnose.poor import resting_joints, too_short, undecidable
 from jaxswarm.diagnose.result import place, to_result
-from jaxswarm.diagnose.unexplained import Unexplained, find_unexplained
+from jaxswarm.diagnose.unexplained import Unexplained, find_unexplained, with_smooth_terms
 from jaxswarm.identify.model import model_torque, save_model
 from jaxswarm.identify.run import Options, read_motions
 from jaxswarm.identify.summary import units
@@ -128,7 +128,7 @@ def write_report(
         out,
         {
             "diagnosis.json": outputs.to_json(result),
-            "model.json": lambda path: save_model(final.model, path),
+            "model.json": lambda path: save_model(with_smooth_terms(final, left), path),
             "report.html": render(result, images),
             **images,
         },

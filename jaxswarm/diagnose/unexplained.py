@@ -9,14 +9,19 @@ A second variable is named only if it raises the held-out share clearly over the
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from jaxswarm.diagnose.background import Background
 from jaxswarm.diagnose.decide import slope_p_value
 from jaxswarm.identify.estimate import Estimate
+from jaxswarm.identify.model import Model, shifted
+from jaxswarm.identify.smooth import QUANTITIES, Smooth, features
 
-_FEATURES = {1: 14, 2: 48}
+_FEATURES = {1: 14, 2: 96}
+# Ridge, in units of the mean squared feature; less fits the noise of one half and fails on the other.
+_RIDGE = 0.03
 # Least share of a joint's held-out squared error to call structure, and to add a second variable.
 _LEAST, _SECOND = 0.2, 0.06
 _SIGNIFICANCE = 0.01
@@ -33,6 +38,8 @@ class Unexplained:
         p_value: One-sided, over blocks.
         smooth: The smooth function on the decimated clock, whole fit [N m], shape (T,).
         variables: Values of the named variables, shape (T, m).
+        term: The same as a term that predicts other motion; None if it depends on time or temperature.
+        change: Change of the model's columns' values that goes with it, shape (p,).
     """
 
     joint: int
@@ -41,6 +48,8 @@ class Unexplained:
     p_value: float
     smooth: np.ndarray
     variables: np.ndarray
+    term: Smooth | None
+    change: np.ndarray
 
 
 def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
@@ -69,10 +78,7 @@ def find_unexplained(
     width = found.model.width
     names = [n for n, x in variables.items() if np.ptp(x) > 1e-9]
     # A velocity also enters by its direction: friction jumps at zero.
-    table = {
-        n: (_standard(variables[n]), np.tanh(variables[n] / width) if n.startswith("dq_") else None)
-        for n in names
-    }
+    table = {n: _input(variables[n], width if n.startswith("dq_") else None) for n in names}
     found_structure = []
     for joint in range(background.weight.shape[1]) if joints is None else joints:
         singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in names]
@@ -94,34 +100,68 @@ def find_unexplained(
         share, p_value = best
         if share < _LEAST or p_value * asked > _SIGNIFICANCE:
             continue
-        smooth = _fit_whole(background, joint, [table[n] for n in pick], seed)
         found_structure.append(
-            Unexplained(
-                joint,
-                pick,
-                share,
-                min(1.0, p_value * asked),
-                smooth,
-                np.stack([variables[n] for n in pick], axis=1),
-            )
+            _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
         )
     return found_structure
 
 
-def _standard(x: np.ndarray) -> np.ndarray:
-    return (x - x.mean()) / max(x.std(), 1e-12)
+def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
+    """The model with a smooth term for all structure whose variables another log has too."""
+    kept = [item for item in left if item.term is not None]
+    change = sum((item.change for item in kept), np.zeros(len(found.fit.theta)))
+    return shifted(found.model, change, tuple(item.term for item in kept))
 
 
-def _features(inputs: list[np.ndarray], seed: int) -> np.ndarray:
-    """Random Fourier features with a constant, (T, m), and signs of each input for jumps at zero."""
-    x = np.stack([value for value, _ in inputs], axis=1)
+def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplained:
+    """Fit the smooth function of the picked variables on all rows."""
+    inputs = [table[n] for n in pick]
+    columns = _columns(background, joint, inputs, seed)
+    whole = background.whole
+    a = _ridge(whole.free_part(columns)[:, joint], whole.residual[:, joint])
+    change = np.zeros(len(found.fit.theta))
+    change[found.fit.base.kept] = -whole.absorbed(columns @ a)
+    x = np.stack([one.raw for one in inputs], axis=1)
+    term = None
+    joints = found.model.robot.joints
+    places = [tuple(n.split("_", 1)) for n in pick]
+    if all(place[0] in QUANTITIES for place in places):
+        term = Smooth(
+            joint,
+            tuple((name, joints.index(own)) for name, own in places),
+            x.min(axis=0), x.max(axis=0), x.mean(axis=0), np.maximum(x.std(axis=0), 1e-12),
+            *_waves(len(pick), seed), found.model.width, a,
+        )  # fmt: skip
+    share, p_value = worth
+    smooth = _features(inputs, seed) @ a
+    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change)
+
+
+class _Input(NamedTuple):
+    """A variable as logged, standardized, and its smooth sign where a jump at zero is possible."""
+
+    raw: np.ndarray
+    standard: np.ndarray
+    side: np.ndarray | None
+
+
+def _input(x: np.ndarray, width: float | None) -> _Input:
+    standard = (x - x.mean()) / max(x.std(), 1e-12)
+    return _Input(x, standard, None if width is None else np.tanh(x / width))
+
+
+def _waves(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and phases of the features of so many variables."""
     rng = np.random.default_rng(seed)
-    count = _FEATURES[x.shape[1]]
-    omega = rng.normal(size=(x.shape[1], count)) * 1.5
-    phase = rng.uniform(0, 2 * np.pi, count)
-    smooth = np.concatenate([np.cos(x @ omega + phase), x, np.ones((len(x), 1))], axis=1)
-    jumps = [side[:, None] * smooth[:, ::2] for _, side in inputs if side is not None]
-    return np.concatenate([smooth, *jumps], axis=1)
+    size = _FEATURES[count]
+    return rng.normal(size=(count, size)), rng.uniform(0, 2 * np.pi, size)
+
+
+def _features(inputs: list[_Input], seed: int) -> np.ndarray:
+    """Features (T, f) of one or two variables."""
+    x = np.stack([one.standard for one in inputs], axis=1)
+    sides = [one.side for one in inputs if one.side is not None]
+    return features(x, sides, *_waves(len(inputs), seed))
 
 
 def _columns(background: Background, joint: int, inputs, seed) -> np.ndarray:
@@ -134,7 +174,7 @@ def _columns(background: Background, joint: int, inputs, seed) -> np.ndarray:
 def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
     gram = free.T @ free
     return np.linalg.solve(
-        gram + 1e-3 * np.trace(gram) / len(gram) * np.eye(len(gram)), free.T @ residual
+        gram + _RIDGE * np.trace(gram) / len(gram) * np.eye(len(gram)), free.T @ residual
     )
 
 
@@ -155,10 +195,3 @@ def _try(background: Background, joint: int, inputs, seed: int) -> tuple[float, 
         np.add.at(square, background.block[out], said**2)
         before += float((r**2).sum())
     return float(gains.sum() / before), slope_p_value(inner, square)
-
-
-def _fit_whole(background: Background, joint: int, inputs, seed: int) -> np.ndarray:
-    columns = _columns(background, joint, inputs, seed)
-    free = background.whole.free_part(columns)[:, joint]
-    features = _features(inputs, seed)
-    return features @ _ridge(free, background.whole.residual[:, joint])

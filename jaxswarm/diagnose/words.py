@@ -58,4 +58,9 @@ def next_steps(result: dict) -> list[str]:
             f"Vary {names} alone to see the shape on {u['joint']}; a law registered with "
             "jaxswarm.effects.register becomes a suspect at once."
         )
+        if u.get("in_model"):
+            steps.append(
+                f"model.json holds a smooth function of {names} for {u['joint']}: it predicts what "
+                "no law explains, within the range of this motion."
+            )
     return steps

@@ -1,7 +1,7 @@
 """An identified model: what ``model.json`` holds and ``predict`` needs, and its torque along a log."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -10,6 +10,7 @@ import numpy as np
 from jaxswarm.errors import InputError
 from jaxswarm.identify.assemble import assemble
 from jaxswarm.identify.model_check import check_content
+from jaxswarm.identify.smooth import Smooth, from_json, to_json
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
@@ -27,6 +28,7 @@ class Model:
         width: Width of the smooth sign [rad/s or m/s].
         filtering: Frequencies the model was identified with.
         sigma: Residual standard deviation per joint at identification [N m or N].
+        smooth: Fitted functions for what no law explains.
     """
 
     robot: Robot
@@ -34,10 +36,12 @@ class Model:
     width: float
     filtering: Filtering
     sigma: tuple[float, ...]
+    smooth: tuple[Smooth, ...] = ()
 
     def __repr__(self) -> str:
         terms = ", ".join(term.label(self.robot.joints) for term in self.terms)
-        return f"Model({self.robot.name}: rigid body + [{terms}])"
+        further = f" + {len(self.smooth)} smooth" if self.smooth else ""
+        return f"Model({self.robot.name}: rigid body + [{terms}]{further})"
 
 
 def linear_values(model: Model) -> np.ndarray:
@@ -55,7 +59,33 @@ def linear_values(model: Model) -> np.ndarray:
 def model_torque(model: Model, motion: Motion) -> np.ndarray:
     """Torque of the whole model on a log's working clock, shape (T, n)."""
     pi = np.asarray(model.robot.parameters).ravel()
-    return assemble(model.robot, model.terms, motion, model.width, pi) @ linear_values(model)
+    torque = assemble(model.robot, model.terms, motion, model.width, pi) @ linear_values(model)
+    return torque + smooth_torque(model, motion)
+
+
+def smooth_torque(model: Model, motion: Motion) -> np.ndarray:
+    """What the smooth terms of a model add along a log, shape (T, n)."""
+    torque = np.zeros((len(motion.t), model.robot.num_joints))
+    for term in model.smooth:
+        torque[:, term.joint] += term.torque(motion)
+    return torque
+
+
+def shifted(model: Model, change: np.ndarray, smooth: tuple[Smooth, ...]) -> Model:
+    """The model with its linear values changed by (p,), and smooth terms added."""
+    values = linear_values(model) + change
+    k = 10 * model.robot.num_joints
+    parameters = jnp.asarray(values[:k].reshape(-1, 10))
+    terms = []
+    for term in model.terms:
+        names = [name.split(":")[0] for name in term.columns(model.robot.joints)]
+        if term.law.warp != "window":
+            names = [p.name for p in term.law.linear]
+        own = dict(zip(names, map(float, values[k : k + len(names)]), strict=True))
+        terms.append(replace(term, values={**term.values, **own}))
+        k += len(names)
+    robot = model.robot.replace(parameters=parameters)
+    return replace(model, robot=robot, terms=tuple(terms), smooth=(*model.smooth, *smooth))
 
 
 def save_model(model: Model, path: Path) -> None:
@@ -91,6 +121,7 @@ def save_model(model: Model, path: Path) -> None:
             "skew": model.filtering.skew,
         },
         "sigma": list(map(float, model.sigma)),
+        "smooth": [to_json(term, robot.joints) for term in model.smooth],
     }
     Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
@@ -156,4 +187,5 @@ def _from_json(content: dict) -> Model:
         float(content["width"]),
         Filtering(**content["filtering"]),
         tuple(content["sigma"]),
+        tuple(from_json(entry, joints) for entry in content.get("smooth", [])),
     )

@@ -1,7 +1,8 @@
-"""The nonlinear parameters of a model as knobs on [0, 1], each on its own scale, with tangents."""
+"""Nonlinear parameters and the sign's width as knobs on [0, 1], each on its own scale, with tangents."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,18 +13,25 @@ _DIFFERENCE = 1e-4
 _NOT_SEARCHED = ("window", "payload")
 
 
+class Place(NamedTuple):
+    """What the columns of a model depend on: terms with nonlinear values, and the width of the sign."""
+
+    terms: tuple[Term, ...]
+    width: float
+
+
 @dataclass(frozen=True)
 class Knob:
     """One nonlinear parameter of one term, moved between its bounds by a number in [0, 1].
 
     Attributes:
-        term: Index of the term.
+        term: Index of the term; None for the width.
         name: Parameter name.
         lower, upper: Bounds.
         log: Whether it moves on a logarithmic scale.
     """
 
-    term: int
+    term: int | None
     name: str
     lower: float
     upper: float
@@ -48,38 +56,42 @@ class Knob:
         return float(self.upper - self.lower)
 
 
-def knobs(terms: tuple[Term, ...]) -> list[Knob]:
-    """All nonlinear parameters of a model, in order."""
-    return [
+def knobs(terms: tuple[Term, ...], width_range: tuple[float, float] | None = None) -> list[Knob]:
+    """All nonlinear parameters of a model, in order, and the width where its range is given."""
+    own = [
         Knob(k, p.name, p.lower, p.upper, p.scale == "log")
         for k, term in enumerate(terms)
         if term.law.warp not in _NOT_SEARCHED
         for p in term.law.nonlinear
     ]
+    return own if width_range is None else [*own, Knob(None, "width", *width_range, True)]
 
 
-def read(terms: tuple[Term, ...], moving: list[Knob]) -> np.ndarray:
+def read(place: Place, moving: list[Knob]) -> np.ndarray:
     """Positions of the knobs, shape (m,)."""
-    return np.array([knob.encode(terms[knob.term].values[knob.name]) for knob in moving])
+    values = [place.width if k.term is None else place.terms[k.term].values[k.name] for k in moving]
+    return np.array([knob.encode(value) for knob, value in zip(moving, values, strict=True)])
 
 
-def write(terms: tuple[Term, ...], moving: list[Knob], position: np.ndarray) -> tuple[Term, ...]:
-    """The terms with their knobs at the given positions."""
-    changed = [dict(t.values) for t in terms]
+def write(place: Place, moving: list[Knob], position: np.ndarray) -> Place:
+    """The place with its knobs at the given positions."""
+    changed, width = [dict(t.values) for t in place.terms], place.width
     for knob, u in zip(moving, position, strict=True):
-        changed[knob.term][knob.name] = knob.decode(float(u))
-    return tuple(replace(t, values=v) for t, v in zip(terms, changed, strict=True))
+        if knob.term is None:
+            width = knob.decode(float(u))
+        else:
+            changed[knob.term][knob.name] = knob.decode(float(u))
+    terms = tuple(replace(t, values=v) for t, v in zip(place.terms, changed, strict=True))
+    return Place(terms, width)
 
 
-def tangents(
-    output: Callable[[tuple[Term, ...]], np.ndarray], terms: tuple[Term, ...], moving: list[Knob]
-) -> np.ndarray:
+def tangents(output: Callable[[Place], np.ndarray], place: Place, moving: list[Knob]) -> np.ndarray:
     """Central differences of a model's output (T, n) by its knobs, shape (T, n, m)."""
-    here = read(terms, moving)
+    here = read(place, moving)
     slopes = []
     for k in range(len(moving)):
         high, low = here.copy(), here.copy()
         high[k], low[k] = min(1.0, here[k] + _DIFFERENCE), max(0.0, here[k] - _DIFFERENCE)
-        rise = output(write(terms, moving, high)) - output(write(terms, moving, low))
+        rise = output(write(place, moving, high)) - output(write(place, moving, low))
         slopes.append(rise / (high[k] - low[k]))
     return np.stack(slopes, axis=2)

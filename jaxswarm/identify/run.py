@@ -8,7 +8,7 @@ import numpy as np
 
 from jaxswarm import outputs, plots
 from jaxswarm.errors import InputError
-from jaxswarm.identify.estimate import Estimate, estimate, parameter_bounds
+from jaxswarm.identify.estimate import Estimate, estimate
 from jaxswarm.identify.model import Model, load_model, model_torque, save_model
 from jaxswarm.identify.summary import (
     base_parameter_table,
@@ -18,7 +18,7 @@ from jaxswarm.identify.summary import (
     units,
 )
 from jaxswarm.identify.swarm_fit import SwarmFit, swarm_fit
-from jaxswarm.identify.terms import parse_terms
+from jaxswarm.identify.terms import parameter_bounds, parse_terms
 from jaxswarm.identify.validate import held_out_errors, log_errors
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.motion import Filtering, Motion, prepare

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from jaxswarm.effects.base import Law, get_law
 from jaxswarm.errors import InputError, nearest
 
@@ -111,3 +113,15 @@ def _joint(name: str, joints: tuple[str, ...]) -> int:
     if name not in joints:
         raise InputError(f"the robot has no joint {name!r}. {nearest(name, joints)}")
     return joints.index(name)
+
+
+def parameter_bounds(terms: tuple[Term, ...], joints: tuple[str, ...]) -> tuple:
+    """Bounds of all columns: the rigid ones free, the laws' as their tables say."""
+    rigid = 10 * len(joints)
+    lower, upper = [-np.inf] * rigid, [np.inf] * rigid
+    for term in terms:
+        table = term.law.linear
+        free = len(term.columns(joints)) - len(table)
+        lower += [p.lower for p in table] + [-np.inf] * free
+        upper += [p.upper for p in table] + [np.inf] * free
+    return np.array(lower), np.array(upper)

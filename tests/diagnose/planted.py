@@ -37,7 +37,9 @@ def small_arm() -> Robot:
     )
 
 
-def log_with(*hidden: Term, seed: int = 1, noise: Noise = NOISE, duration=DURATION) -> Log:
+def log_with(
+    *hidden: Term, seed: int = 1, noise: Noise = NOISE, duration=DURATION, motion_seed: int = 7
+) -> Log:
     """A log of the arm with the declared friction and hidden terms."""
     return synthetic_log(
         small_arm(),
@@ -46,7 +48,7 @@ def log_with(*hidden: Term, seed: int = 1, noise: Noise = NOISE, duration=DURATI
         noise=noise,
         duration=duration,
         rate=RATE,
-        motion_seed=7,
+        motion_seed=motion_seed,
     )
 
 

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
-from jaxswarm.diagnose.unexplained import find_unexplained, residual_variables
+from jaxswarm.diagnose.unexplained import find_unexplained, residual_variables, with_smooth_terms
+from jaxswarm.identify import load_model, model_torque, save_model
+from jaxswarm.logs.motion import prepare
 
 WIDTH = 0.01
 
 
-def with_extra(shape):
+def with_extra(shape, **options):
     """A log with a further torque ``shape(q, dq)`` on joint 2, from nearly exact positions."""
-    log = log_with()
+    log = log_with(**options)
     dq = np.gradient(log.q, log.t, axis=0)
     extra = np.zeros_like(log.tau)
     extra[:, 1] = shape(log.q, dq)
@@ -41,6 +43,43 @@ def test_the_smooth_term_lowers_the_residual():
     left = [u for u in find_unexplained(found, background) if u.joint == 1][0]
     residual = found.fit.residual[:, 1]
     assert np.std(residual - left.smooth) < 0.85 * np.std(residual)
+
+
+def test_a_smooth_term_predicts_another_log(tmp_path):
+    law = LAWS[0][1]
+    found, background = declared_fit(with_extra(law))
+    left = [u for u in find_unexplained(found, background) if u.joint == 1]
+    save_model(with_smooth_terms(found, left), tmp_path / "model.json")
+    model = load_model(tmp_path / "model.json")
+    other = with_extra(law, motion_seed=8)
+    motion = prepare(other, model.filtering)
+
+    def error(one):
+        return np.std((model_torque(one, motion) - motion.tau)[:, 1])
+
+    assert error(model) < 0.8 * error(found.model)
+
+
+def test_a_smooth_term_stays_at_the_edge_of_its_range():
+    found, background = declared_fit(with_extra(LAWS[0][1]))
+    term = find_unexplained(found, background)[0].term
+    motion = found.motions[0]
+    edge = np.array(motion.q)
+    edge[:, 1] = term.upper[term.inputs.index(("q", 1))]
+    at_edge = term.torque(replace(motion, q=edge))
+    np.testing.assert_array_equal(term.torque(replace(motion, q=edge + 5.0)), at_edge)
+
+
+def test_structure_over_time_is_shown_but_not_put_into_the_model():
+    log = log_with()
+    extra = np.zeros_like(log.tau)
+    extra[:, 1] = 3.0 * np.sin(0.9 * log.t)
+    found, background = declared_fit(replace(log, tau=log.tau + extra))
+    left = [u for u in find_unexplained(found, background) if "t" in u.depends_on]
+    assert left and left[0].term is None
+    model = with_smooth_terms(found, left)
+    assert model.smooth == ()
+    np.testing.assert_array_equal(model.robot.parameters, found.model.robot.parameters)
 
 
 def test_white_residual_has_no_structure():

@@ -1,0 +1,139 @@
+r"""Gauss-Newton on what the columns depend on: nonlinear parameters and the width of the smooth sign.
+
+Linear parameters are eliminated at every step (variable projection, G. H. Golub, V. Pereyra, Inverse
+Problems 19 (2003)): the tangents :math:`\partial W(\nu)/\partial\nu\;\theta` are further columns beside W,
+and solving for both gives the step, and in the end the standard errors of all parameters together.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxswarm.identify.assemble import assemble, moves_links, uses_load
+from jaxswarm.identify.columns import Rigid
+from jaxswarm.identify.least_squares import Fit, fit
+from jaxswarm.identify.nonlinear import Knob, Place, read, tangents, write
+from jaxswarm.identify.regression import Regression, build_regression
+from jaxswarm.identify.terms import Term, parameter_bounds
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+# Rounds of refitting where the load or the lag of a soft joint depends on the fit itself.
+_ROUNDS, _STEPS = 6, 8
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What stays the same while a model is fitted."""
+
+    robot: Robot
+    motions: tuple[Motion, ...]
+    rigids: tuple[Rigid, ...]
+    bounded: bool
+
+    def build(self, place: Place, pi) -> Regression:
+        """The rows at a place."""
+        return build_regression(self.robot, place.terms, self.motions, place.width, pi, self.rigids)
+
+    def solve(self, terms: tuple[Term, ...], regression: Regression) -> Fit:
+        """The linear parameters."""
+        bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
+        return fit(regression, *bounds)
+
+    def output(self, place: Place, pi, theta) -> np.ndarray:
+        """Decimated torque of a model, (T, n)."""
+        parts = []
+        for motion, rigid in zip(self.motions, self.rigids, strict=True):
+            low = assemble(self.robot, place.terms, motion, place.width, pi, rigid, decimate=True)
+            parts.append(low @ theta)
+        return np.concatenate(parts)
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A fit at a place, with the rigid parameters (10 n,) its columns were built with."""
+
+    place: Place
+    solution: Fit
+    regression: Regression
+    pi: np.ndarray
+
+
+def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
+    """Fit, and fit again where columns depend on the rigid parameters, until those stand still."""
+    depends = uses_load(place.terms) or moves_links(place.terms)
+    rigid = 10 * problem.robot.num_joints
+    for _ in range(_ROUNDS if depends else 1):
+        regression = problem.build(place, pi)
+        solution = problem.solve(place.terms, regression)
+        new = solution.theta[:rigid]
+        change = regression.columns[:, :, :rigid] @ (new - pi)
+        pi = new
+        if np.abs(change).max() < 1e-6 * np.abs(regression.torque).max():
+            break
+    return Settled(place, solution, regression, pi)
+
+
+def newton(problem: Problem, moving: list[Knob], here: Settled) -> Settled:
+    """Gauss-Newton steps of the knobs; a step that does not pay is shortened."""
+    cost = weighted_cost(here.solution, here.solution.sigma)
+    for _ in range(_STEPS):
+        sigma = here.solution.sigma
+        position = read(here.place, moving)
+        step = _step(problem, moving, here)
+        for shrink in (1.0, 0.3, 0.1):
+            trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
+            there = settle(problem, trial, here.pi)
+            new = weighted_cost(there.solution, sigma)
+            if new < cost * (1 - 1e-7):
+                break
+        else:
+            break
+        gain = 1 - new / cost
+        here = there
+        cost = weighted_cost(here.solution, here.solution.sigma)
+        if gain < 1e-5:
+            break
+    return here
+
+
+def _step(problem: Problem, moving: list[Knob], here: Settled) -> np.ndarray:
+    """Change of the knobs' positions, (m,)."""
+    solution, regression = here.solution, here.regression
+    slopes = tangents(
+        lambda place: problem.output(place, here.pi, solution.theta), here.place, moving
+    )
+    columns = np.concatenate([regression.columns[:, :, solution.base.kept], slopes], axis=2)
+    weighted = (columns / solution.sigma[:, None]).reshape(-1, columns.shape[2])
+    scale = np.linalg.norm(weighted, axis=0)
+    scale[scale == 0] = 1.0
+    target = (solution.residual / solution.sigma).ravel()
+    step = np.linalg.lstsq(weighted / scale, target, rcond=1e-8)[0] / scale
+    return np.clip(step[-len(moving) :], -0.2, 0.2)
+
+
+def standard_errors(problem: Problem, moving: list[Knob], here: Settled, theta: np.ndarray):
+    """Standard errors of all columns (p,) and of the knobs' positions (m,); NaN where inseparable."""
+    solution, regression = here.solution, here.regression
+    if moving:
+        pi = theta[: len(here.pi)]
+        slopes = tangents(lambda place: problem.output(place, pi, theta), here.place, moving)
+        wide = Regression(
+            (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),
+            np.concatenate([regression.columns, slopes], axis=2),
+            solution.residual,
+            regression.moving,
+            regression.t,
+            regression.log,
+            regression.step,
+        )
+        solution = fit(wide, sigma=solution.sigma)
+    errors = np.full(len(solution.base.names), np.nan)
+    errors[solution.base.kept] = solution.std_error
+    count = len(regression.names)
+    return errors[:count], errors[count:]
+
+
+def weighted_cost(solution: Fit, sigma: np.ndarray) -> float:
+    """Sum of squares of a fit's residual in units of ``sigma`` (n,)."""
+    return float(((solution.residual / sigma) ** 2).sum())
