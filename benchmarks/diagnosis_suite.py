@@ -27,6 +27,9 @@ from jaxswarm.simulate import PD, Reference, make_plant, rest, stable_substeps, 
 
 NOISE = np.array([0.25, 0.30, 0.15])
 WIDTH = 0.01
+# Sampling rate of the logs [Hz], and of the controller of the soft joints in multiples of it.
+RATE, FASTER = 250.0, 10
+SETTLED = 1.0
 VISIBLE = 0.5
 RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
 SILENT = Noise(0.0, 0.0)
@@ -215,27 +218,33 @@ def _terms(case, declared, drawn, size):
 
 
 def _soft(case, arm, declared, rng):
-    """A closed-loop run of an arm with a soft or loose joint; its rotor is declared."""
+    """A closed-loop run of an arm with a soft or loose joint; its rotor is declared.
+
+    The controller runs far faster than the log: a torque held over a sample would be a delay. The log
+    starts when the arm has settled onto its reference.
+    """
     rotor = Term("rotor_inertia", case.joint, values={"ia": 0.5})
     hidden = Term(case.effect, case.joint, values=SOFT[case.effect][case.level])
     declared = (*declared, rotor)
     plant = make_plant(arm, (*declared, hidden), width=WIDTH)
-    t, q, dq, ddq = fourier_motion(3, np.random.default_rng(case.seed))
+    t, q, dq, ddq = fourier_motion(3, np.random.default_rng(case.seed), rate=RATE * FASTER)
     reference = Reference(*(jnp.asarray(x) for x in (q, dq, ddq, np.zeros_like(q))))
-    control = PD(jnp.array([900.0, 900.0, 400.0]), jnp.array([60.0, 60.0, 20.0]))
-    steps = max(4, stable_substeps(plant, jnp.asarray(q[0]), 0.004))
+    control = PD(jnp.array([300.0, 300.0, 120.0]), jnp.array([40.0, 40.0, 15.0]))
+    period = 1.0 / (RATE * FASTER)
+    steps = stable_substeps(plant, jnp.asarray(q[0]), period)
     start = rest(plant, jnp.asarray(q[0]), jnp.asarray(dq[0]))
-    run = track(plant, start, control, reference, dt=0.004, substeps=steps)
-    tau = np.asarray(run.tau)
+    run = track(plant, start, control, reference, dt=period, substeps=steps)
+    kept = slice(round(SETTLED * RATE) * FASTER, None, FASTER)
+    t, tau = t[kept] - SETTLED, np.asarray(run.tau)[kept]
     log = Log(
         source=f"simulated {arm.name}, seed {case.seed}",
         joints=arm.joints,
         t=t,
-        q=np.asarray(run.q),
+        q=np.asarray(run.q)[kept],
         tau=tau,
         channels={"tau_clean": tau},
     )
-    state = tuple(np.asarray(x) for x in (run.q, run.dq, run.ddq))
+    state = tuple(np.asarray(x)[kept] for x in (run.q, run.dq, run.ddq))
     return (hidden,), declared, log, plain_motion(log, state)
 
 

@@ -23,6 +23,9 @@ from jaxswarm.logs.filtering import (
 )
 from jaxswarm.logs.log import Log
 
+# Working rate per band of the motion: friction jumps where a joint reverses, and a jump between samples
+# folds back into the band, which moves the sign's width and every delay.
+_RATE = 16.0
 # Motion is kept up to this multiple of the valley between motion and noise.
 _MOTION_BAND = 1.3
 # Share of the torque's variance that the compared band has to hold.
@@ -136,7 +139,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     use_velocity = filtering.use_logged_velocity
     if use_velocity is None:
         use_velocity = logged is not None and _velocity_is_cleaner(q, logged, rate, motion_cutoff)
-    stride = max(1, int(rate / (8.0 * motion_cutoff)))
+    stride = max(1, int(rate / (_RATE * motion_cutoff)))
     working = rate / stride
     clock = full_clock[::stride]
     q = smooth(_thin(q, rate, stride), working, motion_cutoff)
