@@ -20,8 +20,9 @@ from jaxswarm.diagnose.gather import gather
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.errors import InputError
+from jaxswarm.identify.assemble import tilted
 from jaxswarm.identify.base_parameters import find_base
-from jaxswarm.identify.columns import rigid_of
+from jaxswarm.identify.columns import rigid_columns, rigid_of
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.least_squares import Fit, fit
 from jaxswarm.identify.model import Model, linear_values, smooth_torque
@@ -203,6 +204,9 @@ def _apply(before: Estimate, picked, held) -> tuple[Estimate, tuple[Change, ...]
         known = (term.effect, term.joint, term.other) in held
         changes.append(Change(term, spread, known, worth, others))
         model = _with_change(model, term, known)
+        if term.law.warp == "gravity":
+            aside = candidate.columns[0][:, :, 2:] @ values[k - size + 2 : k]
+            model = _with_masses(model, before.motions, aside)
     return freeze(model, before.motions), tuple(changes)
 
 
@@ -225,6 +229,25 @@ def _values(term: Term, own, doubt, joints) -> tuple[dict, dict]:
         names = [p.name for p in law.linear]
     values = {**term.values, **{n: float(x) for n, x in zip(names, own, strict=True)}}
     return values, {n: float(x) for n, x in zip(names, doubt, strict=True)}
+
+
+def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) -> Model:
+    """The tilted model with the masses that the level arm never felt, from their torque (T', n).
+
+    They lie in the directions of the parameters that leave the level arm's torque as it is.
+    """
+
+    def rows(arm):
+        parts = [m.decimator.apply(rigid_columns(arm, m.q, m.dq, m.ddq)) for m in motions]
+        return np.concatenate(parts).reshape(torque.size, -1)
+
+    level = rows(model.robot)
+    _, size, directions = np.linalg.svd(level, full_matrices=False)
+    unfelt = directions[size <= 1e-9 * size[0]].T
+    felt = rows(tilted(model.robot, model.terms)) @ unfelt
+    change = unfelt @ np.linalg.lstsq(felt, torque.ravel(), rcond=1e-6)[0]
+    parameters = model.robot.parameters + jnp.asarray(change.reshape(-1, 10))
+    return replace(model, robot=model.robot.replace(parameters=parameters))
 
 
 def _with_change(model: Model, term: Term, known: bool) -> Model:

@@ -1,0 +1,89 @@
+"""A model identified before and a new log: what changed is named with its size, and nothing else is."""
+
+from dataclasses import replace
+from functools import cache
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from planted import BAND, DECLARED, DURATION, NOISE, RATE, blank
+
+from jaxswarm.diagnose.against import compare
+from jaxswarm.diagnose.synthetic import random_links, synthetic_log
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import robot_from_dh
+
+MASS, CENTER = 1.2, np.array([0.12, 0.03, 0.05])
+
+
+@cache
+def upright_arm():
+    """A vertical first axis that carries a horizontal one: gravity never loads the first joint."""
+    bare = robot_from_dh(
+        "upright", convention="modified", alpha=[0.0, np.pi / 2], a=[0.0, 0.2], d=[0.3, 0.0]
+    )
+    links = random_links(bare, np.random.default_rng(5), mass=6.0)
+    return bare.replace(parameters=jnp.asarray(links))
+
+
+def motion_of(arm, terms, seed):
+    log = synthetic_log(
+        arm, terms, seed, noise=NOISE, duration=DURATION, rate=RATE, motion_seed=seed
+    )
+    return prepare(log, BAND)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return estimate(upright_arm(), blank(), [motion_of(upright_arm(), DECLARED, 3)]).model
+
+
+def changes(model, arm=None, terms=DECLARED):
+    motion = motion_of(upright_arm() if arm is None else arm, terms, 9)
+    found = compare(model, [motion])
+    named = [c.term.label(model.robot.joints) for c in found.changes]
+    return named, found
+
+
+def test_the_same_arm_has_not_changed(model):
+    named, found = changes(model)
+    assert named == []
+    assert found.after.model is not None and found.stages == ()
+
+
+def test_a_payload_is_named_with_its_mass_and_moment(model):
+    inertia = MASS * (CENTER @ CENTER * np.eye(3) - np.outer(CENTER, CENTER))
+    carried = np.zeros((2, 10))
+    carried[1] = [MASS, *(MASS * CENTER), *inertia[np.triu_indices(3)][[0, 1, 3, 2, 4, 5]]]
+    arm = upright_arm().replace(parameters=upright_arm().parameters + jnp.asarray(carried))
+    named, found = changes(model, arm)
+    assert named == ["payload"]
+    values, errors = found.changes[0].term.values, found.changes[0].std_errors
+    # The mass of a link on a vertical axis is inseparable from its inertia; its moments are not.
+    for name, true in (("mcx", carried[1, 1]), ("mcy", carried[1, 2])):
+        assert abs(values[name] - true) < 4.0 * errors[name] + 0.02 * abs(true)
+    assert found.after.fit.sigma.max() < 0.5 * found.before.fit.sigma.max()
+
+
+def test_a_tilted_base_is_named_alone_although_it_loads_masses_never_felt(model):
+    arm = upright_arm().replace(gravity=jnp.array([0.5, -0.3, -np.sqrt(9.81**2 - 0.34)]))
+    named, found = changes(model, arm)
+    assert named == ["base_tilt"]
+    values, errors = found.changes[0].term.values, found.changes[0].std_errors
+    for name, true in (("gx", 0.5), ("gy", -0.3)):
+        assert abs(values[name] - true) < 4.0 * errors[name] + 0.02
+    assert found.after.fit.sigma.max() < 1.5 * NOISE.tau * np.sqrt(10.0 / 62.5)
+
+
+def test_friction_that_grew_is_named_as_a_change_of_what_was_known(model):
+    worn = tuple(
+        replace(t, values={k: 1.5 * v for k, v in t.values.items()})
+        if (t.effect, t.joint) == ("coulomb_friction", 1)
+        else t
+        for t in DECLARED
+    )
+    named, found = changes(model, terms=worn)
+    assert named == ["coulomb_friction@joint2"]
+    assert found.changes[0].known
+    assert found.changes[0].term.values["fc"] == pytest.approx(0.75, abs=0.05)
