@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -56,11 +57,16 @@ def _start() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
+@contextmanager
 def _status():
-    """A spinner on stderr that shows the stage, and nothing where stderr is no terminal."""
+    """The stage and the time since the start on stderr; nothing where stderr is no terminal."""
     from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    return Console(stderr=True).status("starting", spinner="dots")
+    columns = SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("starting", total=None)
+        yield lambda text: progress.update(task, description=text)
 
 
 @app.command()
@@ -76,7 +82,7 @@ def demo(
     from jaxswarm.diagnose.words import where
 
     with _status() as status:
-        result, truth = run_demo(seed, out, status.update)
+        result, truth = run_demo(seed, out, status)
 
     def text() -> None:
         print_diagnosis(result, out)
@@ -106,7 +112,7 @@ def study(
         raise InputError(f"unknown study {name!r}. {nearest(name, STUDIES)}")
     check_folder(out)
     with _status() as status:
-        result = STUDIES[name](out, fast=fast, seed=seed, progress=status.update)
+        result = STUDIES[name](out, fast=fast, seed=seed, progress=status)
     _show(result, json, lambda: print(f"report: {out / 'report.html'}"))
 
 
@@ -127,6 +133,10 @@ def identify(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the swarm.")] = 0,
     motion_cutoff: MotionCutoff = None,
     torque_cutoff: TorqueCutoff = None,
+    free_base: Annotated[
+        bool,
+        typer.Option("--free-base", help="The base may stand tilted: fit gravity's direction."),
+    ] = False,
     json: Json = False,
 ) -> None:
     """Identify a declared model from logs and score it on motion it was not fitted to."""
@@ -134,9 +144,11 @@ def identify(
     from jaxswarm.identify import print_identification
     from jaxswarm.identify.run import Options, identify_files
 
+    if free_base and "base_tilt" not in effects:
+        effects = "base_tilt" if effects.strip() == "none" else f"{effects},base_tilt"
     options = Options(optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff)
     with _status() as status:
-        report = identify_files(logs, robot, effects, out, validation, options, status.update)
+        report = identify_files(logs, robot, effects, out, validation, options, status)
     _show(report, json, lambda: print_identification(report, out))
 
 
@@ -173,10 +185,10 @@ def diagnose(
         if model is not None:
             from jaxswarm.diagnose.run_against import compare_files
 
-            result = compare_files(logs, robot, model, out, validation, options, status.update)
+            result = compare_files(logs, robot, model, out, validation, options, status)
         else:
             declare = declare or "none"
-            result = diagnose_files(logs, robot, declare, out, validation, options, status.update)
+            result = diagnose_files(logs, robot, declare, out, validation, options, status)
     _show(result, json, lambda: print_diagnosis(result, out))
 
 
@@ -214,7 +226,7 @@ def excite(
     from jaxswarm.identify.excite_run import excite_file, print_excitation
 
     with _status() as status:
-        result = excite_file(robot, limits, out, effects, duration, seed, status.update)
+        result = excite_file(robot, limits, out, effects, duration, seed, status)
     _show(result, json, lambda: print_excitation(result, out))
 
 

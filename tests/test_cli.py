@@ -104,6 +104,14 @@ def test_identify_writes_what_it_promises(folder):
     assert (folder / "out" / "torque.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_free_base_fits_the_direction_of_gravity(folder, tmp_path):
+    code, out, _ = identify(folder / "log.csv", tmp_path / "out", "--free-base", "--json")
+    assert code == 0
+    tilt = [t for t in json.loads(out)["effects"] if t["effect"] == "base_tilt"]
+    # A slide along x that stands tilted feels its weight as a constant force; this one stands level.
+    assert len(tilt) == 1 and abs(tilt[0]["parameters"]["gx"]["value"]) < 0.02
+
+
 def test_identify_prints_tables_without_json(folder, tmp_path):
     search = ("--optimizer", "gpso", "--runs", 2, "--steps", 60)
     code, out, err = identify(folder / "log.csv", tmp_path / "out", *search)

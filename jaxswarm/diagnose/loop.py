@@ -102,7 +102,7 @@ def diagnose(
     first, steps, banned, asked, skews = current, [], set(), 0, []
     memory = Memory()
     for round_number in range(_MOST_STEPS + 1):
-        progress(f"round {round_number + 1}: asking the suspects")
+        progress(f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far")
         background = make_background(current)
         scores = ask(current, background, seed, banned, memory)
         asked = asked or len(scores)
@@ -269,6 +269,12 @@ def _with_start(chosen: Score) -> Term:
     elif term.law.warp == "gravity":
         values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a[:2])
     return replace(term, values=values)
+
+
+def _error(one: Estimate) -> float:
+    """Relative error [%] of a fit, all joints."""
+    size = np.linalg.norm(one.regression.torque)
+    return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))
 
 
 def _cost(one: Estimate, weights: Estimate) -> float:

@@ -73,7 +73,7 @@ def test_a_tilted_base_is_named_alone_although_it_loads_masses_never_felt(model)
     values, errors = found.changes[0].term.values, found.changes[0].std_errors
     for name, true in (("gx", 0.5), ("gy", -0.3)):
         assert abs(values[name] - true) < 4.0 * errors[name] + 0.02
-    assert found.after.fit.sigma.max() < 1.5 * NOISE.tau * np.sqrt(10.0 / 62.5)
+    assert found.after.fit.sigma.max() < 1.5 * NOISE.torque * np.sqrt(10.0 / 62.5)
 
 
 def test_friction_that_grew_is_named_as_a_change_of_what_was_known(model):
