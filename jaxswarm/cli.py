@@ -201,7 +201,7 @@ def predict(
 ) -> None:
     """Predict the torque of an identified model along a log, at its own time stamps."""
     _start()
-    from jaxswarm.identify.run import predict_file
+    from jaxswarm.identify.predict import predict_file
 
     result = predict_file(model, log, out)
     _show(result, json, lambda: print(f"{result['samples']} samples written to {result['out']}"))
