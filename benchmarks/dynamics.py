@@ -2,28 +2,38 @@
 
 Run: python -m benchmarks.dynamics [--fast]
 
-Arms of 3 (RX60), 6 (UR10e) and 7 joints with full link parameters, float64. Ours: lanes, the batch as a
-trailing axis. Peers: Pinocchio's RNEA and ABA called in a loop from Python (on batches of 1000, they
-are linear), MuJoCo's threaded rollout (RK4, same step, all cores). A second table takes a two-link
-planar arm with 5000 particles of different parameters through 1 ms steps: our general tree as lanes, a
-closed form written by hand in the same layout, the plain ``vmap`` of a vector state with ``jnp.sin`` and
-a linear solve, diffrax with the same four stages, MuJoCo. Rates are medians of interleaved rounds.
+Arms of 3 (RX60), 6 (UR10e) and 7 joints with full link parameters, float64. Ours: lanes in blocks
+(:func:`jaxswarm.robot.in_blocks`), which use one core. Peers, on batches of 1000: Pinocchio's
+RNEA and ABA called in a loop from Python, MuJoCo's threaded rollout (RK4, same step), frax and MJX
+vmapped. All rates of this table are per second that a core computed. MJX compiles for a minute, so --fast
+leaves it out and the full run takes it for six joints only.
+
+Further tables: a planar two-link arm with 5000 particles of different parameters through 1 ms steps
+(general tree, closed form by hand, plain ``vmap`` of a vector state with ``jnp.sin`` and a linear solve,
+diffrax with the same four stages, MuJoCo); the same as output-error values; the RX60's three links,
+general tree against a closed form by hand. Rates are medians of interleaved rounds, on the clock and
+per second that a core computed; ratios are medians of the ratios within a round.
+
+What bounds it. One pass over all lanes is bound by memory and by the scheduling of some hundred short
+passes; in blocks of 64 lanes the arithmetic is: about 1100 additions and multiplications for the
+inverse dynamics of six joints, 40 of them for each sine and cosine. The general tree computes
+twice what a closed form does: it rotates vectors whose components a planar arm knows to be zero.
 """
 
 import sys
-import tempfile
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from benchmarks.dynamics_two_link import PARTICLES, two_link_candidates
-from benchmarks.timing import interleaved, machine, write_lines
-from jaxswarm.identify.export import export_mjcf
+from benchmarks.dynamics_peers import frax_rates, mjx_rates, mujoco_rate, pinocchio_rates
+from benchmarks.dynamics_rx60 import check, rx60_candidates
+from benchmarks.dynamics_two_link import PARTICLES, output_error_candidates, two_link_candidates
+from benchmarks.timing import core_ratio, interleaved, machine, ratio, write_lines
 from jaxswarm.robot import (
     Robot,
     forward_dynamics,
+    in_blocks,
     inverse_dynamics,
     robot_from_dh,
     rx60,
@@ -60,21 +70,29 @@ def states(robot: Robot, batch: int) -> tuple[jax.Array, jax.Array, jax.Array]:
 
 
 def our_rates(robot: Robot, batch: int, rounds: int) -> dict[str, float]:
-    """Return evaluations and steps per second of one batch."""
+    """Return evaluations and steps per core-second of one batch."""
     samples = states(robot, batch)
-    inverse = jax.jit(lambda s: inverse_dynamics(robot, *s, sincos=polynomial_sincos))
-    forward = jax.jit(lambda s: forward_dynamics(robot, *s, sincos=polynomial_sincos))
     steps = max(10, 20_000 // batch)
     plant = make_plant(robot)
     loop = open_loop(jnp.zeros((steps, robot.num_joints)), dt=DT)
 
-    @jax.jit
-    def rk4(q):
-        def body(carry, sample):
-            return loop.advance(plant, carry, sample)[0], None
+    def end(q):
+        begin = loop.begin(rest(plant, q))
+        last, _ = jax.lax.scan(
+            lambda x, u: (loop.advance(plant, x, u)[0], None), begin, loop.inputs
+        )
+        return jnp.stack(last[0].q)
 
-        return jax.lax.scan(body, loop.begin(rest(plant, q)), loop.inputs)[0]
+    def inverse(s):
+        return inverse_dynamics(robot, *s, sincos=polynomial_sincos)
 
+    def forward(s):
+        return forward_dynamics(robot, *s, sincos=polynomial_sincos)
+
+    def blocks(function):
+        return jax.jit(lambda lanes: in_blocks(function, lanes))
+
+    inverse, forward, rk4 = blocks(inverse), blocks(forward), blocks(end)
     timed = interleaved(
         {
             "inverse": lambda: inverse(samples),
@@ -83,86 +101,85 @@ def our_rates(robot: Robot, batch: int, rounds: int) -> dict[str, float]:
         },
         rounds,
     )
-    return {
-        name: batch * (steps if name == "rk4" else 1) / timed[name].median
+    return {  # one core computes, so its own time is the one that counts
+        name: batch * (steps if name == "rk4" else 1) / float(np.median(timed[name].computed))
         for name in ("inverse", "forward", "rk4")
     }
 
 
-def pinocchio_rates(robot: Robot, rounds: int) -> dict[str, float]:
-    """Return RNEA and ABA calls per second from a Python loop."""
-    import pinocchio as pin
-
-    model = pin.Model()
-    ids = []
-    for i, name in enumerate(robot.joints):
-        place = pin.SE3(np.asarray(robot.rotation[i]), np.asarray(robot.translation[i]))
-        parent = 0 if robot.parents[i] < 0 else ids[robot.parents[i]]
-        joint = pin.JointModelRevoluteUnaligned(np.asarray(robot.axis[i]))
-        ids.append(model.addJoint(parent, joint, place, name))
-        inertia = pin.Inertia.FromDynamicParameters(np.asarray(robot.parameters[i]))
-        model.appendBodyToJoint(ids[-1], inertia, pin.SE3.Identity())
-    data = model.createData()
-    rows = [tuple(np.ascontiguousarray(x.T)) for x in map(np.asarray, states(robot, PEER_BATCH))]
-
-    def loop(function):
-        return [function(model, data, *row).copy() for row in zip(*rows, strict=True)][-1:]
-
-    timed = interleaved({"rnea": lambda: loop(pin.rnea), "aba": lambda: loop(pin.aba)}, rounds)
-    return {name: PEER_BATCH / t.median for name, t in timed.items()}
+def peer_rates(robot: Robot, rounds: int, fast: bool) -> dict[str, dict[str, float]]:
+    """Return peer -> what -> rate, for those that are installed."""
+    samples = states(robot, PEER_BATCH)
+    pinocchio = pinocchio_rates(robot, samples, rounds)
+    rates = {
+        "Pinocchio loop": {"inverse": pinocchio["rnea"], "forward": pinocchio["aba"]},
+        "MuJoCo rollout": {"rk4": mujoco_rate(robot, samples, DT, rounds)},
+        "frax": frax_rates(robot, samples, rounds),
+    }
+    if not fast and robot.num_joints == 6:
+        rates["MJX"] = mjx_rates(robot, samples, DT, 3)
+    for name in [name for name, rate in rates.items() if rate is None]:
+        print(f"{name} is not installed: its row is left out")
+        del rates[name]
+    return rates
 
 
-def mujoco_rate(robot: Robot, rounds: int, steps: int = 20) -> float:
-    """Return RK4 steps per second of MuJoCo's threaded rollout on all cores."""
-    import os
+def table(fast: bool, rounds: int) -> list[dict]:
+    """Print the rates of the three arms and return them."""
+    rows = []
+    columns = ("inverse", "forward", "rk4")
+    print(f"{'':26s}" + "".join(f"{c + '/s':>12s}" for c in columns))
 
-    import mujoco
-    from mujoco import rollout
+    def show(label: str, rates: dict[str, float]) -> None:
+        cells = (f"{rates[c]:12.3g}" if c in rates else f"{'-':>12s}" for c in columns)
+        print(f"{label:26s}" + "".join(cells), flush=True)
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "arm.xml"
-        export_mjcf(robot, path)
-        model = mujoco.MjModel.from_xml_path(str(path))
-    model.opt.timestep = DT
-    datas = [mujoco.MjData(model) for _ in range(os.cpu_count() or 1)]
-    size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    start = np.zeros((PEER_BATCH, size))
-    start[:, 1 : 1 + model.nq] = np.asarray(states(robot, PEER_BATCH)[0]).T
-    control = np.zeros((PEER_BATCH, steps, model.nu))
-    timed = interleaved(
-        {"rollout": lambda: rollout.rollout(model, datas, start, control)[0][:1]}, rounds
-    )
-    return PEER_BATCH * steps / timed["rollout"].median
+    for name, robot in arms().items():
+        best = {}
+        for batch in (1, 10_000) if fast else (1, 100, 10_000, 100_000):
+            rates = our_rates(robot, batch, rounds)
+            rows.append({"arm": name, "batch": batch, **rates})
+            best = {c: max(rates[c], best.get(c, 0.0)) for c in columns}
+            show(f"{name}, batch {batch}", rates)
+        for peer, rates in peer_rates(robot, rounds, fast).items():
+            rows.append({"arm": name, "peer": peer, **rates})
+            show(f"  {peer}", rates)
+            times = (f"{c} {best[c] / rates[c]:.0f} times" for c in columns if c in rates)
+            print(f"{'':26s}ours: {', '.join(times)} {peer}")
+    return rows
+
+
+def compare(title: str, candidates: dict, rounds: int) -> list[dict]:
+    """Time candidates against the first of them, print and return the rates."""
+    print(f"\n{title:28s}{'steps/s':>10s}{'/core-s':>10s}   first is times this")
+    timed = interleaved({name: call for name, (call, _) in candidates.items()}, rounds)
+    first, work = next((name, work) for name, (_, work) in candidates.items())
+    rows = []
+    for name, (_, count) in candidates.items():
+        rate, core = count / timed[name].median, count / float(np.median(timed[name].computed))
+        times = ratio(timed, name, first) * work / count
+        per_core = core_ratio(timed, name, first) * work / count
+        row = {"rate": rate, "per_core": core, "times": times, "times_per_core": per_core}
+        rows.append({"table": title, "candidate": name, **row})
+        print(
+            f"{name:28s}{rate:10.3g}{core:10.3g}   {times:.1f}, per core {per_core:.1f}", flush=True
+        )
+    return rows
 
 
 def main() -> None:
-    """Measure, print both tables and keep them as JSON lines."""
+    """Measure, print the tables and keep them as JSON lines."""
     jax.config.update("jax_enable_x64", True)
     fast = "--fast" in sys.argv
-    rounds = 3 if fast else 7
-    batches = (1, 1000) if fast else (1, 100, 10_000, 100_000)
-    rows = []
-    print(f"{'arm':10s}{'batch':>8s}{'inverse/s':>13s}{'forward/s':>13s}{'RK4 steps/s':>13s}")
-    for name, robot in arms().items():
-        for batch in batches:
-            rates = our_rates(robot, batch, rounds)
-            rows.append({"arm": name, "batch": batch, **rates})
-            print(f"{name:10s}{batch:8d}" + "".join(f"{rates[k]:13.3g}" for k in rates), flush=True)
-        peers = pinocchio_rates(robot, rounds)
-        steps = mujoco_rate(robot, rounds)
-        rows.append({"arm": name, "peers": {**peers, "mujoco": steps}})
-        print(f"{'':10s}{'peers':>8s}{peers['rnea']:13.3g}{peers['aba']:13.3g}{steps:13.3g}")
-        best = max(r["inverse"] for r in rows if r["arm"] == name and "inverse" in r)
-        print(f"{'':10s}inverse dynamics: {best / peers['rnea']:.0f} times Pinocchio's loop")
-    print(f"\ntwo-link arm, {PARTICLES} particles, particle-steps/s")
-    candidates = two_link_candidates(DT, 20 if fast else 100)
-    timed = interleaved({name: call for name, (call, _) in candidates.items()}, rounds)
-    ours = None
-    for name, (_, count) in candidates.items():
-        rate = count / timed[name].median
-        ours = ours or rate
-        rows.append({"two_link": name, "rate": rate})
-        print(f"{name:28s}{rate:12.3g}   ours is {ours / rate:6.1f} times this", flush=True)
+    rounds, steps = (3, 20) if fast else (9, 100)
+    rows = compare(
+        f"two-link arm, {PARTICLES} particles", two_link_candidates(DT, steps), rounds
+    ) + compare("two-link arm, output error", output_error_candidates(DT, steps), rounds)
+    three = rx60_candidates(arms()["3 joints"], DT, steps, PARTICLES)
+    print(f"\nRX60: general tree and closed form end {check(three):.1g} rad apart")
+    rows += compare("RX60, three links", three, rounds)
+    print()
+    rows += table(fast, rounds)
     rows.append(machine())
     print(f"written to {write_lines('dynamics.jsonl', rows)}")
 

@@ -1,7 +1,8 @@
-"""A planar two-link arm through RK4 in five ways: the candidates of ``benchmarks/dynamics.py``.
+"""A planar two-link arm through RK4 in several ways: candidates of ``benchmarks/dynamics.py``.
 
 H11 = a + 2 e cos q2, H12 = b + e cos q2, H22 = b, with Coriolis terms of e sin q2 and gravity; every
-particle has its own a, b, e. The general tree gets the same arm as link parameters.
+particle has its own a, b, e. The general tree gets the same arm as link parameters. For output error
+the value of a particle is the mean squared difference of its joint angles from measured ones.
 """
 
 import os
@@ -14,9 +15,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.identify.export import export_mjcf
-from jaxswarm.identify.output_error import plant_with
-from jaxswarm.robot import Joint, Robot, build_robot
+from jaxswarm.identify.output_error import (
+    Experiment,
+    OutputProblem,
+    output_fitness,
+    plant_with,
+)
+from jaxswarm.robot import Joint, Robot, build_robot, in_blocks
 from jaxswarm.robot.placements import body_parameters
+from jaxswarm.robot.spatial import settle
 from jaxswarm.simulate import make_plant, open_loop, polynomial_sincos, rest
 
 PARTICLES = 5000
@@ -41,36 +48,62 @@ def two_link_candidates(dt: float, steps: int) -> dict[str, tuple[Callable[[], o
     scale = jnp.asarray(1.0 + 0.2 * rng.random(PARTICLES))
     tau = jnp.asarray(0.1 * rng.normal(size=(steps, 2)))
     few = PARTICLES // 10
+    work = PARTICLES * steps
     calls: dict[str, tuple[Callable[[], object], int]] = {
-        "general tree, lanes": (_general(scale, tau, dt), PARTICLES * steps),
-        "closed form, lanes": (_closed(scale, tau, dt), PARTICLES * steps),
-        "plain vmap, solve, jnp.sin": (_plain(scale, tau, dt), PARTICLES * steps),
+        "general tree, blocks": (_general(scale, tau, dt, blocks=True), work),
+        "general tree, all lanes": (_general(scale, tau, dt, blocks=False), work),
+        "closed form, blocks": (_closed(scale, tau, dt), work),
+        "plain vmap, solve, jnp.sin": (_plain(scale, tau, dt), work),
         "mujoco rollout": (_mujoco(few, steps, dt), few * steps),
     }
     try:
-        calls["diffrax, same stages"] = (_diffrax(scale, tau, dt), PARTICLES * steps)
+        calls["diffrax, same stages"] = (_diffrax(scale, tau, dt), work)
+    except ImportError:
+        print("diffrax is not installed: its rows are left out")
+    return calls
+
+
+def output_error_candidates(dt: float, steps: int) -> dict[str, tuple[Callable[[], object], int]]:
+    """Return name -> (call that gives the values, particle-steps of one call); ours first."""
+    rng = np.random.default_rng(0)
+    scale = jnp.asarray(1.0 + 0.2 * rng.random(PARTICLES))
+    tau = jnp.asarray(0.1 * rng.normal(size=(steps, 2)))
+    measured = jnp.asarray(0.01 * rng.normal(size=(steps, 2)))
+    plant = make_plant(arm())
+    problem = OutputProblem(plant, FREE, dt, sigma_q=np.ones(2))
+    fitness = jax.jit(output_fitness(problem))
+    params = {name: value * scale for name, value in zip(FREE, _nominal(plant), strict=True)}
+    log = (Experiment(tau, measured, jnp.zeros(2), jnp.zeros(2)),)
+    calls = {"output error": (lambda: fitness(params, log), PARTICLES * steps)}
+    try:
+        calls["diffrax output error"] = (_diffrax(scale, tau, dt, measured), PARTICLES * steps)
     except ImportError:
         pass
     return calls
 
 
-def _general(scale, tau, dt):
-    plant = make_plant(arm())
-    names = ("mx2", "Izz2", "Izz1")
-    values = [float(plant.robot.parameters[i, k]) for i, k in ((1, 1), (1, 9), (0, 9))]
+FREE = ("mx2", "Izz2", "Izz1")
 
-    @jax.jit
+
+def _nominal(plant) -> list[float]:
+    return [float(plant.robot.parameters[i, k]) for i, k in ((1, 1), (1, 9), (0, 9))]
+
+
+def _general(scale, tau, dt, blocks):
+    plant = make_plant(arm())
+
     def run(scale, tau):
-        lanes = plant_with(plant, names, [value * scale for value in values])
+        lanes = plant_with(plant, FREE, [value * scale for value in _nominal(plant)])
         loop = open_loop(tau, dt=dt)
         start = loop.begin(rest(plant, jnp.zeros((2, scale.shape[0]))))
 
         def body(carry, sample):
             return loop.advance(lanes, carry, sample)[0], None
 
-        return jax.lax.scan(body, start, loop.inputs)[0]
+        return jnp.stack([*jax.lax.scan(body, start, loop.inputs)[0][0].q])
 
-    return lambda: run(scale, tau)
+    call = jax.jit(lambda scale, tau: in_blocks(run, scale, tau) if blocks else run(scale, tau))
+    return lambda: call(scale, tau)
 
 
 def _constants(scale):
@@ -90,7 +123,9 @@ def _accelerations(constants, q1, q2, w1, w2, tau, sincos):
     return (b * n1 - h12 * n2) * scale, (h11 * n2 - h12 * n1) * scale
 
 
-def _rk4(flow, x, dt):
+def rk4(flow, x, dt):
+    """Return the state after one step of the classical Runge-Kutta method."""
+
     def ahead(k, h):
         return jax.tree.map(lambda x, k: x + h * k, x, k)
 
@@ -104,19 +139,19 @@ def _rk4(flow, x, dt):
 
 
 def _closed(scale, tau, dt):
-    @jax.jit
     def run(scale, tau):
         constants = _constants(scale)
 
         def step(x, u):
             def flow(x):
-                return (x[2], x[3], *_accelerations(constants, *x, u, polynomial_sincos))
+                return (x[2], x[3], *settle(_accelerations(constants, *x, u, polynomial_sincos)))
 
-            return _rk4(flow, x, dt), None
+            return rk4(flow, x, dt), None
 
-        return jax.lax.scan(step, (jnp.zeros_like(scale),) * 4, tau)[0]
+        return jnp.stack(jax.lax.scan(step, (jnp.zeros_like(scale),) * 4, tau)[0][:2])
 
-    return lambda: run(scale, tau)
+    call = jax.jit(lambda scale, tau: in_blocks(run, scale, tau))
+    return lambda: call(scale, tau)
 
 
 def _vector_field(constants, x, u):
@@ -138,7 +173,7 @@ def _plain(scale, tau, dt):
             constants = _constants(scale)
 
             def step(x, u):
-                return _rk4(lambda x: _vector_field(constants, x, u), x, dt), None
+                return rk4(lambda x: _vector_field(constants, x, u), x, dt), None
 
             return jax.lax.scan(step, jnp.zeros(4), tau)[0]
 
@@ -147,7 +182,7 @@ def _plain(scale, tau, dt):
     return lambda: run(scale, tau)
 
 
-def _diffrax(scale, tau, dt):
+def _diffrax(scale, tau, dt, measured=None):
     import diffrax
 
     class RK4(diffrax.AbstractERK):
@@ -173,16 +208,20 @@ def _diffrax(scale, tau, dt):
             def field(t, x, args):
                 return _vector_field(constants, x, tau[(t * hold).astype(int)])
 
-            return diffrax.diffeqsolve(
+            count = tau.shape[0]
+            sampled = {} if measured is None else {"ts": jnp.arange(count) * dt}
+            motion = diffrax.diffeqsolve(
                 diffrax.ODETerm(field),
                 RK4(),
                 0.0,
-                tau.shape[0] * dt,
+                count * dt,
                 dt,
                 jnp.zeros(4),
-                max_steps=tau.shape[0] + 1,
+                saveat=diffrax.SaveAt(**(sampled or {"t1": True})),
+                max_steps=count + 1,
                 adjoint=diffrax.ForwardMode(),
             ).ys
+            return motion if measured is None else jnp.mean((motion[:, :2] - measured) ** 2)
 
         return jax.vmap(one)(scale)
 

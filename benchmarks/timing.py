@@ -1,7 +1,8 @@
 """Timing that compares: warm up, block on the result, take turns, keep compile time apart.
 
 A machine is never quiet, so candidates are measured in turns, round after round, and the ratio of two
-candidates is the median of the ratios within a round.
+candidates is the median of the ratios within a round. Beside the time on the clock stands the time
+that the process computed, summed over its cores: other programs hardly change that one.
 """
 
 import importlib.metadata
@@ -21,10 +22,14 @@ RESULTS = Path(__file__).parent / "results"
 
 @dataclass(frozen=True)
 class Timed:
-    """Times of one candidate: seconds of the first call (with compilation) and of each round."""
+    """Times of one candidate: seconds of the first call (with compilation) and of each round.
+
+    ``computed`` holds the core-seconds of each round.
+    """
 
     first: float
     rounds: np.ndarray
+    computed: np.ndarray
 
     @property
     def median(self) -> float:
@@ -33,18 +38,23 @@ class Timed:
 
 def interleaved(candidates: dict[str, Callable[[], Any]], rounds: int = 7) -> dict[str, Timed]:
     """Call every candidate once to compile, then in turns; each returns arrays to wait for."""
-    first = {name: _seconds(call) for name, call in candidates.items()}
-    times: dict[str, list[float]] = {name: [] for name in candidates}
+    first = {name: _seconds(call)[0] for name, call in candidates.items()}
+    times: dict[str, list[tuple[float, float]]] = {name: [] for name in candidates}
     for turn in range(rounds):
         names = list(candidates)
         for name in names[turn % len(names) :] + names[: turn % len(names)]:
             times[name].append(_seconds(candidates[name]))
-    return {name: Timed(first[name], np.array(times[name])) for name in candidates}
+    return {name: Timed(first[name], *np.array(times[name]).T) for name in candidates}
 
 
 def ratio(timed: dict[str, Timed], name: str, reference: str) -> float:
     """How many times as long ``name`` takes as ``reference``: median over rounds."""
     return float(np.median(timed[name].rounds / timed[reference].rounds))
+
+
+def core_ratio(timed: dict[str, Timed], name: str, reference: str) -> float:
+    """How many times the core-seconds of ``reference`` ``name`` takes: median over rounds."""
+    return float(np.median(timed[name].computed / timed[reference].computed))
 
 
 def machine() -> dict[str, Any]:
@@ -67,7 +77,7 @@ def write_lines(name: str, rows: list[dict[str, Any]]) -> Path:
     return path
 
 
-def _seconds(call):
-    start = time.perf_counter()
+def _seconds(call) -> tuple[float, float]:
+    start, computed = time.perf_counter(), time.process_time()
     jax.block_until_ready(call())
-    return time.perf_counter() - start
+    return time.perf_counter() - start, time.process_time() - computed

@@ -102,7 +102,9 @@ def diagnose(
     first, steps, banned, asked, skews = current, [], set(), 0, []
     memory = Memory()
     for round_number in range(_MOST_STEPS + 1):
-        progress(f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far")
+        progress(
+            f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
+        )
         background = make_background(current)
         scores = ask(current, background, seed, banned, memory)
         asked = asked or len(scores)

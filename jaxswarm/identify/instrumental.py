@@ -29,8 +29,9 @@ from scipy.stats import f as f_distribution
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.output_error import Experiment, OutputProblem, plant_with
+from jaxswarm.simulate.acceleration import rest
 from jaxswarm.simulate.controllers import Reference
-from jaxswarm.simulate.rollout import rest, simulate, track
+from jaxswarm.simulate.rollout import simulate, track
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,9 +6,11 @@ on those. Residuals of real robots are strongly autocorrelated, so the covarianc
 Newey-West sandwich
 
 .. math:: R^{-1} \Big(\sum_{|l| \le L} (1 - |l|/(L+1)) \sum_t u_t u_{t-l}^T\Big) R^{-T},
-   \qquad u_t = Q_t^T e_t,
+   \qquad u_t = Q_t^T e_t / (1 - h_t),
 
-with the lag L from the residual's own correlation length. References: M. Gautier, ICRA 1997 (weights);
+with the lag L from the residual's own correlation length and the leverage h of a row, without which a
+parameter that few rows decide looks too certain (J. G. MacKinnon, H. White, J. Econometrics 29 (1985),
+the jackknife form). References: M. Gautier, ICRA 1997 (weights);
 W. K. Newey, K. D. West, Econometrica 55 (1987); D. W. K. Andrews, Econometrica 59 (1991), eq. 6.4.
 """
 
@@ -19,6 +21,9 @@ from scipy import linalg, optimize
 
 from jaxswarm.identify.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.regression import Regression
+
+# Rows with more leverage than this are fitted whatever they hold.
+_MOST_LEVERAGE = 0.9
 
 
 @dataclass(frozen=True)
@@ -192,18 +197,22 @@ def _sandwich(factor, scores, error, log) -> tuple[np.ndarray, float]:
     """Newey-West covariance of the base parameters, and the effective number of samples."""
     length, size = len(error), factor.shape[0]
     inflation = correlation_length(error, log)
-    u = np.einsum("tjb,tj->tb", scores, error)
+    # A row that decides a parameter alone hides its own error: leave-one-out residuals.
+    leverage = np.minimum((scores**2).sum(axis=2), _MOST_LEVERAGE)
+    u = np.einsum("tjb,tj->tb", scores, error / (1.0 - leverage))
     # Andrews' automatic lag for a first-order process of the measured correlation length.
     rho = (inflation - 1.0) / (inflation + 1.0)
     lag_limit = int(
         min(length // 4, 1 + 1.1447 * (length * 4 * rho**2 / (1 - rho**2) ** 2) ** (1 / 3))
     )
-    meat = u.T @ u
+    meat, power, tapered = u.T @ u, max(float((error**2).sum()), 1e-300), 1.0
     for lag in range(1, lag_limit + 1):
         same = (log[lag:] == log[:-lag])[:, None]
+        taper = 1.0 - lag / (lag_limit + 1.0)
         gamma = (u[lag:] * same).T @ u[:-lag]
-        meat += (1.0 - lag / (lag_limit + 1.0)) * (gamma + gamma.T)
-    freedom = error.size - size
-    meat *= error.size / max(freedom, 1)
+        meat += taper * (gamma + gamma.T)
+        tapered += 2.0 * taper * float((error[lag:] * same * error[:-lag]).sum() / power)
+    # What the taper took off the pooled autocorrelation is given back.
+    meat *= max(1.0, inflation / tapered)
     inverse = linalg.solve_triangular(factor, np.eye(size), check_finite=False)
     return inverse @ meat @ inverse.T, error.size / inflation

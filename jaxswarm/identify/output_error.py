@@ -10,7 +10,8 @@ the second term only where velocities are given. Nothing is differentiated, so n
 not bias the estimate; a wrong model shows in the motion and not only in the torque. A whole population
 runs as lanes of one scan that keeps a sum of squares and no motion; a candidate that diverges gets
 +inf and leaves the others alone. From the best one, Levenberg-Marquardt descends with exact forward
-derivatives of the simulation.
+derivatives of the simulation. Where a log starts is measured too, with noise, so an error of position
+and velocity at its first sample can be free for each log.
 
 Reference: L. Ljung, System Identification, 1999, section 3.4; M. Gautier, A. Janot, P.-O. Vandanjon,
 "A new closed-loop output error method for parameter identification of robot dynamics", IEEE TCST 21(2),
@@ -26,12 +27,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError, nearest
+from jaxswarm.robot.lanes import in_blocks
 from jaxswarm.robot.names import standard_parameter_names
-from jaxswarm.simulate.acceleration import motor_side
+from jaxswarm.simulate.acceleration import motor_side, rest
 from jaxswarm.simulate.controllers import Controller, Reference
 from jaxswarm.simulate.loops import Loop, closed_loop, open_loop
 from jaxswarm.simulate.plant import Plant
-from jaxswarm.simulate.rollout import rest
 
 
 class Experiment(NamedTuple):
@@ -69,6 +70,7 @@ class OutputProblem:
         control_dt: Its period in s, default ``dt``.
         hold: Hold of the torques in open loop, ``"zero"`` or ``"first"``.
         substeps: RK4 steps per sample.
+        free_start: Whether errors of the starts are free too, see :func:`start_names`.
     """
 
     plant: Plant
@@ -80,6 +82,7 @@ class OutputProblem:
     control_dt: float | None = None
     hold: str = "zero"
     substeps: int = 1
+    free_start: bool = False
 
 
 def free_names(plant: Plant) -> tuple[str, ...]:
@@ -91,6 +94,22 @@ def free_names(plant: Plant) -> tuple[str, ...]:
         where += "" if acting.other is None else f"_{joints[acting.other]}"
         names += [f"{name}{where}:{acting.effect}" for name in acting.values]
     return tuple(names)
+
+
+def start_names(problem: OutputProblem, num_experiments: int) -> tuple[str, ...]:
+    """Return the names of what is added to the starts, ``q0_joint1@0`` and ``dq0_joint1@0`` first.
+
+    The number behind ``@`` counts the experiments. Empty unless ``problem.free_start``.
+    """
+    if not problem.free_start:
+        return ()
+    joints = problem.plant.robot.joints
+    return tuple(
+        f"{quantity}_{joint}@{k}"
+        for k in range(num_experiments)
+        for quantity in ("q0", "dq0")
+        for joint in joints
+    )
 
 
 def plant_with(plant: Plant, names: Sequence[str], values: Sequence[Any]) -> Plant:
@@ -122,22 +141,37 @@ def plant_with(plant: Plant, names: Sequence[str], values: Sequence[Any]) -> Pla
 def output_fitness(problem: OutputProblem) -> Callable[[dict, tuple[Experiment, ...]], jax.Array]:
     """Return ``fn(params, experiments) -> (P,)`` for ``minimize(..., vectorized=True)``.
 
-    ``params`` holds a (P,) array for each free name. Build it once and keep it: a function that is
-    the same object is not compiled again.
+    ``params`` holds a (P,) array for each free name and each of :func:`start_names`. Build it once
+    and keep it: a function that is the same object is not compiled again.
 
     Raises:
         InputError: On unknown names, or a period of the controller that is no multiple of ``dt``.
     """
     plant_with(problem.plant, problem.free, [0.0] * len(problem.free))
 
-    def fitness(params: dict, experiments: tuple[Experiment, ...]) -> jax.Array:
-        lanes = [jnp.asarray(params[name]) for name in problem.free]
-        plant = plant_with(problem.plant, problem.free, lanes)
+    def value(lanes: list[jax.Array], experiments: tuple[Experiment, ...]) -> jax.Array:
+        plant, shifts = _candidate(problem, lanes, len(experiments))
         shape = lanes[0].shape
-        total = sum(_squared_error(problem, plant, e, shape) for e in experiments)
+        parts = zip(experiments, shifts, strict=True)
+        return sum(_squared_error(problem, plant, e, shift, shape) for e, shift in parts)
+
+    def fitness(params: dict, experiments: tuple[Experiment, ...]) -> jax.Array:
+        names = problem.free + start_names(problem, len(experiments))
+        total = in_blocks(value, [jnp.asarray(params[name]) for name in names], experiments)
         return jnp.where(jnp.isfinite(total), total / len(experiments), jnp.inf)
 
     return fitness
+
+
+def _candidate(problem: OutputProblem, values: Sequence[Any], num_experiments: int):
+    """Return the plant, and for each experiment what is added to positions and velocities."""
+    split, n = len(problem.free), problem.plant.robot.num_joints
+    plant = plant_with(problem.plant, problem.free, values[:split])
+    starts = list(values[split:])
+    if not starts:
+        return plant, [None] * num_experiments
+    rows = [starts[k : k + n] for k in range(0, len(starts), n)]
+    return plant, list(zip(rows[::2], rows[1::2], strict=True))
 
 
 def _loop(problem: OutputProblem, e: Experiment, lanes: tuple[int, ...]) -> Loop:
@@ -150,15 +184,18 @@ def _loop(problem: OutputProblem, e: Experiment, lanes: tuple[int, ...]) -> Loop
     )
 
 
-def _start(plant: Plant, e: Experiment, lanes: tuple[int, ...]):
+def _start(plant: Plant, e: Experiment, shift, lanes: tuple[int, ...]):
     def spread(x):
         x = jnp.asarray(x, float)
         return jnp.broadcast_to(x.reshape(x.shape + (1,) * len(lanes)), (*x.shape, *lanes))
 
-    return rest(plant, spread(e.start_q), spread(e.start_dq))
+    q, dq = spread(e.start_q), spread(e.start_dq)
+    if shift is not None:
+        q, dq = q + jnp.stack(shift[0]), dq + jnp.stack(shift[1])
+    return rest(plant, q, dq)
 
 
-def _squared_error(problem: OutputProblem, plant: Plant, e: Experiment, lanes) -> jax.Array:
+def _squared_error(problem: OutputProblem, plant: Plant, e: Experiment, shift, lanes) -> jax.Array:
     """Value of every lane on one experiment, shape ``lanes``."""
     loop = _loop(problem, e, lanes)
     n = plant.robot.num_joints
@@ -178,7 +215,7 @@ def _squared_error(problem: OutputProblem, plant: Plant, e: Experiment, lanes) -
                 total = total + weight_dq[j] * (at_dq[j] - dq[j]) ** 2
         return (inner, total), None
 
-    start = (loop.begin(_start(plant, e, lanes)), jnp.zeros(lanes))
+    start = (loop.begin(_start(plant, e, shift, lanes)), jnp.zeros(lanes))
     (_, total), _ = jax.lax.scan(body, start, (loop.inputs, measured))
     return total / (n * e.q.shape[0])
 
@@ -186,7 +223,9 @@ def _squared_error(problem: OutputProblem, plant: Plant, e: Experiment, lanes) -
 def output_residual(
     problem: OutputProblem,
 ) -> Callable[[jax.Array, tuple[Experiment, ...]], jax.Array]:
-    """Return ``fn(values (d,), experiments) -> (R,)`` whose mean square is the fitness.
+    """Return ``fn(values, experiments) -> (R,)`` whose sum of squares is that of the fitnesses.
+
+    ``values`` (d,) are those of the free names, then of :func:`start_names`.
 
     Raises:
         InputError: On unknown names.
@@ -194,13 +233,14 @@ def output_residual(
     plant_with(problem.plant, problem.free, [0.0] * len(problem.free))
 
     def residual(values: jax.Array, experiments: tuple[Experiment, ...]) -> jax.Array:
-        plant = plant_with(problem.plant, problem.free, list(values))
-        return jnp.concatenate([_residual(problem, plant, e) for e in experiments])
+        plant, shifts = _candidate(problem, list(values), len(experiments))
+        parts = zip(experiments, shifts, strict=True)
+        return jnp.concatenate([_residual(problem, plant, e, shift) for e, shift in parts])
 
     return residual
 
 
-def _residual(problem: OutputProblem, plant: Plant, e: Experiment) -> jax.Array:
+def _residual(problem: OutputProblem, plant: Plant, e: Experiment, shift) -> jax.Array:
     loop = _loop(problem, e, ())
 
     def body(carry, sample):
@@ -208,7 +248,7 @@ def _residual(problem: OutputProblem, plant: Plant, e: Experiment) -> jax.Array:
         q, dq = motor_side(plant, state)
         return carry, (jnp.stack(q), jnp.stack(dq))
 
-    _, (q, dq) = jax.lax.scan(body, loop.begin(_start(plant, e, ())), loop.inputs)
+    _, (q, dq) = jax.lax.scan(body, loop.begin(_start(plant, e, shift, ())), loop.inputs)
     parts = [((q - e.q) / np.asarray(problem.sigma_q)).ravel()]
     if e.dq is not None and problem.sigma_dq is not None:
         parts.append(((dq - e.dq) / np.asarray(problem.sigma_dq)).ravel())

@@ -19,7 +19,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.output_error import Experiment, OutputProblem, output_residual
+from jaxswarm.identify.output_error import (
+    Experiment,
+    OutputProblem,
+    output_residual,
+    start_names,
+)
 
 _PERFECT = 1e-18  # value that only simulated data without noise reach
 
@@ -29,7 +34,7 @@ class OutputFit:
     """Result of a refinement.
 
     Attributes:
-        values: Value of each free parameter by name.
+        values: Value of each free parameter by name, errors of the starts included.
         std_error: Standard error of each, for white residuals.
         value: Sum of squared residuals, the fitness times the number of experiments.
         num_steps: Steps tried.
@@ -56,7 +61,8 @@ def refine_output(
     Args:
         problem: What is free and what counts.
         experiments: The logs.
-        start: A value for every free name, e.g. a swarm's best.
+        start: A value for every free name, e.g. a swarm's best; errors of the starts begin at zero
+            where they are not given.
         num_steps: Largest number of steps, >= 1.
         tolerance: Relative decrease of the value at which it stops.
 
@@ -69,10 +75,12 @@ def refine_output(
         raise InputError(
             f"no start for {', '.join(missing)}: give a value for each free parameter."
         )
+    extra = start_names(problem, len(experiments))
+    names, start = problem.free + extra, {**dict.fromkeys(extra, 0.0), **start}
     residual = output_residual(problem)
     evaluate = jax.jit(residual)
     derive = jax.jit(jax.jacfwd(residual))
-    x = np.array([float(start[name]) for name in problem.free])
+    x = np.array([float(start[name]) for name in names])
     r = np.asarray(evaluate(x, experiments))
     if not np.isfinite(r).all():
         raise InputError(
@@ -84,7 +92,7 @@ def refine_output(
     while steps < num_steps and not converged:
         steps += 1
         scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
-        _check_influence(problem.free, scale)
+        _check_influence(names, scale)
         step = _step(jacobian / scale, r, damping) / scale
         trial = np.asarray(evaluate(x + step, experiments))
         lower = float(trial @ trial) if np.isfinite(trial).all() else np.inf
@@ -97,8 +105,8 @@ def refine_output(
             converged = damping > 1e9 or np.linalg.norm(step * scale) < tolerance * np.sqrt(value)
     errors = _standard_errors(jacobian, value, r.size)
     return OutputFit(
-        dict(zip(problem.free, map(float, x), strict=True)),
-        dict(zip(problem.free, map(float, errors), strict=True)),
+        dict(zip(names, map(float, x), strict=True)),
+        dict(zip(names, map(float, errors), strict=True)),
         value,
         steps,
         bool(converged),

@@ -14,6 +14,7 @@ from jaxswarm.robot.dh import robot_from_dh
 from jaxswarm.robot.dynamics import bias_forces, gravity_forces, inverse_dynamics
 from jaxswarm.robot.energy import kinetic_energy, momentum, potential_energy
 from jaxswarm.robot.kinematics import forward_kinematics
+from jaxswarm.robot.lanes import in_blocks
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.mass import check_mass_matrix, forward_dynamics, mass_matrix
 from jaxswarm.robot.model import Joint, Robot, build_robot
@@ -35,6 +36,7 @@ __all__ = [
     "forward_dynamics",
     "forward_kinematics",
     "gravity_forces",
+    "in_blocks",
     "inverse_dynamics",
     "kinetic_energy",
     "kuka_kr300",

@@ -74,7 +74,7 @@ def torques_of_motions(
     wrenches = [link_wrench(p, m) for p, m in zip(parameters, motions, strict=True)]
     torques: list[sp.Entry] = [0.0] * robot.num_joints
     for i in reversed(range(robot.num_joints)):
-        force, moment = sp.settle(wrenches[i], robot.num_joints)
+        force, moment = sp.settle(wrenches[i])
         torques[i] = sp.dot(axes[i], moment if robot.kinds[i] == "revolute" else force)
         parent = robot.parents[i]
         if parent >= 0:

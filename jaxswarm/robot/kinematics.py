@@ -45,7 +45,7 @@ class LinkMotion(NamedTuple):
 
 def sincos(angle: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Return the sine and cosine of an angle in rad."""
-    return jnp.sin(angle), jnp.cos(angle)
+    return sp.settle((jnp.sin(angle), jnp.cos(angle)))
 
 
 def joint_transforms(robot: Robot, q: jax.Array, sincos: SinCos = sincos) -> list[Transform]:
@@ -82,7 +82,7 @@ def joint_transforms(robot: Robot, q: jax.Array, sincos: SinCos = sincos) -> lis
                 )
                 for r in range(3)
             )
-            transforms.append(sp.settle(Transform(turned, translations[i]), robot.num_joints))
+            transforms.append(Transform(turned, translations[i]))
         else:
             shift = sp.scale(q[i], sp.rotate(rotations[i], axes[i]))
             transforms.append(Transform(rotations[i], sp.add(translations[i], shift)))
@@ -118,7 +118,7 @@ def link_motions(
         else:
             coriolis = sp.scale(2.0, sp.cross(carried, speed))
             acceleration = sp.add(acceleration, sp.add(push, coriolis))
-        motions.append(sp.settle(LinkMotion(carried, turning, acceleration), robot.num_joints))
+        motions.append(sp.settle(LinkMotion(carried, turning, acceleration)))
     return motions
 
 
@@ -131,9 +131,7 @@ def base_transforms(robot: Robot, transforms: list[Transform]) -> list[Transform
             continue
         carrier = poses[parent]
         origin = sp.add(carrier.translation, sp.rotate(carrier.rotation, translation))
-        poses.append(
-            sp.settle(Transform(sp.product(carrier.rotation, rotation), origin), robot.num_joints)
-        )
+        poses.append(sp.settle(Transform(sp.product(carrier.rotation, rotation), origin)))
     return poses
 
 

@@ -90,7 +90,7 @@ def mass_entries(robot: Robot, transforms: list[Transform]) -> Entries:
     bodies = [(p[0], tuple(p[1:4]), sp.symmetric(*p[4:])) for p in sp.entries(robot.parameters, 2)]
     matrix: Entries = [[0.0] * n for _ in range(n)]
     for j in reversed(range(n)):
-        mass, first, inertia = bodies[j] = sp.settle(bodies[j], n)
+        mass, first, inertia = bodies[j] = sp.settle(bodies[j])
         if robot.kinds[j] == "revolute":
             force, moment = sp.cross(axes[j], first), sp.rotate(inertia, axes[j])
         else:
@@ -105,7 +105,7 @@ def mass_entries(robot: Robot, transforms: list[Transform]) -> Entries:
             rotation, translation = transforms[i]
             force, moment = sp.rotate(rotation, force), sp.rotate(rotation, moment)
             moment = sp.add(moment, sp.cross(translation, force))
-            force, moment = sp.settle((force, moment), n)
+            force, moment = sp.settle((force, moment))
             i = parent
         if robot.parents[j] >= 0:
             moved = _seen_from_parent(bodies[j], transforms[j])

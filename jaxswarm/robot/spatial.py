@@ -20,12 +20,12 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.experimental.xla_metadata import set_xla_metadata
 
 Entry = Any  # float when known at trace time, else a JAX array
 Vector = tuple[Entry, Entry, Entry]
 Matrix = tuple[Vector, Vector, Vector]
 
-LONG = 4  # joints from which intermediate results are stored, see settle
 ZERO: Vector = (0.0, 0.0, 0.0)
 
 
@@ -168,34 +168,36 @@ def symmetric(ixx: Entry, ixy: Entry, iyy: Entry, ixz: Entry, iyz: Entry, izz: E
     return ((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz))
 
 
-def settle(entries: Any, num_joints: int) -> Any:
-    """Return the same entries, computed once and stored, if the robot is long enough to need it.
+def settle(entries: Any) -> Any:
+    """Return the same entries, computed once and stored.
 
     XLA on a CPU fuses elementwise programs without limit and computes a value again for every
-    consumer; along a chain of n joints that doubles with every joint (six joints: 540 times slower).
-    A product with an identity matrix is something it does not look through, so the recursion
-    settles what it hands from one link to the next.
+    consumer: a sine once for each entry it enters, and along a chain of n joints twice as often with
+    every joint (six joints: 540 times slower). It does not look into a call that must not be inlined,
+    so the recursion settles what it hands from one link to the next; elsewhere an optimization
+    barrier says the same.
 
     Args:
         entries: Any nesting of entries; known numbers stay known.
-        num_joints: Joints of the robot. Below ``LONG`` computing again is cheaper than storing.
     """
-    if num_joints < LONG:
-        return entries
     leaves, structure = jax.tree.flatten(entries)
     free = [i for i, x in enumerate(leaves) if not isinstance(x, float)]
-    if len(free) < 2:
+    if not free:
         return entries
-    arrays = jnp.broadcast_arrays(*(leaves[i] for i in free))
-    if len(arrays) % 2:
-        arrays.append(arrays[-1])
-    halves = jnp.stack(arrays).reshape((2, len(arrays) // 2, *arrays[0].shape))
-    identity = jnp.eye(2, dtype=halves.dtype)
-    stored = jnp.tensordot(identity, halves, 1, precision=jax.lax.Precision.HIGHEST)
-    stored = stored.reshape((len(arrays), *arrays[0].shape))
-    for k, i in enumerate(free):
-        leaves[i] = stored[k]
+    values = [leaves[i] for i in free]
+    if jax.default_backend() == "cpu":
+        with set_xla_metadata(inlineable="false"):
+            values = _same(*values)
+    else:
+        values = jax.lax.optimization_barrier(values)
+    for i, value in zip(free, values, strict=True):
+        leaves[i] = value
     return jax.tree.unflatten(structure, leaves)
+
+
+@jax.jit
+def _same(*values: jax.Array) -> tuple[jax.Array, ...]:
+    return values
 
 
 def stack(items: Iterable[Entry], like: jax.Array) -> jax.Array:

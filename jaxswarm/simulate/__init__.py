@@ -1,11 +1,11 @@
 """Motion from torque: a robot with its effects and its controller, integrated in time."""
 
-from jaxswarm.simulate.acceleration import Drive, State, accelerations
+from jaxswarm.simulate.acceleration import Drive, State, accelerations, rest
 from jaxswarm.simulate.controllers import PD, Cascade, ComputedTorque, Controller, Reference
 from jaxswarm.simulate.loops import Loop, closed_loop, open_loop
 from jaxswarm.simulate.measure import measured_torque
 from jaxswarm.simulate.plant import Acting, Plant, make_plant
-from jaxswarm.simulate.rollout import Trajectory, rest, simulate, track
+from jaxswarm.simulate.rollout import Trajectory, simulate, track
 from jaxswarm.simulate.stability import check_step, fastest_mode, stable_substeps
 from jaxswarm.simulate.trig import polynomial_sincos
 

@@ -8,6 +8,7 @@ motor, so effects stand in the link's row; a soft joint has a row of its own,
 
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 
 from jaxswarm.robot import spatial as sp
@@ -51,6 +52,17 @@ class Drive(NamedTuple):
     tau: Any
     external: Any
     temperature: Any
+
+
+def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
+    """Return the state with links at q, dq (n,), motors beside them and memories empty."""
+    q = jnp.asarray(q)
+    dq = jnp.zeros_like(q) if dq is None else jnp.asarray(dq, q.dtype)
+    motor_q, motor_dq = (x[:0] for x in (q, dq))
+    if plant.soft:  # one by one: an index array would be a gather
+        motor_q, motor_dq = (jnp.stack([x[j] for j in plant.soft]) for x in (q, dq))
+    memory = jnp.zeros((len(plant.remembering), *q.shape[1:]), q.dtype)
+    return State(q, dq, motor_q, motor_dq, memory)
 
 
 def motor_side(plant: Plant, state: State) -> tuple[list, list]:

@@ -5,22 +5,24 @@ sample (zero-order) or run linearly to the next one (first-order). A controller 
 every ``control_dt`` and its command is held in between, as a drive does it.
 
 Nothing here is jitted and every number is an argument: jit the call, vmap it over plants or initial
-states, or give plants and states a trailing axis of lanes, which is the fastest on a CPU (see
-``benchmarks/dynamics.py``). Use :func:`jaxswarm.simulate.stable_substeps` for a step that is short
-enough.
+states, or give plants and states a trailing axis of lanes. The fastest on a CPU are lanes in blocks,
+:func:`jaxswarm.robot.in_blocks` (see ``benchmarks/dynamics.py``). A step too long for a plant whose
+numbers are known is refused; under jit they are not, so call
+:func:`jaxswarm.simulate.check_step` or take the substeps of
+:func:`jaxswarm.simulate.stable_substeps`.
 """
 
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from jaxswarm.robot.kinematics import SinCos
 from jaxswarm.simulate.acceleration import Drive, State, accelerations, motor_side
 from jaxswarm.simulate.controllers import Controller, Reference
 from jaxswarm.simulate.loops import Loop, closed_loop, open_loop, packed
 from jaxswarm.simulate.plant import Plant
+from jaxswarm.simulate.stability import check_step
 from jaxswarm.simulate.trig import polynomial_sincos
 
 
@@ -46,15 +48,6 @@ class Trajectory(NamedTuple):
     q_link: jax.Array
     dq_link: jax.Array
     state: State
-
-
-def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
-    """Return the state with links at q, dq (n,), motors beside them and memories empty."""
-    q = jnp.asarray(q)
-    dq = jnp.zeros_like(q) if dq is None else jnp.asarray(dq, q.dtype)
-    soft = np.array(plant.soft, int)
-    memory = jnp.zeros((len(plant.remembering), *q.shape[1:]), q.dtype)
-    return State(q, dq, q[soft], dq[soft], memory)
 
 
 def simulate(
@@ -86,10 +79,11 @@ def simulate(
         The motion at the same samples; a diverging one turns into NaN.
 
     Raises:
-        InputError: If the hold or the number of substeps is none.
+        InputError: If the hold or the number of substeps is none, or, outside of jit, the step is
+            too long for the plant at its start.
 
     >>> from jaxswarm.robot import rx60
-    >>> from jaxswarm.simulate import make_plant
+    >>> from jaxswarm.simulate import make_plant, rest
     >>> plant = make_plant(rx60())
     >>> motion = simulate(plant, rest(plant, jnp.zeros(3)), jnp.ones((5, 3)), dt=1e-3)
     >>> motion.q.shape
@@ -104,6 +98,7 @@ def simulate(
         temperature=temperature,
         sincos=sincos,
     )
+    _check(plant, state, loop, dt / substeps)
     return _record(plant, state, loop, dt, sincos)
 
 
@@ -138,7 +133,8 @@ def track(
         The motion at the samples, with the torques the controller commanded.
 
     Raises:
-        InputError: If ``control_dt`` is no multiple of ``dt``, or there are no substeps.
+        InputError: If ``control_dt`` is no multiple of ``dt``, there are no substeps, or, outside
+            of jit, the step is too long for the plant at its start.
     """
     loop = closed_loop(
         controller,
@@ -151,7 +147,15 @@ def track(
         temperature=temperature,
         sincos=sincos,
     )
+    _check(plant, state, loop, dt / substeps)
     return _record(plant, state, loop, dt, sincos)
+
+
+def _check(plant: Plant, state: State, loop: Loop, step: float) -> None:
+    """Raise on a step that is too long, outside of jit and for a single plant."""
+    leaves = jax.tree.leaves((plant, state, loop.inputs))
+    if jnp.ndim(state.q) == 1 and not any(isinstance(x, jax.core.Tracer) for x in leaves):
+        check_step(plant, state.q, step)
 
 
 def _record(plant: Plant, state: State, loop: Loop, dt, sincos) -> Trajectory:

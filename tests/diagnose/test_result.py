@@ -19,7 +19,7 @@ from jaxswarm.logs.motion import prepare
 from jaxswarm.outputs import to_json
 
 SPRING = Term("joint_spring", 0, values={"k": 6.0, "tau0": 1.0})
-LEFT = Unexplained(1, ("q_joint2",), 0.4, 1e-5, np.zeros(3), np.zeros((3, 1)))
+LEFT = Unexplained(1, ("q_joint2",), 0.4, 1e-5, np.zeros(3), np.zeros((3, 1)), None, np.zeros(1))
 
 
 @pytest.fixture(scope="module")

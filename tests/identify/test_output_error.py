@@ -1,5 +1,7 @@
 """Output error: the truth is found from positions, in open and closed loop, and lanes stay apart."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -12,6 +14,7 @@ from jaxswarm.identify.output_error import (
     free_names,
     output_fitness,
     output_residual,
+    start_names,
 )
 from jaxswarm.identify.refine import refine_output
 from jaxswarm.robot import Joint, build_robot
@@ -57,6 +60,27 @@ def test_fitness_is_zero_at_the_truth_and_infinite_for_lanes_that_diverge(proble
     assert value[2] == np.inf
 
 
+@pytest.mark.parametrize("effect", ["joint_elasticity", "hysteresis", "stribeck_friction"])
+@pytest.mark.parametrize("closed", [False, True])
+def test_whatever_acts_the_population_runs_in_blocks(plant, effect, closed):
+    """An effect or a controller written with more than arithmetic would fall back to all lanes."""
+    terms = [Acting(effect, 0), Acting("rotor_inertia", 0, values={"ia": 0.1})]
+    t = jnp.zeros((4, 1))
+    problem = OutputProblem(
+        make_plant(plant.robot, terms),
+        ("mx1",),
+        DT,
+        np.ones(1),
+        controller=PD(kp=1.0, kd=1.0) if closed else None,
+        free_start=True,
+    )
+    drive = Reference(t, t, t, t) if closed else t
+    log = (Experiment(drive, t, jnp.zeros(1), jnp.zeros(1)),)
+    lanes = {name: jnp.ones(70) for name in ("mx1", *start_names(problem, 1))}
+    program = jax.jit(output_fitness(problem)).lower(lanes, log).as_text()
+    assert "xla_cpu_small_call" in program
+
+
 def test_residual_and_fitness_agree(problem, experiments):
     values = jnp.array([0.5, 0.6, 0.7])
     lanes = {name: v[None] for name, v in zip(FREE, values, strict=True)}
@@ -86,6 +110,29 @@ def test_standard_errors_are_those_of_the_noise(problem, experiments):
     for name, value in TRUTH.items():
         assert abs(fit.values[name] - value) < 4.0 * fit.std_error[name] < 0.02
     assert abs(fit.value - 2.0) < 0.3  # one for each experiment
+
+
+def test_wrong_starts_of_several_logs_are_found_with_the_parameters(plant, experiments):
+    """Two logs whose stated starts are off by their own error; fixed starts bias the parameters."""
+    errors = {"q0_joint1@0": 0.05, "dq0_joint1@0": -0.2, "q0_joint1@1": -0.1, "dq0_joint1@1": 0.3}
+    wrong = tuple(
+        e._replace(
+            start_q=e.start_q - errors[f"q0_joint1@{k}"],
+            start_dq=e.start_dq - errors[f"dq0_joint1@{k}"],
+        )
+        for k, e in enumerate(experiments)
+    )
+    problem = OutputProblem(plant, FREE, DT, np.array([1e-3]), free_start=True)
+    assert start_names(problem, 2) == tuple(errors)
+    fit = refine_output(problem, wrong, {name: 1.1 * value for name, value in TRUTH.items()})
+    for name, value in {**TRUTH, **errors}.items():
+        assert abs(fit.values[name] - value) < 1e-6, name
+    fixed = refine_output(dataclasses.replace(problem, free_start=False), wrong, TRUTH)
+    assert max(abs(fixed.values[name] - TRUTH[name]) for name in FREE) > 0.01
+    lanes = {name: jnp.full(3, value) for name, value in fit.values.items()}
+    lanes["q0_joint1@1"] = lanes["q0_joint1@1"].at[1].add(0.01)
+    value = jax.jit(output_fitness(problem))(lanes, wrong)
+    assert value[0] < 1e-6 and value[1] > 1.0 and value[2] == value[0]
 
 
 def test_closed_loop_through_the_known_controller(plant):

@@ -162,3 +162,12 @@ def test_bad_rates_are_refused(arguments, message):
         track(plant, start, PD(1.0, 1.0), reference, dt=0.01, **arguments)
     with pytest.raises(InputError, match="hold is 'cubic'"):
         simulate(plant, start, jnp.zeros((3, 1)), dt=0.01, hold="cubic")
+
+
+def test_a_plant_without_inertia_is_refused_before_it_moves():
+    plant = make_plant(slide(0.0))
+    with pytest.raises(InputError, match="its mass matrix is singular; give its links mass"):
+        simulate(plant, rest(plant, jnp.zeros(1)), jnp.zeros((3, 1)), dt=0.01)
+    controller, reference = PD(1.0, 1.0), Reference(*[jnp.zeros((3, 1))] * 4)
+    with pytest.raises(InputError, match="its mass matrix is singular"):
+        track(plant, rest(plant, jnp.zeros(1)), controller, reference, dt=0.01)
