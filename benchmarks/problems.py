@@ -1,7 +1,7 @@
 """Test functions, shifted and rotated, with optimum 0 inside [-5, 5]^D.
 
 Each is a function of z = R (x - o), with o uniform in [-4, 4]^D and R a random rotation, both drawn from
-a fixed seed for each dimension, so that no algorithm profits from the center or from the axes.
+a seed for each dimension, so that no algorithm profits from the center or from the axes.
 
 Reference:
     J. J. Liang, B. Y. Qu, P. N. Suganthan, "Problem definitions and evaluation criteria for the CEC 2014
@@ -23,8 +23,8 @@ class Instance(NamedTuple):
     rotation: np.ndarray
 
 
-def instance(dims: int, seed: int = 2024) -> Instance:
-    """Draw the shift and the rotation for ``dims`` dimensions."""
+def instance(dims: int, seed: int) -> Instance:
+    """Draw the shift and the rotation for ``dims`` dimensions from a seed."""
     rng = np.random.default_rng([seed, dims])
     rotation, triangle = np.linalg.qr(rng.normal(size=(dims, dims)))
     return Instance(rng.uniform(-4.0, 4.0, dims), rotation * np.sign(np.diag(triangle)))

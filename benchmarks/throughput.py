@@ -52,8 +52,8 @@ def measure(dtype: str, fast: bool) -> list[dict]:
     from benchmarks.timing import interleaved, machine, ratio
     from jaxswarm.swarm import random
 
-    # Random numbers switched off: the same program with a constant in their place.
-    random.SOURCES["off"] = lambda key, tag, shape: jnp.full(shape, 0x6789ABCD, jnp.uint32)
+    # Random numbers switched off: the same program, with one number a stream and step for all lanes.
+    random.SOURCES["off"] = _one_for_all
     assert jnp.result_type(float) == dtype, "start with JAX_ENABLE_X64"
     sizes = SIZES[:2] if fast else SIZES
     rows = []
@@ -84,6 +84,14 @@ def measure(dtype: str, fast: bool) -> list[dict]:
             )
         jax.clear_caches()
     return rows
+
+
+def _one_for_all(key, tag, shape, num):
+    import jax
+    import jax.numpy as jnp
+
+    word = jax.random.key_data(key)[0]
+    return [jnp.broadcast_to(word ^ jnp.uint32(tag + i), shape) for i in range(num)]
 
 
 def _sphere(x):

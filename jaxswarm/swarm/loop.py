@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import comparable
+from jaxswarm.swarm.optimizers.base import comparable, once
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.stopping import STEPS_DONE, Progress
@@ -40,7 +40,9 @@ class Loop:
         """Values of the candidates: (n,) for (n, d), or (runs, n) for (runs, n, d)."""
         flat = position.reshape(-1, position.shape[-1])
         if self.vectorized:
-            value = self.fn(jax.vmap(space.decode)(flat), args)
+            decode = lambda: jax.vmap(space.decode)(flat)  # noqa: E731
+            # Reductions of many rows are slow to compute what is fused into them.
+            value = self.fn(once(decode) if self.runs else decode(), args)
             _check_shape(value, flat.shape[:1], True)
         else:
             value = jax.vmap(lambda x: self._one(space, x, args))(flat)

@@ -4,28 +4,30 @@ A swarm needs many uniform numbers and does little with each, so on a CPU a cryp
 costs several times the rest of the update. Here the number of lane ``i`` (the flat index in the
 requested shape) of a stream with the words ``s0, s1`` is
 
-    x = i 0x9e3779b9 + s0;   x ^= x >> 16;   x *= 0x7feb352d;   x ^= s1;
-    x ^= x >> 15;   x *= 0x846ca68b;   x ^= x >> 16
+    x = i 0x9e3779b9 + s0;   x ^= x >> 16;   x *= 0x7feb352d
+    x ^= s1;                 x ^= x >> 15;   x *= 0x846ca68b
     u = (floor(x / 2^9) + 1/2) / 2^23  (float32),        u = 1/2 + (signed x + 1/2) / 2^32  (float64)
 
 which is the 32-bit finalizer ``lowbias32`` of a Weyl sequence, keyed before and between its two
-multiplications. The stream words are hashed more thoroughly (:func:`mix` in a chain, once a stream)
-from both words of a JAX key and from the name of the stream, so every purpose within a step has
-numbers of its own and :func:`fold` gives every step a key of its own. All of it is elementwise
-integer arithmetic: XLA draws the numbers inside the loop that uses them, and ``vmap`` over keys
-adds an axis and no cost. Two full rounds of ``mix`` a number made the update of 50 x 13 three times
-slower: XLA computes the numbers once for the velocity and once for the position, and the longer
-  chain no longer vectorized.
+multiplications; its last step, x ^= x >> 16, mends low bits that ``u`` does not need, and is kept
+for whole words (:meth:`Random.bits`). A rule that needs two numbers in a place
+(:meth:`Random.uniforms`) shares the first multiplication: the others branch off with words of their
+own in the place of ``s1`` and with shifts and factors of their own (with the same factor the
+difference of two numbers took few values). The stream words are hashed more thoroughly (:func:`mix`
+in a chain, once a stream) from both words of a JAX key and from the name of the stream, so every
+purpose within a step has numbers of its own and :func:`fold` gives every step a key of its own. All
+of it is elementwise integer arithmetic: XLA draws the numbers inside the loop that uses them, and
+``vmap`` over keys adds an axis and no cost.
 
 ``u`` lies strictly inside (0, 1) and carries 23 (float32) or 32 (float64) random bits. This is a
 statistical generator, not a cryptographic one; ``tests/swarm/test_random.py`` holds the evidence
-(uniformity, serial, cross-lane, cross-stream, cross-step and cross-key correlation), and
+(uniformity; serial, cross-lane, cross-stream, cross-step, cross-key, within-pair correlation), and
 ``random="threefry"`` in every optimizer draws from ``jax.random`` instead.
 
 References:
     J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011 (counter-based
     generators); C. Wellons, "Prospecting for hash functions" (2018) (the constants of
-    ``lowbias32``).
+    ``lowbias32`` and ``triple32``).
 """
 
 import math
@@ -39,6 +41,9 @@ import numpy as np
 from jaxswarm.errors import InputError, nearest
 
 __all__ = ["Random", "SOURCES", "check_source", "fold", "mix"]
+
+BRANCHES = ((15, 0x846CA68B), (17, 0xED5AD4BB), (11, 0xAC4C1B51))
+"""Shift and factor of the last multiplication, for up to three numbers from one hash."""
 
 
 def mix(x: jax.Array) -> jax.Array:
@@ -106,11 +111,18 @@ class Random:
 
     def bits(self, stream: str, shape: tuple[int, ...] = ()) -> jax.Array:
         """32 random bits an element: uint32 of the given shape."""
-        return SOURCES[self.source](self.key, zlib.crc32(stream.encode()), tuple(shape))
+        word = self._draw(stream, shape, 1)[0]
+        return word ^ (word >> 16)
 
     def uniform(self, stream: str, shape: tuple[int, ...] = (), dtype=float) -> jax.Array:
         """Numbers uniform in the open interval (0, 1)."""
-        return _to_unit(self.bits(stream, shape), jnp.result_type(dtype))
+        return self.uniforms(stream, 1, shape, dtype)[0]
+
+    def uniforms(
+        self, stream: str, num: int, shape: tuple[int, ...] = (), dtype=float
+    ) -> list[jax.Array]:
+        """``num`` (1 to 3) arrays of independent uniform numbers, cheaper than as many streams."""
+        return [_to_unit(word, jnp.result_type(dtype)) for word in self._draw(stream, shape, num)]
 
     def normal(self, stream: str, shape: tuple[int, ...] = (), dtype=float) -> jax.Array:
         """Standard normal numbers, by inversion: sqrt(2) erfinv(2 u - 1), |z| < 5.3 (float32)."""
@@ -144,6 +156,9 @@ class Random:
             excluded = jnp.concatenate([excluded, pick[:, None]], axis=1)
         return excluded[:, 1:]
 
+    def _draw(self, stream, shape, num):
+        return SOURCES[self.source](self.key, zlib.crc32(stream.encode()), tuple(shape), num)
+
 
 def check_source(source: str) -> str:
     """Return ``source`` if it is a known source of random bits, else raise :class:`InputError`."""
@@ -152,27 +167,32 @@ def check_source(source: str) -> str:
     return source
 
 
-def _hashed_bits(key: jax.Array, tag: int, shape: tuple[int, ...]) -> jax.Array:
+def _hashed_bits(key, tag, shape, num):
     words = _words(key)
     s0 = mix(words[0] ^ np.uint32(tag))
     s1 = mix(words[1] + s0)
     for word in words[2:]:
         s1 = mix(s1 ^ word)
-    x = _lanes(shape) * np.uint32(0x9E3779B9) + s0
-    x = (x ^ (x >> 16)) * np.uint32(0x7FEB352D) ^ s1
-    x = (x ^ (x >> 15)) * np.uint32(0x846CA68B)
-    return x ^ (x >> 16)
+    x = _sequence(shape, s0)
+    x = (x ^ (x >> 16)) * np.uint32(0x7FEB352D)
+    drawn = []
+    for shift, factor in BRANCHES[:num]:
+        y = x ^ s1
+        drawn.append((y ^ (y >> shift)) * np.uint32(factor))
+        s1 = mix(s1 ^ np.uint32(0x9E3779B9))
+    return drawn
 
 
-def _threefry_bits(key: jax.Array, tag: int, shape: tuple[int, ...]) -> jax.Array:
-    return jax.random.bits(jax.random.fold_in(key, tag), shape, jnp.uint32)
+def _threefry_bits(key, tag, shape, num):
+    return list(jax.random.bits(jax.random.fold_in(key, tag), (num, *shape), jnp.uint32))
 
 
-SOURCES: dict[str, Callable[[jax.Array, int, tuple[int, ...]], jax.Array]] = {
+SOURCES: dict[str, Callable[[jax.Array, int, tuple[int, ...], int], list[jax.Array]]] = {
     "hash": _hashed_bits,
     "threefry": _threefry_bits,
 }
-"""Sources of random bits: name -> function of (key, stream number, shape) giving uint32."""
+"""Sources: name -> function of (key, stream number, shape, num) giving ``num`` arrays of uint32 whose
+upper bits are random."""
 
 
 def _words(key: jax.Array) -> list[jax.Array]:
@@ -187,16 +207,14 @@ def _words(key: jax.Array) -> list[jax.Array]:
     return [data[i] for i in range(data.shape[0])]
 
 
-def _lanes(shape: tuple[int, ...]) -> jax.Array:
-    """Flat index of every element, built from one iota an axis so that it fuses."""
-    if not shape:
-        return jnp.zeros((), jnp.uint32)
-    lanes = jnp.zeros(shape, jnp.uint32)
-    stride = 1
+def _sequence(shape: tuple[int, ...], start: jax.Array) -> jax.Array:
+    """Return i 0x9e3779b9 + start for the flat index i, from a short sequence an axis."""
+    total, stride = start, 0x9E3779B9
     for axis in reversed(range(len(shape))):
-        lanes = lanes + jax.lax.broadcasted_iota(jnp.uint32, shape, axis) * np.uint32(stride)
-        stride *= shape[axis]
-    return lanes
+        steps = jax.lax.iota(jnp.uint32, shape[axis]) * np.uint32(stride)
+        total = total + steps.reshape(-1, *(1,) * (len(shape) - 1 - axis))
+        stride = stride * shape[axis] % 2**32
+    return total
 
 
 def _to_unit(bits: jax.Array, dtype: jnp.dtype) -> jax.Array:

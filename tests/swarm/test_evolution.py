@@ -134,7 +134,11 @@ def test_lshade_shrinks_and_keeps_the_best_alive():
 
 def test_cma_rates_of_the_tutorial():
     rates = Rates.of(10, 10)
-    assert rates.weights.sum() == pytest.approx(1.0) and len(rates.weights) == 5
+    assert rates.weights[:5].sum() == pytest.approx(1.0) and len(rates.weights) == 10
+    assert (rates.weights[5:] < 0.0).all()
+    # No sample can take more from C than the decay leaves: C stays positive definite.
+    kept = 1.0 - rates.c_1 - rates.c_mu * rates.weights.sum()
+    assert kept + rates.c_mu * 10 * rates.weights[5:].sum() >= 0.0
     assert rates.mass == pytest.approx(3.167, abs=1e-3)
     assert rates.length == pytest.approx(3.0847, abs=1e-3)  # E|N(0, I)| for d = 10
     assert 0 < rates.c_1 < rates.c_mu < 1
@@ -146,10 +150,26 @@ def test_cma_mean_and_covariance_follow_the_selected():
     value = jnp.arange(8.0)
     new, _ = optimizer.update(KEY, state, value)
     weights = Rates.of(8, 3).weights
-    np.testing.assert_allclose(new.mean, weights @ state.sample[:4], atol=1e-12)
+    np.testing.assert_allclose(new.mean, weights[:4] @ state.sample[:4], atol=1e-12)
     np.testing.assert_allclose(new.covariance, new.covariance.T, atol=1e-12)
     decomposed = new.basis @ jnp.diag(new.spread**2) @ new.basis.T
     np.testing.assert_allclose(decomposed, new.covariance, atol=1e-12)
+
+
+def test_cma_worse_half_shrinks_the_covariance():
+    """First step: C = I and p_c is the move of the mean, so C' follows from the samples alone."""
+    optimizer = cma_es(8, sigma=0.1)
+    state = optimizer.init(KEY, 3)
+    new, _ = optimizer.update(KEY, state, jnp.arange(8.0))
+    rates = Rates.of(8, 3)
+    expected = np.eye(3) * (1.0 - rates.c_1 - rates.c_mu * rates.weights.sum())
+    for weight, sample in zip(rates.weights, np.asarray(state.sample), strict=True):
+        y = (sample - np.asarray(state.mean)) / 0.1
+        y *= np.sqrt(3.0) / np.linalg.norm(y) if weight < 0.0 else 1.0
+        expected += rates.c_mu * weight * np.outer(y, y)
+    path = np.asarray(new.path_covariance)
+    expected += rates.c_1 * np.outer(path, path)
+    np.testing.assert_allclose(new.covariance, expected, atol=1e-12)
 
 
 def test_mirrors_fold_into_the_cube():

@@ -35,8 +35,8 @@ KEY = jax.random.key(0)
 def half_source(monkeypatch):
     """A source of random bits in which every uniform number is 1/2."""
 
-    def half(key, tag, shape):
-        return jnp.zeros(shape, jnp.uint32)  # the middle of the signed range (float64)
+    def half(key, tag, shape, num):
+        return [jnp.zeros(shape, jnp.uint32)] * num  # the middle of the signed range (float64)
 
     monkeypatch.setitem(random_module.SOURCES, "half", half)
     return "half"
@@ -222,3 +222,18 @@ def test_spherical_rule_does_not_see_axes():
 def test_bad_arguments_are_named(build, message):
     with pytest.raises(InputError, match=message):
         build()
+
+
+def test_random_numbers_of_a_step_are_computed_once():
+    """Without ``once`` XLA hashes for the velocity and again for the position; its branch remains."""
+    from jaxswarm.swarm.optimizers.base import once
+
+    def moved(x):
+        step = once(lambda: jnp.sin(x))
+        return step, x + step
+
+    x = jnp.linspace(0.0, 1.0, 8)
+    np.testing.assert_allclose(jax.jit(moved)(x)[1], x + jnp.sin(x), rtol=1e-15)
+    np.testing.assert_allclose(jax.vmap(moved)(x[:, None])[1][:, 0], x + jnp.sin(x), rtol=1e-15)
+    if jax.default_backend() == "cpu":
+        assert "conditional" in jax.jit(moved).lower(x).compile().as_text()

@@ -61,6 +61,31 @@ def test_neighbors_fill_the_square(key):
         assert stats.chisquare(np.bincount(cells, minlength=1024)).pvalue > 1e-3
 
 
+@pytest.mark.parametrize("key", KEYS, ids=str)
+@pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
+def test_numbers_that_share_a_hash_are_independent(key, dtype):
+    """Pairs in one place, and the second number beside that of the next lane."""
+    drawn = [np.asarray(u, float) for u in Random(key).uniforms("pair", 3, (LANES,), dtype)]
+    for a, b in itertools.combinations(drawn, 2):
+        for lag in (0, 1, 13, 64):
+            assert abs(correlation_score(a[: LANES - lag], b[lag:])) < 4.0
+            cells = (a[: LANES - lag] * 64).astype(int) * 64 + (b[lag:] * 64).astype(int)
+            assert stats.chisquare(np.bincount(cells, minlength=4096)).pvalue > 1e-3
+        assert stats.kstest((a + b) % 1.0, "uniform").pvalue > 1e-3
+        assert stats.kstest((a - b) % 1.0, "uniform").pvalue > 1e-3
+        assert abs(correlation_score((a - 0.5) ** 2, (b - 0.5) ** 2)) < 4.0
+    assert stats.kstest(drawn[1], "uniform").pvalue > 1e-3
+
+
+def test_fine_digits_of_a_pair_are_independent():
+    """Digits below 2^-8 of both numbers: a shared hash must not leave a lattice."""
+    a, b = Random(KEYS[2]).uniforms("pair", 2, (LANES,), jnp.float64)
+    for scale in (2.0**8, 2.0**14):
+        x, y = np.asarray(a * scale) % 1.0, np.asarray(b * scale) % 1.0
+        cells = (x * 32).astype(int) * 32 + (y * 32).astype(int)
+        assert stats.chisquare(np.bincount(cells, minlength=1024)).pvalue > 1e-3
+
+
 def test_steps_keys_and_streams_are_uncorrelated():
     shape = (50, 13)
     steps = [numbers(fold(KEYS[0], count), shape) for count in range(40)]

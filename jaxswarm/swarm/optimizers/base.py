@@ -8,6 +8,7 @@ population is evaluated like any other. ``state`` is what the next step needs, `
 observer may want; unused parts of ``info`` cost nothing under ``jit``.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -15,7 +16,16 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
 
-__all__ = ["Info", "Optimizer", "State", "at_least", "best_of", "candidate_info", "comparable"]
+__all__ = [
+    "Info",
+    "Optimizer",
+    "State",
+    "at_least",
+    "best_of",
+    "candidate_info",
+    "comparable",
+    "once",
+]
 
 
 class State(Protocol):
@@ -77,6 +87,22 @@ def candidate_info(position, value, best_value, improved, hyper) -> Info:
     mean = jnp.sum(jnp.where(finite, value, 0.0)) / jnp.sum(finite)
     diversity = jnp.sqrt(jnp.mean((position - position.mean(axis=0)) ** 2))
     return Info(best_value, mean, diversity, improved, hyper)
+
+
+def once(function: Callable[[], Any]) -> Any:
+    """Return ``function()``, arrays that a CPU is to compute once although they are read twice.
+
+    XLA would compute them anew for every reader, with all their random numbers, and the
+    ``optimization_barrier`` that ought to prevent this is gone before loops are fused on a CPU. A
+    branch stays: its condition is always true, which only the barrier hides.
+    """
+
+    def branch():
+        blank = jax.eval_shape(function)
+        never = lambda: jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), blank)  # noqa: E731
+        return jax.lax.cond(jax.lax.optimization_barrier(True), function, never)
+
+    return jax.lax.platform_dependent(cpu=branch, default=function)
 
 
 def at_least(name: str, value: int, least: int, why: str) -> int:

@@ -9,6 +9,7 @@ Reference:
     10.1109/TEVC.2012.2189404.
 """
 
+import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.pytree import pytree
@@ -72,12 +73,11 @@ class Reflect:
 
     def __call__(self, random, position, velocity):
         damping = jnp.asarray(self.damping, velocity.dtype)
-        outside = (position < 0.0) | (position > 1.0)
-        # floor, not mod: XLA computes the remainder of floats element by element on a CPU.
-        phase = position - 2.0 * jnp.floor(0.5 * position)
-        folded = jnp.clip(jnp.where(phase > 1.0, 2.0 - phase, phase), 0.0, 1.0)
-        sign = jnp.where(phase > 1.0, -damping, damping)
-        return jnp.where(outside, folded, position), jnp.where(outside, sign * velocity, velocity)
+        # Distance to the nearest even number: the position itself where it is inside.
+        even = 2.0 * jax.lax.round(0.5 * position, jax.lax.RoundingMethod.TO_NEAREST_EVEN)
+        folded = jnp.abs(position - even)
+        turned = jnp.where(position < even, -damping, damping) * velocity
+        return folded, jnp.where(folded == position, velocity, turned)
 
 
 @pytree

@@ -3,10 +3,12 @@ r"""CMA-ES: a normal distribution that learns the shape of the objective.
 Candidates x = m + sigma B D z, z ~ N(0, I), with C = B D^2 B^T. After ranking, the mean moves to
 the weighted mean of the best half, two evolution paths accumulate the moves, and
 
-    C     <- (1 - c_1 - c_mu) C + c_1 p_c p_c^T + c_mu sum_i w_i y_i y_i^T,    y_i = (x_i - m) /
-    sigma sigma <- sigma exp((c_sigma / d_sigma) (|p_sigma| / E|N(0, I)| - 1))
+    C      <- (1 - c_1 - c_mu sum_i w_i) C + c_1 p_c p_c^T + c_mu sum_i w_i y_i y_i^T
+    sigma  <- sigma exp((c_sigma / d_sigma) (|p_sigma| / E|N(0, I)| - 1)),    y_i = (x_i - m) / sigma
 
-The default weights, rates and damping are those of the tutorial. The distribution lives in all of
+The worse half has negative weights (active CMA), with y_i scaled to the length sqrt(d) so that C
+stays positive definite; without them an ill-conditioned ellipsoid took far more evaluations. The
+weights, rates and damping are the tutorial's defaults. The distribution lives in all of
 R^d and its samples are folded into the unit cube like light between mirrors, so that no walls are
 seen; an eigendecomposition is made only as often as C changes noticeably.
 
@@ -70,11 +72,11 @@ class Rates(NamedTuple):
 
     @classmethod
     def of(cls, n: int, d: int) -> "Rates":
-        """Positive weights only."""
+        """Weights of all candidates, the best first: those of the better half sum to one."""
         mu = n // 2
-        weights = np.log((n + 1) / 2) - np.log(np.arange(1, mu + 1))
-        weights /= weights.sum()
-        mass = 1.0 / float(np.sum(weights**2))  # a numpy scalar would promote float32
+        raw = np.log((n + 1) / 2) - np.log(np.arange(1, n + 1))
+        better, worse = raw[:mu], raw[mu:]
+        mass = float(better.sum() ** 2 / np.sum(better**2))  # numpy scalars would promote float32
         c_sigma = (mass + 2.0) / (d + mass + 5.0)
         d_sigma = 1.0 + 2.0 * max(0.0, math.sqrt((mass - 1.0) / (d + 1.0)) - 1.0) + c_sigma
         c_c = (4.0 + mass / d) / (d + 4.0 + 2.0 * mass / d)
@@ -82,6 +84,11 @@ class Rates(NamedTuple):
         c_mu = min(1.0 - c_1, 2.0 * (mass - 2.0 + 1.0 / mass) / ((d + 2.0) ** 2 + mass))
         length = math.sqrt(d) * (1.0 - 1.0 / (4.0 * d) + 1.0 / (21.0 * d**2))
         gap = max(1, math.floor(1.0 / (10.0 * d * (c_1 + c_mu))))
+
+        worse_mass = worse.sum() ** 2 / np.sum(worse**2)
+        positive_definite = (1.0 - c_1 - c_mu) / (d * c_mu)
+        scale = min(1.0 + c_1 / c_mu, 1.0 + 2.0 * worse_mass / (mass + 2.0), positive_definite)
+        weights = np.concatenate([better / better.sum(), scale * worse / -worse.sum()])
         return cls(weights, mass, c_sigma, d_sigma, c_c, c_1, c_mu, length, gap)
 
 
@@ -129,10 +136,9 @@ class CMAES:
         # A wrapper may have put another candidate in a row: then that is what was evaluated.
         same = state.position == fold_mirrors(state.sample)
         sample = jnp.where(same, state.sample, state.position)
-        chosen = sample[jnp.argsort(value)[: n // 2]]
         weights = jnp.asarray(rates.weights, dtype)
-        y = (chosen - state.mean) / state.sigma
-        move = weights @ y
+        y = (sample[jnp.argsort(value)] - state.mean) / state.sigma
+        move = weights[: n // 2] @ y[: n // 2]
         mean, sigma = state.mean + state.sigma * move, state.sigma
 
         whitened = state.basis @ ((state.basis.T @ move) / state.spread)
@@ -145,11 +151,13 @@ class CMAES:
         keep = math.sqrt(rates.c_c * (2.0 - rates.c_c) * rates.mass)
         path = (1.0 - rates.c_c) * state.path_covariance + jnp.where(steady, keep, 0.0) * move
 
+        lengths = jnp.sum((y @ state.basis / state.spread) ** 2, axis=1)
+        scale = jnp.where(weights < 0.0, d / jnp.maximum(lengths, jnp.finfo(dtype).tiny), 1.0)
         lost = jnp.where(steady, 0.0, rates.c_1 * rates.c_c * (2.0 - rates.c_c))
         covariance = (
-            (1.0 - rates.c_1 - rates.c_mu + lost) * state.covariance
+            (1.0 - rates.c_1 - rates.c_mu * float(rates.weights.sum()) + lost) * state.covariance
             + rates.c_1 * jnp.outer(path, path)
-            + rates.c_mu * (weights * y.T) @ y
+            + rates.c_mu * (weights * scale * y.T) @ y
         )
         grow = (rates.c_sigma / rates.d_sigma) * (norm / rates.length - 1.0)
         smallest = math.sqrt(jnp.finfo(dtype).tiny)

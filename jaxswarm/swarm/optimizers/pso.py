@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable, once
 from jaxswarm.swarm.optimizers.boundaries import absorb, bounce, reflect
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical, spherical
 from jaxswarm.swarm.optimizers.topologies import global_best, random_informants
@@ -105,12 +105,13 @@ class PSO:
         improved = memory_value[leader] < state.best_value
 
         graph = jnp.where(improved, state.graph, random.bits("graph", (2,)))
-        attractor = self.topology(Random(graph, self.random), memory_position, memory_value)
+        informants = Random(graph, self.random)
+        attract = lambda: self.topology(informants, memory_position, memory_value)  # noqa: E731
         swarm = Swarm(
             position=state.position,
             velocity=state.velocity,
             memory_position=memory_position,
-            attractor=attractor,
+            attractor=attract(),
             value=value,
             improved=fell,
             memory_value=memory_value,
@@ -123,8 +124,13 @@ class PSO:
         if self.control is not None:
             hyper, control = self.control(random, control, swarm, hyper)
 
-        limit = hyper["velocity_limit"]
-        velocity = jnp.clip(self.rule(random, swarm, hyper), -limit, limit)
+        def accelerate():  # attracts anew: only what ``once`` itself computes joins its loop
+            limit = hyper["velocity_limit"]
+            return jnp.clip(
+                self.rule(random, swarm._replace(attractor=attract()), hyper), -limit, limit
+            )
+
+        velocity = once(accelerate)
         position, velocity = self.boundary(random, state.position + velocity, velocity)
         info = candidate_info(state.position, value, memory_value[leader], improved, hyper)
         state = PSOState(

@@ -64,8 +64,7 @@ class Canonical:
 
     def __call__(self, random, swarm, hyper):
         shape, dtype = swarm.position.shape, swarm.position.dtype
-        r1 = random.uniform("cognitive", shape, dtype)
-        r2 = random.uniform("social", shape, dtype)
+        r1, r2 = random.uniforms("pulls", 2, shape, dtype)
         return (
             hyper["inertia"] * swarm.velocity
             + hyper["cognitive"] * r1 * (swarm.memory_position - swarm.position)
