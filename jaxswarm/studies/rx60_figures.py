@@ -101,3 +101,24 @@ def sensitivity(rows: list[dict]) -> Figure:
         axis.legend(frameon=False, fontsize=7)
     axes[0].set_ylabel("median noise-free fbest [N m]")
     return figure
+
+
+def loop(rows: list[dict]) -> Figure:
+    """RMS error on unseen motion per joint: both schemes, the declared model, the model after the loop."""
+    figure, axes = plots.panels(1, len(rows), 3.6 * len(rows), 3.6)
+    for axis, row in zip(axes, rows, strict=True):
+        bars = {
+            "GPSO": (row["gpso"]["rms"], COLORS["gpso"]),
+            "AELSPSO": (row["aelspso"]["rms"], COLORS["aelspso"]),
+            "declared model": (row["loop"]["before"], plots.MEASURED),
+            "after the loop": (row["loop"]["after"], plots.ACCENT),
+        }
+        for k, (label, (heights, color)) in enumerate(bars.items()):
+            axis.bar(np.arange(3) + 0.2 * (k - 1.5), heights, 0.19, color=color, label=label)
+        axis.set_xticks(range(3), ("joint 1", "joint 2", "joint 3"))
+        axis.set_title(f"undeclared: {row['hidden']}", fontsize=9)
+        axis.set_yscale("log")
+    axes[0].set_ylabel("RMS on unseen motion [N m]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    return figure

@@ -1,10 +1,9 @@
 """The RX60 study's page: what was found first, then the paper's tables with ours beside, then the rest."""
 
-import numpy as np
-
 from jaxswarm.studies import page
 from jaxswarm.studies import rx60_paper as paper
 from jaxswarm.studies.page import number
+from jaxswarm.studies.rx60_loop import section as loop_section
 
 
 def verdict_lines(result: dict) -> list[str]:
@@ -117,7 +116,7 @@ def render(result: dict, images: dict[str, bytes]) -> str:
         *_readings(result),
         *_physics(result),
         *_optimizers(result),
-        *_loop(result),
+        *loop_section(result, images),
         page.heading("Torque on the validation trajectory: the paper's four figures"),
         *(show(f"torque_{name}_{case}.png") for name, case in paper.CASES),
     ]
@@ -224,27 +223,3 @@ def _optimizers(result):
     head = ["optimizer", "coordinates", "evaluations", "cost over optimum", "worst run"]
     head += ["evaluations to 1 %", "seconds to 1 %"]
     return [page.heading("Every optimizer on the noisy problem"), page.table(head, rows)]
-
-
-def _loop(result):
-    if "loop" not in result:
-        return []
-    rows = []
-    for r in result["loop"]:
-        effects = ", ".join(f"{e['effect']} on {e['joint']}" for e in r["loop"]["effects"])
-        rows += [
-            [f"{r['hidden']}: GPSO, RMS on unseen motion", *r["gpso"]["rms"], ""],
-            [f"{r['hidden']}: AELSPSO", *r["aelspso"]["rms"], ""],
-            [f"{r['hidden']}: declared rigid body", *r["loop"]["before"], ""],
-            [
-                f"{r['hidden']}: after the loop",
-                *r["loop"]["after"],
-                effects or r["loop"]["verdict"],
-            ],
-        ]
-    error = np.array([r["torque_noise"] for r in result["loop"]]).max()
-    return [
-        page.heading("The loop: an effect that nobody declared"),
-        page.sentence(f"Own motion (random Fourier), torque noise {error:g} N m. RMS in N m."),
-        page.table(["", "joint 1", "joint 2", "joint 3", "found"], rows),
-    ]

@@ -1,7 +1,12 @@
-"""The contest of the SEPSO study: who takes part, the runs at equal evaluations, the comparisons."""
+"""The contest of the SEPSO study: who takes part, the runs at equal evaluations, the comparisons.
+
+Who has no schedule searches the same way whatever its budget, so its shorter search is the beginning of
+its longest. Contestants run in parallel threads: compiling and computing both release the interpreter.
+"""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
@@ -15,6 +20,7 @@ from jaxswarm.swarm import (
     cma_es,
     de,
     ga,
+    gpso,
     minimize_runs,
     polish,
     random_search,
@@ -25,75 +31,139 @@ from jaxswarm.swarm import (
 )
 
 PARTICLES = 40
-SEPSO = ("SEPSO R1", "SEPSO R2", "SEPSO R3", "SEPSO R1, c = 1.5 (ours)")
-RIVALS = ("SPSO", "GA", "textbook GA")
+OURS = "SEPSO (ours)"
+SEPSO = ("SEPSO R1", "SEPSO R2", "SEPSO R3", OURS)
+SPSO = ("SPSO", "SPSO (w falls)")
+GENETIC = ("GA", "textbook GA")
+RIVALS = SPSO + GENETIC
 FAST = ("SPSO", "GA", "SEPSO R1")
+THREADS = 2
+
+Factory = Callable[[int], Any]
 
 
-def contestants(num_steps: int) -> dict[str, Any]:
-    """Optimizers by name: the paper's three (SEPSO in all reconstructions), and the yardsticks."""
-    first = sepso(PARTICLES, num_steps)
-    return {
-        "SPSO": spso(PARTICLES),
-        "GA": ga(PARTICLES),
-        "textbook GA": textbook_ga(PARTICLES),
-        "SEPSO R1": first,
-        "SEPSO R2": sepso(PARTICLES, num_steps, variant="R2"),
-        "SEPSO R3": sepso(PARTICLES, num_steps, variant="R3"),
-        "SEPSO R1, c = 1.5 (ours)": dataclasses.replace(first, cognitive=1.5, social=1.5),
-        "SPSO 2011": spso2011(PARTICLES),
-        "DE": de(PARTICLES),
-        "CMA-ES": cma_es(PARTICLES),
-        "random search": random_search(PARTICLES),
+def contestants(ours: Factory | None = None) -> dict[str, tuple[Factory, bool]]:
+    """Name to (steps -> optimizer, whether it has a schedule): the paper's three and the yardsticks.
+
+    Args:
+        ours: Builds the setting of our own for a number of steps; None: it does not take part.
+    """
+    n = PARTICLES
+    fixed = {
+        "SPSO": spso,
+        "GA": ga,
+        "textbook GA": textbook_ga,
+        "SPSO 2011": spso2011,
+        "DE": de,
+        "CMA-ES": cma_es,
+        "random search": random_search,
     }
+    scheduled = {
+        "SPSO (w falls)": lambda steps: gpso(n, steps),
+        "SEPSO R1": lambda steps: sepso(n, steps),
+        "SEPSO R2": lambda steps: sepso(n, steps, variant="R2"),
+        "SEPSO R3": lambda steps: sepso(n, steps, variant="R3"),
+    } | ({OURS: ours} if ours else {})
+    every = {name: (lambda steps, make=make: make(n), False) for name, make in fixed.items()}
+    every |= {name: (make, True) for name, make in scheduled.items()}
+    order = (*SPSO, *GENETIC, *SEPSO)
+    return {name: every[name] for name in sorted(every, key=lambda k: (*order, k).index(k))}
 
 
 @dataclasses.dataclass(frozen=True)
 class Runs:
-    """Final values (runs,), parameters (runs, 4), parameter errors (runs, 4), histories (runs, steps)."""
+    """Best values (runs, steps) and their points in the unit cube (runs, steps, 4) of one contestant.
 
-    values: np.ndarray
-    parameters: np.ndarray
-    errors: np.ndarray
+    >>> plant = type("Plant", (), {"lower": np.zeros(1), "upper": np.ones(1), "true": np.ones(1)})
+    >>> runs = Runs(plant, np.array([[2.0, 1.0]]), np.array([[[0.5], [0.75]]]))
+    >>> runs.accuracy.tolist(), runs.until(1).accuracy.tolist()
+    ([0.25], [0.5])
+    """
+
+    plant: Plant
     history: np.ndarray
-    positions: np.ndarray
+    path: np.ndarray
+
+    def until(self, steps: int) -> "Runs":
+        """The beginning of the same search."""
+        return dataclasses.replace(self, history=self.history[:, :steps], path=self.path[:, :steps])
+
+    @property
+    def values(self) -> np.ndarray:
+        """Final values, (runs,)."""
+        return self.history[:, -1]
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Final points in the unit cube, (runs, 4)."""
+        return self.path[:, -1]
+
+    @property
+    def parameters(self) -> np.ndarray:
+        """Final parameters, (runs, 4)."""
+        return self.plant.lower + self.positions * (self.plant.upper - self.plant.lower)
+
+    @property
+    def errors(self) -> np.ndarray:
+        """Parameter errors as shares of the ranges, (runs, 4)."""
+        return _errors(self.plant, self.parameters)
 
     @property
     def accuracy(self) -> np.ndarray:
-        """RMS of a run's four parameter errors, each as a share of its range, (runs,)."""
+        """RMS of a run's parameter errors, (runs,)."""
         return np.sqrt((self.errors**2).mean(axis=1))
 
 
-def run_one(
-    plant: Plant, fn: Callable, args: Any, optimizer: Any, keys: jax.Array, num_steps: int
-) -> Runs:
-    """All runs of one optimizer on one plant."""
-    result = minimize_runs(fn, optimizer, plant.space, keys, args, num_steps=num_steps)
-    parameters = np.asarray(result.params)
-    return Runs(
-        values=np.asarray(result.value),
-        parameters=parameters,
-        errors=np.abs(parameters - plant.true) / (plant.upper - plant.lower),
-        history=np.asarray(result.history),
-        positions=np.asarray(result.position),
-    )
+def _errors(plant, parameters):
+    return np.abs(parameters - plant.true) / (plant.upper - plant.lower)
+
+
+def _record(state, info):
+    return info.value_best, state.best_position
 
 
 def contest(
-    plant: Plant, data: Data, keys: jax.Array, num_steps: int, names: tuple[str, ...]
-) -> dict[str, Runs]:
-    """Output error: every contestant at the same number of evaluations."""
-    everyone = contestants(num_steps)
-    return {n: run_one(plant, plant.cost, data, everyone[n], keys, num_steps) for n in names}
+    plant: Plant,
+    fn: Callable,
+    args: Any,
+    keys: jax.Array,
+    budgets: Iterable[int],
+    names: Iterable[str],
+    ours: Factory | None = None,
+) -> dict[int, dict[str, Runs]]:
+    """Every contestant at every budget in steps, the same keys for all; equal evaluations.
+
+    Args:
+        plant: Whose parameters are searched.
+        fn: ``(population (m, 4), args) -> (m,)``.
+        args: Data for ``fn``.
+        keys: (runs,), one a run.
+        budgets: Numbers of steps.
+        names: Of :func:`contestants`.
+        ours: As there.
+    """
+    every, budgets = contestants(ours), sorted(budgets)
+
+    def one(task):
+        name, steps = task
+        result = minimize_runs(
+            fn, every[name][0](steps), plant.space, keys, args, num_steps=steps, record=_record
+        )
+        return Runs(plant, *map(np.asarray, result.history))
+
+    tasks = [(n, b) for n in names for b in (budgets if every[n][1] else budgets[-1:])]
+    with ThreadPoolExecutor(THREADS) as pool:
+        found = dict(zip(tasks, pool.map(one, tasks), strict=True))
+    return {
+        b: {n: found[n, b] if (n, b) in found else found[n, budgets[-1]].until(b) for n in names}
+        for b in budgets
+    }
 
 
-def torque_contest(
-    plant: Plant, keys: jax.Array, num_steps: int, names: tuple[str, ...]
-) -> dict[str, Runs]:
+def torque_contest(plant: Plant, keys: jax.Array, steps: int, names, ours=None) -> dict[str, Runs]:
     """The same contest with torque error and perfect accelerations."""
     problem = jax.tree.map(jnp.asarray, torque_problem(plant))
-    everyone = contestants(num_steps)
-    return {n: run_one(plant, torque_fitness, problem, everyone[n], keys, num_steps) for n in names}
+    return contest(plant, torque_fitness, problem, keys, [steps], names, ours)[steps]
 
 
 def accuracy_rows(found: dict[str, Runs]) -> list[dict]:
@@ -101,7 +171,7 @@ def accuracy_rows(found: dict[str, Runs]) -> list[dict]:
     return [
         {
             "optimizer": name,
-            "reconstruction": name.startswith("SEPSO"),
+            "reconstruction": name in (*SEPSO, *SPSO),
             "mean": runs.parameters.mean(axis=0).tolist(),
             "std": runs.parameters.std(axis=0, ddof=1).tolist(),
             "error_median": np.median(runs.errors, axis=0).tolist(),
@@ -116,47 +186,33 @@ def accuracy_rows(found: dict[str, Runs]) -> list[dict]:
 def comparisons(found: dict[str, Runs]) -> list[dict]:
     """Every SEPSO against every rival: rank test and effect size on cost and on accuracy."""
     rows = []
-    for ours in (n for n in SEPSO if n in found):
+    for mine in (n for n in SEPSO if n in found):
         for rival in (n for n in RIVALS if n in found):
-            for what in ("values", "accuracy"):
-                pair = getattr(found[ours], what), getattr(found[rival], what)
-                rows.append(
-                    {
-                        "sepso": ours,
-                        "rival": rival,
-                        "on": {"values": "cost"}.get(what, what),
-                        **compare(*pair),
-                    }
-                )
+            for what, label in (("values", "cost"), ("accuracy", "accuracy")):
+                test = compare(getattr(found[mine], what), getattr(found[rival], what))
+                rows.append({"sepso": mine, "rival": rival, "on": label, **test})
     for row, p in zip(rows, holm([row["p"] for row in rows]), strict=True):
         row["p_holm"] = float(p)
         row["sepso_is"] = verdict(p, row["effect"])
     return rows
 
 
-def polished(plant: Plant, data: Data, runs: Runs, count: int) -> dict:
-    """Levenberg-Marquardt from the end of the first ``count`` runs, and of least value among them."""
-    values, accuracy, parameters = [], [], []
-    for position in runs.positions[:count]:
-        found = polish(
-            plant.residual,
-            plant.space,
-            jnp.asarray(position),
-            data,
-            method="levenberg_marquardt",
-            num_steps=100,
-        )
-        error = (np.asarray(found.params) - plant.true) / (plant.upper - plant.lower)
-        values.append(float(found.value))
-        accuracy.append(float(np.sqrt((error**2).mean())))
-        parameters.append(np.asarray(found.params).tolist())
+def polished(plant: Plant, data: Data, runs: Runs) -> dict:
+    """Levenberg-Marquardt from the end of every run."""
+    options = {"method": "levenberg_marquardt", "num_steps": 100}
+    found = jax.vmap(lambda x: polish(plant.residual, plant.space, x, data, **options))(
+        jnp.asarray(runs.positions)
+    )
+    values, parameters = np.asarray(found.value), np.asarray(found.params)
+    accuracy = np.sqrt((_errors(plant, parameters) ** 2).mean(axis=1))
     best = int(np.argmin(values))
     return {
         "starts": len(values),
-        "cost_before_median": float(np.median(runs.values[:count])),
+        "at_the_best": int((values <= 1.001 * values[best] + 1e-12).sum()),
+        "cost_before_median": float(np.median(runs.values)),
         "cost_median": float(np.median(values)),
-        "cost_best": values[best],
+        "cost_best": float(values[best]),
         "accuracy_median": float(np.median(accuracy)),
-        "parameters_best": parameters[best],
-        "accuracy_best": accuracy[best],
+        "parameters_best": parameters[best].tolist(),
+        "accuracy_best": float(accuracy[best]),
     }

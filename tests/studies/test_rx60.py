@@ -8,7 +8,7 @@ import pytest
 
 from jaxswarm.errors import InputError
 from jaxswarm.robot import inverse_dynamics, rx60
-from jaxswarm.studies import run_rx60
+from jaxswarm.studies import run_rx60, rx60_figures, rx60_loop
 from jaxswarm.studies import rx60_paper as paper
 from jaxswarm.studies.rx60_cause import stable_acceleration
 from jaxswarm.studies.rx60_data import (
@@ -153,5 +153,24 @@ def test_report_names_reconstructions(study):
     assert written["reconstructions"] and page.count("Reconstruction: ") >= len(
         written["reconstructions"]
     )
-    assert "http" not in page and page.count("data:image/png") == len(list(folder.glob("*.png")))
+    assert "://" not in page and page.count("data:image/png") == len(list(folder.glob("*.png")))
     assert len(list(folder.glob("torque_*.png"))) == 4
+
+
+def test_loop_section():
+    """The errors before and after stand on the page with the effect that was found; no loop, no section."""
+    assert rx60_loop.section({}, {}) == []
+    swarm = {"rms": [0.5, 0.25, 0.125], "base_mean": [8.0]}
+    row = {"hidden": "friction", "torque_noise": 0.2, "base": ["Czz1"], "base_true": [9.0]}
+    row |= {"gpso": swarm, "aelspso": swarm}
+    effects = [{"effect": "coulomb_friction", "joint": "joint1", "values": {"fc": 3.0}}]
+    row["loop"] = {
+        "effects": effects,
+        "before": [0.5] * 3,
+        "after": [0.0625] * 3,
+        "verdict": "explained",
+    }
+    figure = rx60_figures.loop([row])
+    assert len(figure.axes) == 1 and len(figure.axes[0].patches) == 4 * 3
+    text = "".join(rx60_loop.section({"loop": [row]}, {"loop.png": b""}))
+    assert "coulomb_friction on joint1 (fc = 3)" in text and "0.0625" in text and "0.125" in text

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from jaxswarm.studies import run_sepso
+from jaxswarm.studies import run_sepso, sepso_ours
+from jaxswarm.studies.sepso_claims import claims, sentences
 from jaxswarm.studies.sepso_plants import DT, PLANTS, make_data, outputs, torque_problem
 from jaxswarm.studies.sepso_search import comparisons, contest
 from jaxswarm.studies.statistics import compare, effect_size, holm
+from jaxswarm.swarm import sepso
 
 
 @pytest.fixture(scope="module")
@@ -88,12 +90,51 @@ def test_statistics_by_hand():
 def test_equal_evaluations():
     plant = PLANTS["flexible joint"]
     keys = jax.random.split(jax.random.key(0), 2)
-    found = contest(plant, make_data(plant), keys, 2, ("SPSO", "SEPSO R1"))
+    data = make_data(plant)
+    everyone = contest(plant, plant.cost, data, keys, (2, 3), ("SPSO",))
+    # Without a schedule the short search is the beginning of the long one.
+    assert everyone[3]["SPSO"].history.shape == (2, 3)
+    assert (everyone[2]["SPSO"].history == everyone[3]["SPSO"].history[:, :2]).all()
+    found = everyone[2] | contest(plant, plant.cost, data, keys, (2,), ("SEPSO R1",))[2]
     assert {r.history.shape for r in found.values()} == {(2, 2)}
+    np.testing.assert_allclose(
+        plant.cost(jnp.asarray(found["SEPSO R1"].parameters), data),
+        found["SEPSO R1"].values,
+        rtol=1e-9,
+    )
     rows = comparisons(found)
     assert [r["on"] for r in rows] == ["cost", "accuracy"] and rows[0][
         "sepso_is"
     ] == "not told apart"
+
+
+def test_a_setting_of_ours_is_sepso():
+    """With the coefficients of R1 the searched family is R1 itself."""
+    setting = {"inertia_start": 0.9, "inertia_end": 0.4, "cognitive": 2.0, "social": 2.0}
+    setting |= {"repulsion": 0.1, "decay": 0.05, "velocity_limit": 0.2}
+    assert set(sepso_ours.draw(3, 0)) == set(setting)
+    mine, reference = sepso_ours.build("one swarm", setting, 70), sepso(40, 70)
+    assert jax.tree.structure(mine) == jax.tree.structure(reference)
+    assert jax.tree.leaves(mine) == jax.tree.leaves(reference)
+    parts = sepso_ours.build(sepso_ours.STRUCTURES[1], setting, 70)
+    assert parts.num * parts.inner.num_particles == 40
+
+
+def test_claim_needs_both_rivals():
+    def section(**words):
+        rows = [
+            {"sepso": "SEPSO R1", "rival": r, "on": "accuracy", "effect": 0.5, "sepso_is": w}
+            for r, w in words.items()
+        ]
+        made = {"plant": "arm", "case": "clean", "budget": "tight", "comparisons": rows}
+        return made | {"claims": claims(made)}
+
+    one = section(SPSO="better", GA="not told apart")
+    assert one["claims"][0]["holds_against"] == []
+    assert "none of these settings" in sentences([one])[-1]
+    both = section(SPSO="better", GA="better")
+    assert both["claims"][0]["holds_against"] == [["SPSO", "GA"]]
+    assert "arm, clean, tight budget (every reading" in sentences([one, both])[0]
 
 
 def test_report_names_reconstructions(study):
@@ -102,8 +143,8 @@ def test_report_names_reconstructions(study):
     written = json.loads((folder / "sepso.json").read_text())
     assert page.count("Reconstruction: ") >= len(written["reconstructions"]) > 0
     rows = [r for s in written["sections"] for r in s["rows"]]
-    assert all(r["reconstruction"] == r["optimizer"].startswith("SEPSO") for r in rows)
-    assert "[reconstruction]" in page and "http" not in page
+    assert all(r["reconstruction"] == (r["optimizer"][:4] in ("SEPS", "SPSO")) for r in rows)
+    assert "[reconstruction]" in page and "://" not in page
     assert any("claim" in text for text in result["findings"])
 
 
