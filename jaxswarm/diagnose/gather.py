@@ -5,6 +5,7 @@ links, the clock or the scale is taken to first order about the current model: t
 the model's torque, or the derivative of that by its parameter. Once added, it is refitted exactly.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import jax
@@ -12,7 +13,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.lagging import lagging_candidate
-from jaxswarm.diagnose.search import Stage, search_laws
+from jaxswarm.diagnose.search import Stage, begin_search
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.warped import warped_candidate
 from jaxswarm.identify.terms import Term
@@ -26,42 +27,49 @@ def gather(
 ) -> list[Candidate]:
     """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
     searched = [t for t in suspects if t.law.torque is not None and t.law.nonlinear]
-    values = dict(zip(searched, _search(stand, searched, key, memory), strict=True))
-    done: list[Candidate | None] = []
+    # The compiled searches run while the other candidates are built.
+    finish = _begin(stand, searched, key, memory)
+    done: dict[Term, Candidate | None] = {}
     for term in suspects:
         law = term.law
-        if term in values:
-            columns = tuple(stand.law(replace(term, values=v)) for v in values[term])
-            placed = replace(term, values=values[term][0])
-            done.append(Candidate(placed, columns, len(law.parameters)))
-        elif law.torque is not None:
-            done.append(Candidate(term, (stand.law(term),) * 3, len(law.linear)))
-        elif law.warp in ("elastic", "play"):
-            done.append(lagging_candidate(stand, term, memory))
-        else:
-            done.append(warped_candidate(stand, term))
-    return [c for c in done if c is not None]
+        if law.torque is not None and not law.nonlinear:
+            done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
+        elif law.torque is None:
+            soft = law.warp in ("elastic", "play")
+            done[term] = (
+                lagging_candidate(stand, term, memory) if soft else warped_candidate(stand, term)
+            )
+    for term, values in zip(searched, finish(), strict=True):
+        columns = tuple(stand.law(replace(term, values=v)) for v in values)
+        placed = replace(term, values=values[0])
+        done[term] = Candidate(placed, columns, len(term.law.parameters))
+    return [done[t] for t in suspects if done[t] is not None]
 
 
-def _search(stand: Stand, terms: list[Term], key: jax.Array, memory: Memory) -> list[list[dict]]:
-    """Nonlinear parameters of laws per fold, found on the longest log."""
+def _begin(
+    stand: Stand, terms: list[Term], key: jax.Array, memory: Memory
+) -> Callable[[], list[list[dict]]]:
+    """Start finding nonlinear parameters of laws per fold, on the longest log, where unknown."""
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
-    if unknown:
-        motions = stand.found.motions
-        longest = int(np.argmax([len(m.t) for m in motions]))
-        values = search_laws(
-            [(t.law, t.joint, t.other) for t in unknown],
-            motions[longest],
-            stand.found.model.width,
-            stand.loads[longest],
-            _stages(stand, stand.found.regression.log == longest),
-            key,
-        )
-        for term, per_fold in zip(unknown, values, strict=True):
+    motions = stand.found.motions
+    longest = int(np.argmax([len(m.t) for m in motions]))
+    finish = begin_search(
+        [(t.law, t.joint, t.other) for t in unknown],
+        motions[longest],
+        stand.found.model.width,
+        stand.loads[longest],
+        _stages(stand, stand.found.regression.log == longest),
+        key,
+    )
+
+    def values() -> list[list[dict]]:
+        for term, per_fold in zip(unknown, finish(), strict=True):
             found[term] = per_fold
             memory.keep(term, stand.residuals(term.joint), per_fold)
-    return [found[t] for t in terms]
+        return [found[t] for t in terms]
+
+    return values
 
 
 def _stages(stand: Stand, rows: np.ndarray) -> Stage:

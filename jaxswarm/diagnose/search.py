@@ -8,6 +8,7 @@ swarm in its cell finds the floor. The law is chosen inside the program and leng
 that neither another suspect nor a log of another length costs a compilation.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -113,15 +114,15 @@ def _search(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, ke
     return jax.vmap(one_fold)(task.stages)
 
 
-def search_laws(
+def begin_search(
     tasks: list[tuple[Law, int, int | None]],
     motion: Motion,
     width: float,
     load: Load,
     stages: Stage,
     key: jax.Array,
-) -> list[list[dict[str, float]]]:
-    """Best nonlinear parameters of laws on joints, for every fold.
+) -> Callable[[], list[list[dict[str, float]]]]:
+    """Start searching the best nonlinear parameters of laws on joints, for every fold.
 
     Args:
         tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
@@ -133,7 +134,7 @@ def search_laws(
         key: Random key.
 
     Returns:
-        Values by name, for every task and every fold.
+        A function that waits for the end: values by name, for every task and every fold.
     """
     taps, factor = np.asarray(motion.decimator.taps), motion.decimator.factor
     taps = np.pad(taps, (0, -len(taps) % _TAPS))
@@ -156,10 +157,14 @@ def search_laws(
             jax.tree.map(lambda x, j=joint: x[j], stages),
         )
         found.append(_search(family, factor, task, taps, key))
-    return [
-        [{n: float(x) for n, x in _decode(law, u).items()} for u in np.asarray(positions)]
-        for (law, _, _), positions in zip(tasks, found, strict=True)
-    ]
+
+    def finish() -> list[list[dict[str, float]]]:
+        return [
+            [{n: float(x) for n, x in _decode(law, u).items()} for u in np.asarray(positions)]
+            for (law, _, _), positions in zip(tasks, found, strict=True)
+        ]
+
+    return finish
 
 
 def _family(law: Law) -> tuple[Law, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted import log_with, small_arm
 
-from jaxswarm.diagnose.search import Stage, decimate, explained, search_laws
+from jaxswarm.diagnose.search import Stage, begin_search, decimate, explained
 from jaxswarm.effects import get_law
 from jaxswarm.identify.columns import Load, rigid_of, term_columns
 from jaxswarm.identify.terms import Term
@@ -52,7 +52,7 @@ def test_planted_parameters_are_recovered(motion, load, key, effect, values, lin
     columns = motion.decimator.apply(term_columns(term, motion, 0.01, load))
     residual = columns @ np.array(linear)
     stages = stages_of(motion, residual)
-    found = search_laws([(get_law(effect), 1, None)], motion, 0.01, load, stages, key)
+    found = begin_search([(get_law(effect), 1, None)], motion, 0.01, load, stages, key)()
     for fold, weight in zip(found[0], np.asarray(stages.train[0]), strict=True):
         placed = Term(effect, 1, values=fold)
         again = motion.decimator.apply(term_columns(placed, motion, 0.01, load))
