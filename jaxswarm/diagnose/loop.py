@@ -219,7 +219,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     weight = robust_weight(current.fit.residual)
 
     def cost(one: Estimate) -> float:
-        return float(((one.fit.residual * weight) ** 2).sum())
+        return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
 
     return after if physical and certain and cost(after) < cost(current) else None
 
