@@ -52,6 +52,8 @@ def _begin(
     """Start finding nonlinear parameters of laws per fold, on the longest log, where unknown."""
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
+    if not unknown:
+        return lambda: [found[t] for t in terms]
     motions = stand.found.motions
     longest = int(np.argmax([len(m.t) for m in motions]))
     finish = begin_search(

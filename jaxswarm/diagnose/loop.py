@@ -226,20 +226,9 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
 
 def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
     """Estimate with other terms from where the current one stands, its sign width found anew."""
-    robot = current.model.robot
-    pi = np.asarray(robot.parameters).ravel()
-    after = estimate(
-        robot,
-        terms,
-        current.motions,
-        width=current.model.width,
-        refine_width=True,
-        bounded=False,
-        rigids=current.rigids,
-        start=pi,
-    )
+    after = _fit_from(current, current, terms, current.model.width)
     width = best_width(
-        robot,
+        after.model.robot,
         after.model.terms,
         current.motions,
         current.rigids,
@@ -247,17 +236,24 @@ def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
     )
     if abs(np.log(width / after.model.width)) < _NEAR:
         return after
-    again = estimate(
-        robot,
-        after.model.terms,
+    again = _fit_from(current, after, after.model.terms, width)
+    return again if _cost(again, after) < _cost(after, after) else after
+
+
+def _fit_from(
+    current: Estimate, start: Estimate, terms: tuple[Term, ...], width: float
+) -> Estimate:
+    """Fit terms to the current logs from another estimate's rigid parameters and a width."""
+    return estimate(
+        current.model.robot,
+        terms,
         current.motions,
         width=width,
         refine_width=True,
         bounded=False,
         rigids=current.rigids,
-        start=np.asarray(after.model.robot.parameters).ravel(),
+        start=np.asarray(start.model.robot.parameters).ravel(),
     )
-    return again if _cost(again, after) < _cost(after, after) else after
 
 
 def _with_start(chosen: Score) -> Term:

@@ -8,7 +8,7 @@ A second variable is named only if it raises the held-out share clearly over the
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from jaxswarm.diagnose.background import Background
 from jaxswarm.diagnose.decide import slope_p_value
 from jaxswarm.identify.estimate import Estimate
-from jaxswarm.identify.model import Model, shifted
+from jaxswarm.identify.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.smooth import QUANTITIES, Smooth, features
 
 _FEATURES = {1: 14, 2: 96}
@@ -110,7 +110,8 @@ def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
     """The model with a smooth term for all structure whose variables another log has too."""
     kept = [item for item in left if item.term is not None]
     change = sum((item.change for item in kept), np.zeros(len(found.fit.theta)))
-    return shifted(found.model, change, tuple(item.term for item in kept))
+    model = with_linear_values(found.model, linear_values(found.model) + change)
+    return replace(model, smooth=(*model.smooth, *(item.term for item in kept)))
 
 
 def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplained:

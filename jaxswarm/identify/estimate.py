@@ -99,7 +99,7 @@ def _finish(problem: Problem, here: Settled, moving: list[Knob]) -> Estimate:
     robot, theta = problem.robot, here.solution.theta
     first = problem.motions[0]
     filtering = Filtering(first.motion_cutoff, first.torque_cutoff, skew=first.skew)
-    named = [_columns_of(t, robot.joints) for t in here.place.terms]
+    named = [t.linear_names(robot.joints) for t in here.place.terms]
     split = np.cumsum([10 * robot.num_joints, *(len(names) for names in named)])
     parts = np.split(theta, split)[1:]
     terms = tuple(
@@ -126,10 +126,3 @@ def _finish(problem: Problem, here: Settled, moving: list[Knob]) -> Estimate:
     return Estimate(
         model, here.solution, here.regression, problem.motions, problem.rigids, tuple(errors)
     )
-
-
-def _columns_of(term: Term, joints: tuple[str, ...]) -> list[str]:
-    """Names of the values that a term's columns multiply."""
-    if term.law.warp == "window":
-        return [name.split(":")[0] for name in term.columns(joints)]
-    return [p.name for p in term.law.linear]

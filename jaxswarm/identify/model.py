@@ -48,11 +48,7 @@ def linear_values(model: Model) -> np.ndarray:
     """The parameters the columns of :func:`assemble` multiply, shape (p,)."""
     parts = [np.asarray(model.robot.parameters).ravel()]
     for term in model.terms:
-        names = [name.split(":")[0] for name in term.columns(model.robot.joints)]
-        if term.law.warp == "window":
-            parts.append([term.values[name] for name in names])
-        else:
-            parts.append([term.values[p.name] for p in term.law.linear])
+        parts.append([term.values[name] for name in term.linear_names(model.robot.joints)])
     return np.concatenate(parts)
 
 
@@ -71,21 +67,17 @@ def smooth_torque(model: Model, motion: Motion) -> np.ndarray:
     return torque
 
 
-def shifted(model: Model, change: np.ndarray, smooth: tuple[Smooth, ...]) -> Model:
-    """The model with its linear values changed by (p,), and smooth terms added."""
-    values = linear_values(model) + change
+def with_linear_values(model: Model, values: np.ndarray) -> Model:
+    """The model with other values for the columns of :func:`assemble`, shape (p,)."""
     k = 10 * model.robot.num_joints
     parameters = jnp.asarray(values[:k].reshape(-1, 10))
     terms = []
     for term in model.terms:
-        names = [name.split(":")[0] for name in term.columns(model.robot.joints)]
-        if term.law.warp != "window":
-            names = [p.name for p in term.law.linear]
+        names = term.linear_names(model.robot.joints)
         own = dict(zip(names, map(float, values[k : k + len(names)]), strict=True))
         terms.append(replace(term, values={**term.values, **own}))
         k += len(names)
-    robot = model.robot.replace(parameters=parameters)
-    return replace(model, robot=robot, terms=tuple(terms), smooth=(*model.smooth, *smooth))
+    return replace(model, robot=model.robot.replace(parameters=parameters), terms=tuple(terms))
 
 
 def save_model(model: Model, path: Path) -> None:

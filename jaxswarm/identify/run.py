@@ -9,7 +9,7 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimate import Estimate, estimate
-from jaxswarm.identify.model import save_model
+from jaxswarm.identify.model import save_model, with_linear_values
 from jaxswarm.identify.report import pictures_of, report_of
 from jaxswarm.identify.swarm_fit import swarm_fit
 from jaxswarm.identify.terms import parameter_bounds, parse_terms
@@ -139,17 +139,5 @@ def with_values(found: Estimate, values: np.ndarray) -> Estimate:
         residual=found.regression.torque
         - found.regression.columns[:, :, found.fit.base.kept] @ values,
     )
-    theta, robot = solution.theta, found.model.robot
-    rigid, terms = 10 * robot.num_joints, []
-    k = rigid
-    for term in found.model.terms:
-        changed = dict(term.values)
-        for p in term.law.linear:
-            changed[p.name] = float(theta[k])
-            k += 1
-        terms.append(replace(term, values=changed))
-    pi = theta[:rigid]
-    model = replace(
-        found.model, robot=robot.replace(parameters=pi.reshape(-1, 10)), terms=tuple(terms)
-    )
+    model = with_linear_values(found.model, solution.theta)
     return replace(found, fit=solution, model=model)

@@ -44,6 +44,12 @@ class Term:
         where += "" if self.other is None else f"_{joints[self.other]}"
         return tuple(f"{p.name}{where}:{self.effect}" for p in self.law.linear)
 
+    def linear_names(self, joints: tuple[str, ...]) -> list[str]:
+        """Names of the values that the columns multiply, in their order."""
+        if self.law.warp == "window":
+            return [name.split(":")[0] for name in self.columns(joints)]
+        return [p.name for p in self.law.linear]
+
 
 def physical_unit(unit: str, kind: str) -> str:
     """Translate a revolute joint's unit into the one of ``kind``.
