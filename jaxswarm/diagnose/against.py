@@ -88,7 +88,7 @@ def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
     theta = linear_values(model)
     smooth = [m.decimator.apply(smooth_torque(model, m)) for m in motions]
     regression = replace(regression, torque=regression.torque - np.concatenate(smooth))
-    residual = regression.torque - regression.columns @ theta
+    residual = regression.target - regression.columns @ theta
     sigma = np.sqrt((residual**2).mean(axis=0)) + 1e-12
     flat = regression.columns.reshape(-1, regression.columns.shape[2])
     base = find_base(flat, regression.names)
@@ -170,7 +170,7 @@ def _rows(before: Estimate, picked) -> Regression:
     regression = before.regression
     columns = np.concatenate([c.columns[0] for c, _, _ in picked], axis=2)
     names = tuple(f"{k}" for k in range(columns.shape[2]))
-    return replace(regression, names=names, columns=columns, torque=before.fit.residual)
+    return replace(regression, names=names, columns=columns, torque=before.fit.residual, shift=None)
 
 
 def _crossed(before: Estimate, picked) -> np.ndarray:

@@ -99,7 +99,7 @@ def make_background(found: Estimate, frozen: bool = False) -> Background:
     if frozen:
         columns = columns[:, :, :0]
     error = solution.residual * weight
-    torque = error if frozen else regression.torque * weight
+    torque = error if frozen else regression.target * weight
     length = correlation_length(error, regression.log)
     per_log = min(_BLOCKS, np.bincount(regression.log).min() // _LEAST_ROWS)
     block = time_blocks(regression.log, max(4, int(per_log)))

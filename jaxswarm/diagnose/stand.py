@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jaxswarm.diagnose.background import Background
-from jaxswarm.identify.assemble import assemble, link_motion, sensitivity_columns, tilted, warped
+from jaxswarm.identify.assemble import assemble, tilted
 from jaxswarm.identify.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.estimate import Estimate
+from jaxswarm.identify.lag import link_motion, sensitivity_columns
 from jaxswarm.identify.model import linear_values
-from jaxswarm.identify.terms import Term
+from jaxswarm.identify.terms import Term, warped
 
 # A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
 _SAME = 0.05

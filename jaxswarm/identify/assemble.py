@@ -8,60 +8,13 @@ The order in which a torque comes about fixes the order here: the links move (``
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import ndimage
 
-from jaxswarm.effects.warps import contact_stiffness, deflection, shift
+from jaxswarm.effects.warps import shift
 from jaxswarm.identify.columns import Load, Rigid, load_of, rigid_columns, term_columns
-from jaxswarm.identify.terms import Term
+from jaxswarm.identify.lag import link_motion
+from jaxswarm.identify.terms import Term, warped
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
-
-# Uncertainty [s] of the moment at which a loose link strikes.
-_STRIKE = 0.12
-
-
-def sensitivity_columns(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
-    """Rigid columns (T, n, 10 n) and their derivatives by position, velocity, acceleration of a joint.
-
-    Differences of the regressor: exact for the acceleration, in which the torque is linear.
-    """
-    here = (motion.q, motion.dq, motion.ddq)
-    slopes = []
-    for argument, step in enumerate((1e-5, 1e-4, 1.0)):
-        high, low = list(here), list(here)
-        axis = step * (np.arange(robot.num_joints) == joint)
-        high[argument], low[argument] = here[argument] + axis, here[argument] - axis
-        slopes.append((rigid_columns(robot, *high) - rigid_columns(robot, *low)) / (2.0 * step))
-    return rigid_columns(robot, *here), *slopes
-
-
-def sensitivity(robot: Robot, motion: Motion, joint: int, pi: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint."""
-    return tuple(columns @ pi for columns in sensitivity_columns(robot, motion, joint))
-
-
-def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
-    """Lag of the link of a soft or loose joint along a log: e, de, dde, each (T,)."""
-    torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
-    if term.effect == "backlash":
-        k, d = contact_stiffness(by_ddq)
-        gap = term.values["gap"]
-    else:
-        k, d, gap = term.values["k"], term.values["d"], 0.0
-    lag = deflection(
-        by_ddq, by_dq, by_q, torque, jnp.asarray(k, float), jnp.asarray(d, float),
-        jnp.asarray(gap, float), 1.0 / motion.rate,
-    )  # fmt: skip
-    if term.effect != "backlash":
-        return tuple(np.asarray(x) for x in lag)
-    # When the link strikes is uncertain by torques below the noise: the mean over that uncertainty.
-    size = max(1, round(_STRIKE * motion.rate))
-    return tuple(ndimage.uniform_filter1d(np.asarray(x), size, mode="nearest") for x in lag)
-
-
-def warped(terms: tuple[Term, ...], name: str) -> list[Term]:
-    """The terms that act through the named warp."""
-    return [t for t in terms if t.law.warp == name]
 
 
 def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
@@ -73,18 +26,6 @@ def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
         down = np.sign(robot_gravity[2]) * np.sqrt(max(size**2 - xy @ xy, 0.0))
         robot = robot.replace(gravity=jnp.array([*xy, down]))
     return robot
-
-
-def link_motion(
-    robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Motion (q, dq, ddq) of the links where some lag behind their motors."""
-    q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
-    for term in warped(terms, "elastic") + warped(terms, "play"):
-        lag = term_deflection(term, motion, sensitivity(robot, motion, term.joint, pi))
-        for x, e in zip((q, dq, ddq), lag, strict=True):
-            x[:, term.joint] -= np.asarray(e)
-    return q, dq, ddq
 
 
 def uses_load(terms: tuple[Term, ...]) -> bool:

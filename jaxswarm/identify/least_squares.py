@@ -88,7 +88,7 @@ def compress(columns: np.ndarray, torque: np.ndarray) -> np.ndarray:
 def joint_factors(regression: Regression) -> list[np.ndarray]:
     """One triangular factor of ``[W_j | tau_j]`` per joint, so that weights can change for nothing."""
     return [
-        compress(regression.columns[:, j], regression.torque[:, j])
+        compress(regression.columns[:, j], regression.target[:, j])
         for j in range(regression.torque.shape[1])
     ]
 
@@ -150,7 +150,7 @@ def fit(
     for _ in range(1 if fixed else 5):
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
-        residual = regression.torque - regression.columns[:, :, base.kept] @ values
+        residual = regression.target - regression.columns[:, :, base.kept] @ values
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
             sigma = np.maximum(new, 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12))

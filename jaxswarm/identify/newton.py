@@ -5,7 +5,7 @@ Problems 19 (2003)): the tangents :math:`\partial W(\nu)/\partial\nu\;\theta` ar
 and solving for both gives the step, and in the end the standard errors of all parameters together.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,18 +60,42 @@ class Settled:
 
 
 def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
-    """Fit, and fit again where columns depend on the rigid parameters, until those stand still."""
-    depends = uses_load(place.terms) or moves_links(place.terms)
+    """Fit, and fit again where columns depend on the rigid parameters, until those stand still.
+
+    A step that makes the model itself worse, not its linearization, is shortened.
+    """
     rigid = 10 * problem.robot.num_joints
-    for _ in range(_ROUNDS if depends else 1):
-        regression = problem.build(place, pi)
-        solution = problem.solve(place.terms, regression)
-        new = solution.theta[:rigid]
-        change = regression.columns[:, :, :rigid] @ (new - pi)
-        pi = new
-        if np.abs(change).max() < 1e-6 * np.abs(regression.torque).max():
+    regression = problem.build(place, pi)
+    solution = problem.solve(place.terms, regression)
+    theta = solution.theta
+    if not uses_load(place.terms) and not moves_links(place.terms):
+        return Settled(place, solution, regression, theta[:rigid])
+    small = 1e-6 * np.abs(regression.torque).max()
+    stand = np.concatenate([pi, theta[rigid:]])
+    for _ in range(_ROUNDS):
+        sigma, step = solution.sigma, theta - stand
+        if np.abs(regression.columns @ step).max() < small:
+            return Settled(place, solution, regression, theta[:rigid])
+        before = _true_cost(regression, stand, sigma)
+        for part in (1.0, 0.3, 0.1):
+            trial = stand + part * step
+            there = problem.build(place, trial[:rigid])
+            if _true_cost(there, trial, sigma) < before:
+                break
+        else:
             break
-    return Settled(place, solution, regression, pi)
+        regression, stand = there, trial
+        solution = problem.solve(place.terms, regression)
+        theta = solution.theta
+    # What the linearization promises further on is not what the model does.
+    residual = regression.target - regression.columns @ stand
+    return Settled(place, replace(solution, residual=residual), regression, stand[:rigid])
+
+
+def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> float:
+    """Weighted squares that a model leaves whose rigid parameters the columns were made with."""
+    residual = (regression.target - regression.columns @ theta) / sigma
+    return float((residual**2).sum())
 
 
 def newton(problem: Problem, moving: list[Knob], here: Settled) -> Settled:

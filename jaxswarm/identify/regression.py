@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.assemble import assemble
+from jaxswarm.identify.assemble import assemble, report, tilted
 from jaxswarm.identify.columns import Rigid, column_names
+from jaxswarm.identify.lag import lag_slopes
 from jaxswarm.identify.metrics import is_moving
-from jaxswarm.identify.terms import Term
+from jaxswarm.identify.terms import Term, warped
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -20,12 +21,14 @@ class Regression:
 
     Attributes:
         names: Column names, p of them.
-        columns: Shape (T, n, p).
+        columns: Shape (T, n, p): derivatives of the model's torque by the parameters.
         torque: Measured torque through the same low-pass, shape (T, n).
         moving: Whether the joint moves there, shape (T, n).
         t: Time in its own log [s], shape (T,).
         log: Index of the log each row comes from, shape (T,).
         step: Sampling interval of the decimated clock [s], one per log.
+        shift: ``columns @ theta`` minus the model's torque where the columns were made, (T, n),
+            where a soft joint makes the torque nonlinear in the rigid parameters; None: zero.
     """
 
     names: tuple[str, ...]
@@ -35,6 +38,12 @@ class Regression:
     t: np.ndarray
     log: np.ndarray
     step: tuple[float, ...]
+    shift: np.ndarray | None = None
+
+    @property
+    def target(self) -> np.ndarray:
+        """What ``columns @ theta`` has to meet, (T, n)."""
+        return self.torque if self.shift is None else self.torque + self.shift
 
     def rows(self, selected: np.ndarray) -> "Regression":
         """The same problem on the selected rows."""
@@ -46,6 +55,7 @@ class Regression:
             self.t[selected],
             self.log[selected],
             self.step,
+            None if self.shift is None else self.shift[selected],
         )
 
 
@@ -71,11 +81,16 @@ def build_regression(
         InputError: If there are fewer rows than columns to determine.
     """
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
-    columns, torque, moving, clock, log = [], [], [], [], []
+    columns, torque, moving, clock, log, shift = [], [], [], [], [], []
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
         low = motion.decimator
+        if warped(terms, "elastic"):
+            slopes = lag_slopes(tilted(robot, terms), terms, motion, pi)
+            lag = low.apply(report(terms, motion, slopes))
+            columns[-1][:, :, : len(pi)] += lag
+            shift.append(lag @ pi)
         kept = low.kept(len(motion.t))
         torque.append(low.apply(motion.tau))
         moving.append(is_moving(motion.dq)[kept])
@@ -97,4 +112,5 @@ def build_regression(
         np.concatenate(clock),
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
+        np.concatenate(shift) if shift else None,
     )

@@ -136,7 +136,7 @@ def with_values(found: Estimate, values: np.ndarray) -> Estimate:
     solution = replace(
         found.fit,
         values=values,
-        residual=found.regression.torque
+        residual=found.regression.target
         - found.regression.columns[:, :, found.fit.base.kept] @ values,
     )
     model = with_linear_values(found.model, solution.theta)

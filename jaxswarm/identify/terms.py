@@ -91,6 +91,11 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
     return tuple(terms)
 
 
+def warped(terms: tuple[Term, ...], name: str) -> list[Term]:
+    """The terms that act through the named warp."""
+    return [t for t in terms if t.law.warp == name]
+
+
 def _expand(law: Law, where: str, joints: tuple[str, ...]) -> list[Term]:
     if law.scope == "global":
         if where:

@@ -54,7 +54,7 @@ def held_out_residual(found: Estimate, count: int = 5) -> np.ndarray:
         out = block == b
         part = fit(regression.rows(~out), base=solution.base, sigma=solution.sigma)
         columns = regression.columns[out][:, :, solution.base.kept]
-        residual[out] = regression.torque[out] - columns @ part.values
+        residual[out] = regression.target[out] - columns @ part.values
     return residual
 
 
