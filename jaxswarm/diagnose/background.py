@@ -13,7 +13,7 @@ few beyond four times it are bounded in their influence (P. J. Huber, Ann. Math.
 impact or an outlier must not decide what a joint lacks.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import linalg
@@ -56,6 +56,17 @@ class Fold:
         inner = self.basis.reshape(len(rows), -1).T @ rows
         return columns - (self.project.reshape(len(rows), -1) @ inner).reshape(columns.shape)
 
+    def with_columns(self, columns: np.ndarray) -> "Fold":
+        """The same rows fitted by a model that has further weighted columns (T, n, k)."""
+        more = _fold(self.free_part(columns), self.residual, self.train)
+        return Fold(
+            self.train,
+            np.concatenate([self.project, more.project], axis=2),
+            np.concatenate([self.basis, more.basis], axis=2),
+            more.residual,
+            np.pad(self.solve, ((0, 0), (0, more.project.shape[2]))),
+        )
+
 
 @dataclass(frozen=True)
 class Background:
@@ -79,6 +90,11 @@ class Background:
     def folds(self) -> tuple[Fold, ...]:
         """Whole, then the two halves."""
         return (self.whole, *self.halves)
+
+    def with_columns(self, columns: tuple[np.ndarray, ...]) -> "Background":
+        """The stage of a model that has further weighted columns, given for every fold."""
+        whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
+        return replace(self, whole=whole, halves=tuple(halves))
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
         """Columns (T, n, k) in units of the noise."""

@@ -180,7 +180,7 @@ def difference(one: Score, other: Score) -> float:
 
 def is_special_case(inner: Candidate, outer: Candidate, background: Background) -> bool:
     """Whether ``outer`` can do all that ``inner`` does: then it is its generalization, no rival."""
-    if outer.size <= inner.size:
+    if outer.size <= inner.size or outer.term.joint != inner.term.joint:
         return False
     fold = background.whole
     a = fold.free_part(inner.columns[0]).reshape(-1, inner.columns[0].shape[2])
@@ -201,10 +201,24 @@ def overlap(one: Candidate, other: Candidate, background: Background) -> float:
     return float(said[0] @ said[1] / size) if size > 0 else 0.0
 
 
+def beats(one: Score, other: Score, rules: Rules, background: Background) -> bool:
+    """Whether the first explains what the second leaves, and the second nothing that the first leaves.
+
+    Encompassing by held-out prediction: G. E. Mizon, J.-F. Richard, Econometrica 54 (1986).
+    """
+
+    def adds(new: Score, old: Score) -> bool:
+        left = score(new.candidate, background.with_columns(old.candidate.columns))
+        return left.gain > 0 and left.p_value < rules.significance
+
+    return adds(one, other) and not adds(other, one)
+
+
 def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[Score, list[Score]]:
     """The best of the guilty, and its rivals: those the data do not tell from it.
 
-    Among rivals within ``rules.tie`` standard errors the one with the fewest parameters is chosen.
+    Rivals say the same as the best, gain within ``rules.tie`` standard errors of it, and are beaten by
+    none of the others. Among them the one with the fewest parameters is chosen.
     """
     ranked = sorted(guilty, key=lambda s: -s.gain)
     best = ranked[0]
@@ -217,10 +231,13 @@ def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[S
             and (difference(best, s) < rules.tie or s.gain > 0.97 * best.gain)
         )
     ]
-    chosen = min(close, key=lambda s: (s.candidate.size, -s.gain))
+    standing = [
+        s for s in close if not any(beats(r, s, rules, background) for r in close if r is not s)
+    ]
+    chosen = min(standing or close, key=lambda s: (s.candidate.size, -s.gain))
     rivals = [
         s
-        for s in close
+        for s in standing
         if s is not chosen and not is_special_case(chosen.candidate, s.candidate, background)
     ]
     return chosen, rivals

@@ -58,11 +58,11 @@ def deflection(
     """
     h = step / substeps
 
-    def advance(carry, now):
-        m, c, s, tau = now
-
-        def small(_, state):
+    def advance(carry, ends):
+        def small(index, state):
             e, v, a = state
+            part = (index + 1) / substeps  # what drives the lag runs straight between samples
+            m, c, s, tau = (old + part * (new - old) for old, new in ends)
             beyond = e - jnp.clip(e, -gap, gap)
             touching = (jnp.abs(beyond) > 0) | (gap <= 0)
             spring = s + jnp.where(touching, k, 0.0)
@@ -79,7 +79,8 @@ def deflection(
     start = gap * jnp.sign(torque[0]) + torque[0] / (k + stiffness[0])
     zero = jnp.zeros((), torque.dtype)
     m = jnp.maximum(inertia, 1e-6 * jnp.max(jnp.abs(inertia)) + 1e-12)
-    _, (e, v, a) = jax.lax.scan(advance, (start, zero, zero), (m, damping, stiffness, torque))
+    driven = tuple((jnp.roll(x, 1).at[0].set(x[0]), x) for x in (m, damping, stiffness, torque))
+    _, (e, v, a) = jax.lax.scan(advance, (start, zero, zero), driven)
     return e, v, a
 
 

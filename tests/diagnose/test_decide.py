@@ -10,6 +10,7 @@ from scipy import signal, stats
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.decide import (
     Rules,
+    beats,
     choose,
     difference,
     is_special_case,
@@ -122,7 +123,7 @@ def test_the_smaller_of_two_that_say_the_same_is_chosen_and_the_other_is_no_riva
 
 def test_equal_candidates_of_other_laws_are_rivals(stage, truth):
     q = position(stage)
-    twin = candidate(stage, (q + 0.02 * np.cos(5 * q))[:, None], effect="coulomb_friction")
+    twin = candidate(stage, (q + 0.001 * np.cos(5 * q))[:, None], effect="coulomb_friction")
     background = stage[1]
     assert overlap(truth, twin, background) > 0.95
     chosen, rivals = choose([score(c, background) for c in (truth, twin)], Rules(), background)
@@ -130,6 +131,41 @@ def test_equal_candidates_of_other_laws_are_rivals(stage, truth):
         "torque_offset",
         "coulomb_friction",
     }
+
+
+def test_a_smaller_law_that_leaves_what_the_larger_explains_is_beaten(stage, truth):
+    q, background = position(stage), stage[1]
+    rough = candidate(stage, (q + 0.04 * np.cos(5 * q))[:, None], effect="coulomb_friction")
+    large = replace(truth, size=3)
+    near, right = score(rough, background), score(large, background)
+    assert near.gain > 0.97 * right.gain
+    assert beats(right, near, Rules(), background) and not beats(near, right, Rules(), background)
+    chosen, rivals = choose([near, right], Rules(), background)
+    assert chosen.candidate is large and rivals == []
+
+
+def test_a_larger_law_of_another_place_is_a_rival_though_it_can_do_the_same(stage, truth):
+    q, background = position(stage), stage[1]
+    wide = candidate(stage, np.stack([q, np.sin(9 * q)], axis=1), size=2, effect="base_tilt")
+    wide = replace(wide, term=Term("base_tilt"))
+    assert not is_special_case(truth, wide, background)
+    chosen, rivals = choose([score(c, background) for c in (wide, truth)], Rules(), background)
+    assert chosen.candidate is truth and [r.candidate for r in rivals] == [wide]
+
+
+def test_further_columns_leave_what_a_refit_with_them_leaves(stage, truth):
+    background = stage[1]
+    wider = background.with_columns(truth.columns)
+    for fold, more, columns in zip(background.folds, wider.folds, truth.columns, strict=True):
+        every = np.concatenate([fold.project, columns], axis=2)
+        rows, all_rows = (
+            every[fold.train].reshape(-1, every.shape[2]),
+            every.reshape(-1, every.shape[2]),
+        )
+        fitted = np.linalg.lstsq(rows, fold.residual[fold.train].ravel(), rcond=None)[0]
+        left = fold.residual - (all_rows @ fitted).reshape(fold.residual.shape)
+        np.testing.assert_allclose(more.residual, left, atol=1e-8)
+        assert np.abs(more.free_part(columns)[fold.train]).max() < 1e-8 * np.abs(columns).max()
 
 
 def test_unrelated_candidates_are_no_rivals_and_the_better_wins(stage, truth):
