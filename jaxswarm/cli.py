@@ -2,12 +2,12 @@
 
 import os
 import sys
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+from jaxswarm import console
 from jaxswarm.errors import InputError
 
 app = typer.Typer(
@@ -57,21 +57,6 @@ def _start() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
-@contextmanager
-def _status():
-    """The stage and the time since the start on stderr; nothing where stderr is no terminal."""
-    from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    columns = SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
-    console = Console(stderr=True)
-    # A disabled display prints nothing at all; a live one ends with an empty line even in a file.
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
-        task = progress.add_task("starting", total=None)
-        yield lambda text: progress.update(task, description=text)
-
-
 @app.command()
 def demo(
     seed: Annotated[int, typer.Option(min=0, help="Draws the arm, its motion and the effect.")] = 0,
@@ -84,7 +69,7 @@ def demo(
     from jaxswarm.diagnose.demo import run_demo
     from jaxswarm.diagnose.words import where
 
-    with _status() as status:
+    with console.status() as status:
         result, truth = run_demo(seed, out, status)
 
     def text() -> None:
@@ -92,7 +77,7 @@ def demo(
         values = ", ".join(f"{k} = {v:.5g}" for k, v in truth["values"].items())
         print(f"the truth: {where(truth)} ({values})")
 
-    _show({**result, "truth": truth}, json, text)
+    console.show({**result, "truth": truth}, json, text)
 
 
 @app.command()
@@ -114,9 +99,9 @@ def study(
     if name not in STUDIES:
         raise InputError(f"unknown study {name!r}. {nearest(name, STUDIES)}")
     check_folder(out)
-    with _status() as status:
+    with console.status() as status:
         result = STUDIES[name](out, fast=fast, seed=seed, progress=status)
-    _show(result, json, lambda: print(f"report: {out / 'report.html'}"))
+    console.show(result, json, lambda: print(f"report: {out / 'report.html'}"))
 
 
 @app.command()
@@ -150,9 +135,9 @@ def identify(
     if free_base and "base_tilt" not in effects:
         effects = "base_tilt" if effects.strip() == "none" else f"{effects},base_tilt"
     options = Options(optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff)
-    with _status() as status:
+    with console.status() as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
-    _show(report, json, lambda: print_identification(report, out))
+    console.show(report, json, lambda: print_identification(report, out))
 
 
 @app.command()
@@ -184,15 +169,19 @@ def diagnose(
     options = Options(seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff)
     if model is not None and declare is not None:
         raise InputError("--declare and --model exclude each other; a model holds what is declared")
-    with _status() as status:
-        if model is not None:
-            from jaxswarm.diagnose.run_against import compare_files
+    try:
+        with console.status() as status:
+            if model is not None:
+                from jaxswarm.diagnose.run_against import compare_files
 
-            result = compare_files(logs, robot, model, out, validation, options, status)
-        else:
-            declare = declare or "none"
-            result = diagnose_files(logs, robot, declare, out, validation, options, status)
-    _show(result, json, lambda: print_diagnosis(result, out))
+                result = compare_files(logs, robot, model, out, validation, options, status)
+            else:
+                declare = declare or "none"
+                result = diagnose_files(logs, robot, declare, out, validation, options, status)
+    except KeyboardInterrupt:
+        print(f"the same command goes on from what is kept in {out}", file=sys.stderr)
+        raise
+    console.show(result, json, lambda: print_diagnosis(result, out))
 
 
 @app.command()
@@ -207,7 +196,9 @@ def predict(
     from jaxswarm.identify.predict import predict_file
 
     result = predict_file(model, log, out)
-    _show(result, json, lambda: print(f"{result['samples']} samples written to {result['out']}"))
+    console.show(
+        result, json, lambda: print(f"{result['samples']} samples written to {result['out']}")
+    )
 
 
 @app.command()
@@ -228,9 +219,9 @@ def excite(
     _start()
     from jaxswarm.identify.excite_run import excite_file, print_excitation
 
-    with _status() as status:
+    with console.status() as status:
         result = excite_file(robot, limits, out, effects, duration, seed, status)
-    _show(result, json, lambda: print_excitation(result, out))
+    console.show(result, json, lambda: print_excitation(result, out))
 
 
 @app.command()
@@ -252,7 +243,7 @@ def effects(json: Json = False) -> None:
         }
         for law in sorted(REGISTRY.values(), key=lambda law: law.name)
     ]
-    _table(rows, json, ("effect", "scope", "law", "reference"))
+    console.table(rows, json, ("effect", "scope", "law", "reference"))
 
 
 @app.command()
@@ -266,7 +257,7 @@ def robots(json: Json = False) -> None:
         arm = make()
         about = (make.__doc__ or "").strip().splitlines()[0]
         rows.append({"robot": name, "joints": list(arm.joints), "about": about})
-    _table(rows, json, ("robot", "joints", "about"))
+    console.table(rows, json, ("robot", "joints", "about"))
 
 
 @app.command()
@@ -284,27 +275,4 @@ def optimizers(json: Json = False) -> None:
         }
         for name, entry in OPTIMIZERS.items()
     ]
-    _table(rows, json, ("optimizer", "about", "reference"))
-
-
-def _show(result: Any, json: bool, text) -> None:
-    if json:
-        from jaxswarm.outputs import to_json
-
-        sys.stdout.write(to_json(result))
-    else:
-        text()
-
-
-def _table(rows: list[dict], json: bool, columns: tuple[str, ...]) -> None:
-    def text() -> None:
-        from rich.console import Console
-        from rich.table import Table
-
-        table = Table(*columns)
-        for row in rows:
-            cells = (row[c] for c in columns)
-            table.add_row(*(", ".join(c) if isinstance(c, list) else str(c) for c in cells))
-        Console().print(table)
-
-    _show(rows, json, text)
+    console.table(rows, json, ("optimizer", "about", "reference"))

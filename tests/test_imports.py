@@ -13,6 +13,7 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "outputs": set(),
+    "console": {"outputs"},
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -23,7 +24,7 @@ ALLOWED = {
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "plots", "excite", "demo"},
+    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")

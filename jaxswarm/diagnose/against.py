@@ -17,6 +17,7 @@ from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.errors import InputError
@@ -108,6 +109,7 @@ def compare(
     rules: Rules | None = None,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    journal: Journal | None = None,
 ) -> Comparison:
     """Find what changed since a model was identified.
 
@@ -117,6 +119,7 @@ def compare(
         rules: Thresholds of the decision.
         seed: Seed of the searches.
         progress: Called with one line per stage.
+        journal: Keeps the searches on disk, so that an interrupted comparison can go on.
     """
     rules = rules or Rules()
     if any(m.tau is None for m in motions):
@@ -127,7 +130,7 @@ def compare(
     stages: list[Estimate] = []
     unseen: list[np.ndarray] = []
     changes: tuple[Change, ...] = ()
-    asked, memory = 0, Memory()
+    asked, memory = 0, Memory(journal)
     for number in range(_MOST_STEPS + 1):
         progress(f"round {number + 1}: asking what changed")
         background = make_background(current, frozen=True)

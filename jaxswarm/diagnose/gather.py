@@ -50,10 +50,12 @@ def _begin(
     stand: Stand, terms: list[Term], key: jax.Array, memory: Memory
 ) -> Callable[[], list[list[dict]]]:
     """Start finding nonlinear parameters of laws per fold, on the longest log, where unknown."""
+    memory.round += 1
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
-    if not unknown:
-        return lambda: [found[t] for t in terms]
+    known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
+    if all(known.values()):
+        return lambda: _keep(stand, terms, found, known, memory)
     motions = stand.found.motions
     longest = int(np.argmax([len(m.t) for m in motions]))
     finish = begin_search(
@@ -66,12 +68,21 @@ def _begin(
     )
 
     def values() -> list[list[dict]]:
-        for term, per_fold in zip(unknown, finish(), strict=True):
-            found[term] = per_fold
-            memory.keep(term, stand.residuals(term.joint), per_fold)
-        return [found[t] for t in terms]
+        searched = dict(zip(unknown, finish(), strict=True))
+        if memory.journal:
+            memory.journal.keep(memory.round, searched)
+        return _keep(stand, terms, found, searched, memory)
 
     return values
+
+
+def _keep(
+    stand: Stand, terms: list[Term], found: dict, new: dict, memory: Memory
+) -> list[list[dict]]:
+    """Values per fold of all terms; those that are new are remembered."""
+    for term, per_fold in new.items():
+        memory.keep(term, stand.residuals(term.joint), per_fold)
+    return [{**found, **new}[t] for t in terms]
 
 
 def _stages(stand: Stand, rows: np.ndarray) -> Stage:

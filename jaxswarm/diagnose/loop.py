@@ -9,6 +9,7 @@ import numpy as np
 from jaxswarm.diagnose.background import Background, make_background, robust_weight
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
@@ -82,6 +83,7 @@ def diagnose(
     rules: Rules | None = None,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    journal: Journal | None = None,
 ) -> Diagnosis:
     """Find what a declared model lacks.
 
@@ -92,6 +94,7 @@ def diagnose(
         rules: Thresholds of the decision.
         seed: Seed of the searches.
         progress: Called with one line per stage.
+        journal: Keeps the searches on disk, so that an interrupted diagnosis can go on.
 
     Returns:
         The :class:`Diagnosis`.
@@ -100,7 +103,7 @@ def diagnose(
     progress("fitting the declared model")
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
-    memory = Memory()
+    memory = Memory(journal)
     for round_number in range(_MOST_STEPS + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"

@@ -9,6 +9,7 @@ import numpy as np
 from jaxswarm import outputs, plots
 from jaxswarm.diagnose import pictures
 from jaxswarm.diagnose.html import render
+from jaxswarm.diagnose.journal import Journal, fingerprint
 from jaxswarm.diagnose.loop import Diagnosis, diagnose
 from jaxswarm.diagnose.poor import resting_joints, too_short, undecidable
 from jaxswarm.diagnose.result import place, to_result
@@ -65,12 +66,16 @@ def diagnose_files(
         return result
     gains = np.asarray(robot.drive_gain)
     further = [read_log(path, robot.joints, gains) for path in validation or ()]
-    diagnosis = diagnose(robot, terms, motions, seed=options.seed, progress=progress)
+    journal = Journal(out, fingerprint(robot, motions, terms, options.seed))
+    diagnosis = diagnose(
+        robot, terms, motions, seed=options.seed, progress=progress, journal=journal
+    )
     unseen = [prepare(log, diagnosis.final.model.filtering) for log in further]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
     result["reasons"] = reasons
     result["logs"] = [{**summarize(log).to_dict(), "notes": log.notes} for log in logs]
     write_report(diagnosis, left, result, unseen, out, progress)
+    journal.close()
     return result
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from jaxswarm import outputs
 from jaxswarm.diagnose.against import Change, Comparison, compare
+from jaxswarm.diagnose.journal import Journal, fingerprint
 from jaxswarm.diagnose.loop import Diagnosis, Step
 from jaxswarm.diagnose.result import place, to_result
 from jaxswarm.diagnose.run import write_report
@@ -64,11 +65,14 @@ def compare_files(
     further = [read_log(path, robot.joints, gains) for path in validation or ()]
     motions = [prepare(log, model.filtering) for log in logs]
     unseen = [prepare(log, model.filtering) for log in further]
-    found = compare(model, motions, seed=options.seed, progress=progress)
+    text = Path(model_path).read_text(encoding="utf-8")
+    journal = Journal(out, fingerprint(robot, motions, text, options.seed))
+    found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
     result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
     result["model"] = str(model_path)
     result["logs"] = [{**summarize(log).to_dict(), "notes": log.notes} for log in logs]
     write_report(diagnosis, left, result, unseen, out, progress)
+    journal.close()
     return result
 
 

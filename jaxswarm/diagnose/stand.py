@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jaxswarm.diagnose.background import Background
+from jaxswarm.diagnose.journal import Journal
 from jaxswarm.identify.assemble import assemble, tilted
 from jaxswarm.identify.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.estimate import Estimate
@@ -18,8 +19,15 @@ _SAME = 0.05
 
 @dataclass
 class Memory:
-    """Nonlinear parameters found in earlier rounds, with the residuals they were found on."""
+    """Nonlinear parameters found in earlier rounds, with the residuals they were found on.
 
+    Attributes:
+        journal: Keeps what was searched on disk; None: nothing is kept.
+        round: Number of the present round, from zero.
+    """
+
+    journal: Journal | None = None
+    round: int = -1
     known: dict = field(default_factory=dict)
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:

@@ -58,6 +58,9 @@ class PSOState(NamedTuple):
     control: Any
     count: jax.Array
 
+    # Both are replaced coordinate by coordinate, as one pass over a flat array (see ``loop``).
+    CARRIED_FLAT = ("position", "velocity")
+
 
 @pytree
 class PSO:
@@ -106,12 +109,11 @@ class PSO:
 
         graph = jnp.where(improved, state.graph, random.bits("graph", (2,)))
         informants = Random(graph, self.random)
-        attract = lambda: self.topology(informants, memory_position, memory_value)  # noqa: E731
         swarm = Swarm(
             position=state.position,
             velocity=state.velocity,
             memory_position=memory_position,
-            attractor=attract(),
+            attractor=self.topology(informants, memory_position, memory_value),
             value=value,
             improved=fell,
             memory_value=memory_value,
@@ -124,13 +126,11 @@ class PSO:
         if self.control is not None:
             hyper, control = self.control(random, control, swarm, hyper)
 
-        def accelerate():  # attracts anew: only what ``once`` itself computes joins its loop
+        def accelerate():
             limit = hyper["velocity_limit"]
-            return jnp.clip(
-                self.rule(random, swarm._replace(attractor=attract()), hyper), -limit, limit
-            )
+            return jnp.clip(self.rule(random, swarm, hyper), -limit, limit).ravel()
 
-        velocity = once(accelerate)
+        velocity = once(accelerate).reshape(state.position.shape)  # flat: see ``loop``
         position, velocity = self.boundary(random, state.position + velocity, velocity)
         info = candidate_info(state.position, value, memory_value[leader], improved, hyper)
         state = PSOState(
