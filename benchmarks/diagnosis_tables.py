@@ -18,9 +18,11 @@ def summarize(rows: list[dict], stem: Path) -> str:
     if visible:
         named = sum(r["found"] for r in visible)
         exact = sum(r["found"] and not r["false"] for r in visible)
+        rival = sum(not r["found"] and is_rival(r) for r in visible)
         lines += [
             f"| visible cases: right effect on the right joint | {_rate(named, len(visible))} |",
             f"| the same and nothing else added | {_rate(exact, len(visible))} |",
+            f"| another law added, the right one told as undecided from it | {_rate(rival, len(visible))} |",
         ]
     for kind in CLEAN:
         own = [r for r in clean if r["effect"] == kind]
@@ -60,6 +62,11 @@ def summarize(rows: list[dict], stem: Path) -> str:
     stem.with_suffix(".json").write_text(json.dumps(counts, indent=1))
     draw(counts, stem.with_suffix(".png"))
     return text
+
+
+def is_rival(row: dict) -> bool:
+    """Whether the hidden effect was reported as a rival the data do not tell from what was added."""
+    return any(label in row["truth"] for rivals in row["tied"] for label in rivals)
 
 
 def flagged(row: dict) -> bool:

@@ -5,7 +5,7 @@ links, the clock or the scale is taken to first order about the current model: t
 the model's torque, or the derivative of that by its parameter. Once added, it is refitted exactly.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import jax
@@ -17,6 +17,7 @@ from jaxswarm.diagnose.search import Stage, begin_search
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.warped import warped_candidate
 from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Motion
 
 # Basis columns are filled up to a multiple, so that a model that grows does not recompile the search.
 _MULTIPLE = 16
@@ -49,7 +50,7 @@ def gather(
 def _begin(
     stand: Stand, terms: list[Term], key: jax.Array, memory: Memory
 ) -> Callable[[], list[list[dict]]]:
-    """Start finding nonlinear parameters of laws per fold, on the longest log, where unknown."""
+    """Start finding nonlinear parameters of laws per fold where they are unknown."""
     memory.round += 1
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
@@ -57,13 +58,13 @@ def _begin(
     if all(known.values()):
         return lambda: _keep(stand, terms, found, known, memory)
     motions = stand.found.motions
-    longest = int(np.argmax([len(m.t) for m in motions]))
+    chosen = _comparable(motions)
     finish = begin_search(
         [(t.law, t.joint, t.other) for t in unknown],
-        motions[longest],
+        [motions[k] for k in chosen],
         stand.found.model.width,
-        stand.loads[longest],
-        _stages(stand, stand.found.regression.log == longest),
+        [stand.loads[k] for k in chosen],
+        [_stages(stand, stand.found.regression.log == k) for k in chosen],
         key,
     )
 
@@ -74,6 +75,18 @@ def _begin(
         return _keep(stand, terms, found, searched, memory)
 
     return values
+
+
+def _comparable(motions: Sequence[Motion]) -> list[int]:
+    """The logs that are searched together: those decimated as the longest one."""
+    most = max(motions, key=lambda m: len(m.t)).decimator
+    return [
+        k
+        for k, m in enumerate(motions)
+        if m.decimator.factor == most.factor
+        and m.decimator.taps.shape == most.taps.shape
+        and np.allclose(m.decimator.taps, most.taps, atol=1e-4 * most.taps.max())
+    ]
 
 
 def _keep(

@@ -8,7 +8,7 @@ swarm in its cell finds the floor. The law is chosen inside the program and leng
 that neither another suspect nor a log of another length costs a compilation.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -116,10 +116,10 @@ def _search(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, ke
 
 def begin_search(
     tasks: list[tuple[Law, int, int | None]],
-    motion: Motion,
+    motions: Sequence[Motion],
     width: float,
-    load: Load,
-    stages: Stage,
+    loads: Sequence[Load],
+    stages: Sequence[Stage],
     key: jax.Array,
 ) -> Callable[[], list[list[dict[str, float]]]]:
     """Start searching the best nonlinear parameters of laws on joints, for every fold.
@@ -127,34 +127,40 @@ def begin_search(
     Args:
         tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
             parameters.
-        motion: The log.
+        motions: The logs, with equal decimators.
         width: Width of the smooth sign.
-        load: Rigid torque of the current model.
-        stages: Leading axes (joints of the robot, folds); rows as the log's decimator keeps them.
+        loads: Rigid torque of the current model, of every log.
+        stages: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
+            them.
         key: Random key.
 
     Returns:
         A function that waits for the end: values by name, for every task and every fold.
     """
-    taps, factor = np.asarray(motion.decimator.taps), motion.decimator.factor
+    taps, factor = np.asarray(motions[0].decimator.taps), motions[0].decimator.factor
     taps = np.pad(taps, (0, -len(taps) % _TAPS))
-    extra = _TAPS - (len(motion.t) + _TAPS) % -_CHUNK
-    rows = (len(motion.t) + extra - len(taps)) // factor + 1
-    missing = rows - stages.train.shape[2]
-    stages = jax.tree.map(
-        lambda x: np.pad(x, ((0, 0), (0, 0), (0, missing), *((0, 0),) * (x.ndim - 3))), stages
-    )
+    # One log after the other, each from a sample that is kept; rows that reach into the next are empty.
+    ends = [-len(m.t) % factor for m in motions[:-1]]
+    length = sum(len(m.t) for m in motions) + sum(ends)
+    ends.append(_TAPS - (length + _TAPS) % -_CHUNK)
+    rows = [(len(m.t) + end) // factor for m, end in zip(motions[:-1], ends, strict=False)]
+    rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
+    joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
+    whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     found = []
     for law, joint, other in tasks:
         family = _family(law)
-        series = joint_series(motion, width, load, joint, other)
-        series = jax.tree.map(lambda x: np.pad(x, (0, extra), mode="edge"), series)
+        parts = [
+            _held(joint_series(motion, width, load, joint, other), end)
+            for motion, load, end in zip(motions, loads, ends, strict=True)
+        ]
+        series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
         task = _Task(
             np.int32(family.index(law)),
             np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
             *_lattice(len(law.nonlinear), _FINE.get(law.name, _POINTS)),
             series,
-            jax.tree.map(lambda x, j=joint: x[j], stages),
+            jax.tree.map(lambda x, j=joint: x[j], whole),
         )
         found.append(_search(family, factor, task, taps, key))
 
@@ -165,6 +171,20 @@ def begin_search(
         ]
 
     return finish
+
+
+def _held(series: Sample, count: int) -> Sample:
+    """A series whose last sample is repeated ``count`` times."""
+    return jax.tree.map(lambda x: np.pad(x, (0, count), mode="edge"), series)
+
+
+def _rows(stage: Stage, count: int) -> Stage:
+    """A stage with empty rows up to ``count``."""
+
+    def fill(x):
+        return np.pad(x, ((0, 0), (0, 0), (0, count - x.shape[2]), *((0, 0),) * (x.ndim - 3)))
+
+    return jax.tree.map(fill, stage)
 
 
 def _family(law: Law) -> tuple[Law, ...]:

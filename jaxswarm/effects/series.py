@@ -16,7 +16,7 @@ from jaxswarm.effects.base import Law, Sample
 
 
 def states(law: Law, parameters: dict, series: Sample) -> jax.Array:
-    """Integrate the state of ``law`` along a series, from rest.
+    """Integrate the state of ``law`` along a series, from rest; where time falls another log begins.
 
     Args:
         law: A law with memory.
@@ -38,7 +38,7 @@ def states(law: Law, parameters: dict, series: Sample) -> jax.Array:
         x = h * slope
         safe = jnp.where(jnp.abs(x) < 1e-8, 1.0, x)
         phi = jnp.where(jnp.abs(x) < 1e-8, 1.0, jnp.expm1(safe) / safe)
-        z = z + h * phi * rate
+        z = jnp.where(h < 0, 0.0, z + h * phi * rate)
         return z, z
 
     now = jax.tree.map(lambda x: x[:-1], series)

@@ -174,4 +174,5 @@ def design_decimator(rate: float, cutoff: float, oversampling: float = 2.5) -> D
         return Decimator(np.ones(1), 1)
     length, beta = signal.kaiserord(70.0, 0.5 * cutoff / (0.5 * rate))
     taps = signal.firwin(length | 1, 1.0 * cutoff, window=("kaiser", beta), fs=rate)
-    return Decimator(taps / taps.sum(), max(1, int(rate / (oversampling * cutoff))))
+    # A rate that is off by rounding must not change the factor.
+    return Decimator(taps / taps.sum(), max(1, int(rate / (oversampling * cutoff) + 0.01)))

@@ -52,7 +52,7 @@ def test_planted_parameters_are_recovered(motion, load, key, effect, values, lin
     columns = motion.decimator.apply(term_columns(term, motion, 0.01, load))
     residual = columns @ np.array(linear)
     stages = stages_of(motion, residual)
-    found = begin_search([(get_law(effect), 1, None)], motion, 0.01, load, stages, key)()
+    found = begin_search([(get_law(effect), 1, None)], [motion], 0.01, [load], [stages], key)()
     for fold, weight in zip(found[0], np.asarray(stages.train[0]), strict=True):
         placed = Term(effect, 1, values=fold)
         again = motion.decimator.apply(term_columns(placed, motion, 0.01, load))
@@ -63,6 +63,32 @@ def test_planted_parameters_are_recovered(motion, load, key, effect, values, lin
         assert np.linalg.norm(left) < missed * np.linalg.norm(y)
         for name, value in values.items():
             assert fold[name] == pytest.approx(value, rel=0.1 if len(values) == 1 else 0.15)
+
+
+@pytest.mark.parametrize("effect", ["hysteresis", "thermal_drift"])
+def test_logs_are_searched_together(motion, load, key, effect):
+    values = {"hysteresis": {"x0": 0.043}, "thermal_drift": {"tc": 7.3}}[effect]
+    short = prepare(log_with(seed=2, motion_seed=8, duration=7.0), Filtering(20.0, 10.0))
+    rigid = rigid_of(small_arm(), short)
+    pi = np.asarray(small_arm().parameters).ravel()
+    motions, loads = [short, motion], [Load(rigid.full @ pi, rigid.static @ pi), load]
+    term = Term(effect, 1, values=values)
+    columns = [
+        m.decimator.apply(term_columns(term, m, 0.01, x))[:, 0]
+        for m, x in zip(motions, loads, strict=True)
+    ]
+    law = (get_law(effect), 1, None)
+
+    def found(size):
+        parts = [size * columns[0], 2.0 * columns[1]]
+        stages = [stages_of(m, part) for m, part in zip(motions, parts, strict=True)]
+        return begin_search([law], motions, 0.01, loads, stages, key)()[0][0]
+
+    ((name, value),) = values.items()
+    alike = found(2.0)[name]
+    assert alike == pytest.approx(value, rel=0.02)
+    # The same law with another sign in the first log is no law: both are looked at.
+    assert abs(found(-2.0)[name] - value) > 2.0 * abs(alike - value)
 
 
 @pytest.mark.parametrize("length", [301, 1500])

@@ -29,7 +29,11 @@ __all__ = [
 
 
 class State(Protocol):
-    """Fields that every optimizer state has; algorithms add their own."""
+    """Fields that every optimizer state has; algorithms add their own.
+
+    A state class may name in ``CARRIED_FLAT`` those of its (n, d) fields that a loop had better carry
+    as (n d,): see :mod:`jaxswarm.swarm.loop`.
+    """
 
     position: jax.Array  # (n, d) candidates to evaluate next, in [0, 1]
     best_position: jax.Array  # (d,) best candidate so far

@@ -43,10 +43,13 @@ def evolutionary_factor(position: jax.Array, leader: jax.Array, scale: Any = Non
       Scalar; 0 where all distances are equal.
     """
     scale = 1.0 if scale is None else jnp.asarray(scale, position.dtype)
-    # Both in one product: the leader is the last row.
-    rows = (jnp.concatenate([position, leader[None]]) - position.mean(axis=0)) * scale
-    mean = _distance_sums(rows, rows[:-1]) / (position.shape[0] - 1)
-    distance, leading = mean[:-1], mean[-1]
+    center = position.mean(axis=0)
+    x, g = (position - center) * scale, (leader - center) * scale
+    others = position.shape[0] - 1
+    # A product with ones: XLA on a CPU is slow to reduce what it computes in the same loop.
+    ones = jnp.ones(position.shape[0], x.dtype)
+    distance = jnp.matmul(_distances(x, x), ones, precision="highest") / others
+    leading = jnp.sum(_distances(g[None], x)) / others
     low, high = distance.min(), distance.max()
     equal = high <= low
     return jnp.where(
@@ -128,9 +131,7 @@ def _adapt(random, state, factor):
     return current, c1 * shrink, c2 * shrink
 
 
-def _distance_sums(a, b):
-    """Sums (n,) of the Euclidean distances to all b, by the product form: no (n, m, d) array."""
+def _distances(a, b):
+    """Euclidean distances (n, m), by the product form: no (n, m, d) array."""
     square = jnp.sum(a**2, 1)[:, None] + jnp.sum(b**2, 1)[None] - 2.0 * a @ b.T
-    # A product with ones: XLA on a CPU is slow to reduce what it computes in the same loop.
-    ones = jnp.ones(b.shape[0], a.dtype)
-    return jnp.matmul(jnp.sqrt(jnp.maximum(square, 0.0)), ones, precision="highest")
+    return jnp.sqrt(jnp.maximum(square, 0.0))

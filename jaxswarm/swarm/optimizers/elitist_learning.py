@@ -67,8 +67,9 @@ class ElitistLearning:
             enters = trial_value < jnp.minimum(state.best_value, value.min())
             if self.on_failure == "replace worst":
                 enters = jnp.asarray(True)
-            position = position.at[worst].set(jnp.where(enters, trial, position[worst]))
-            value = value.at[worst].set(jnp.where(enters, trial_value, value[worst]))
+            replaced = enters & (jnp.arange(value.shape[0]) == worst)
+            position = jnp.where(replaced[:, None], trial, position)
+            value = jnp.where(replaced, trial_value, value)
         inner = replace(state.inner, position=position)
         inner, info = self.inner.update(fold(key, 1), inner, value)
         random = Random(key, self.random)
