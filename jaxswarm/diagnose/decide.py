@@ -19,7 +19,7 @@ rivals; D. Rivers, Q. H. Vuong, Econometrics J. 5 (2002) for doing it under auto
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from jaxswarm.diagnose.background import Background, Fold
 from jaxswarm.diagnose.candidates import Candidate
@@ -151,7 +151,7 @@ def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
         return 1.0
     slopes = (inner.sum() - inner) / rest
     spread = np.sqrt((count - 1) / count * ((slopes - slopes.mean()) ** 2).sum())
-    return float(stats.t.sf(inner.sum() / total / max(spread, 1e-300), count - 1))
+    return float(special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:

@@ -1,51 +1,29 @@
 """The loop: ask every suspect, add the guilty one, refit, ask again; drop what became superfluous."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import jax
 import numpy as np
 
-from jaxswarm.diagnose.background import Background, make_background, robust_weight
+from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.gather import gather
 from jaxswarm.diagnose.journal import Journal
+from jaxswarm.diagnose.reconsider import reconsider
+from jaxswarm.diagnose.refit import key_of, refit_with
 from jaxswarm.diagnose.stand import Memory, Stand
-from jaxswarm.diagnose.suspects import CONTAINS, list_suspects
+from jaxswarm.diagnose.step import Step
+from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate, estimate
 from jaxswarm.identify.terms import Term
-from jaxswarm.identify.width import best_width
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
 _MOST_STEPS = 12
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
 _SMALL_PART, _NEARLY_ALL = 0.4, 0.7
-# The logarithm of the width's ratio below which a fit is trusted to have found it by itself.
-_NEAR = 0.3
-
-
-@dataclass(frozen=True)
-class Step:
-    """One round of the loop that added something.
-
-    Attributes:
-        added: The term, with the values of the fit after it.
-        score: What it was worth.
-        rivals: Terms the data did not tell from it.
-        others: Scores of the runners-up on the same joint.
-        before, after: The estimates around it.
-        removed: Terms that became superfluous.
-    """
-
-    added: Term
-    score: Score
-    rivals: tuple[Score, ...]
-    others: tuple[Score, ...]
-    before: Estimate
-    after: Estimate
-    removed: tuple[Term, ...]
 
 
 @dataclass(frozen=True)
@@ -71,8 +49,8 @@ class Diagnosis:
     @property
     def kept(self) -> tuple[Step, ...]:
         """The steps whose effect was not removed again by a later one."""
-        gone = {_key(t) for step in self.steps for t in step.removed}
-        return tuple(step for step in self.steps if _key(step.added) not in gone)
+        gone = {key_of(t) for step in self.steps for t in step.removed}
+        return tuple(step for step in self.steps if key_of(step.added) not in gone)
 
 
 def diagnose(
@@ -103,7 +81,7 @@ def diagnose(
     progress("fitting the declared model")
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
-    memory = Memory(journal)
+    memory, settled = Memory(journal), False
     for round_number in range(_MOST_STEPS + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
@@ -121,18 +99,26 @@ def diagnose(
             current = with_skew(current, late)
             first = current if not steps else first
             continue
-        if not guilty or round_number == _MOST_STEPS:
+        if round_number == _MOST_STEPS:
             break
+        if not guilty:
+            if len(steps) < 2 or settled:
+                break
+            steps, current, changed = reconsider(steps, current, asked, rules, seed, progress)
+            settled = True
+            if not changed:
+                break
+            continue
         chosen, rivals = choose(guilty, rules, background)
         if stands_in(chosen, current, background, seed):
-            banned.add(_key(chosen.candidate.term))
+            banned.add(key_of(chosen.candidate.term))
             continue
         progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
         after, removed = add(current, chosen)
         if after is None:
-            banned.add(_key(chosen.candidate.term))
+            banned.add(key_of(chosen.candidate.term))
             continue
-        added = next(t for t in after.model.terms if _key(t) == _key(chosen.candidate.term))
+        added = next(t for t in after.model.terms if key_of(t) == key_of(chosen.candidate.term))
         others = [
             s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
         ]
@@ -182,7 +168,9 @@ def ask(
     memory: Memory | None = None,
 ) -> list[Score]:
     """Score every suspect against an estimate; ``memory`` spares searches between rounds."""
-    suspects = tuple(t for t in list_suspects(found.model, found.motions) if _key(t) not in banned)
+    suspects = tuple(
+        t for t in list_suspects(found.model, found.motions) if key_of(t) not in banned
+    )
     candidates = gather(
         Stand(found, background), suspects, jax.random.key(seed), memory or Memory()
     )
@@ -195,93 +183,11 @@ def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, 
     after = refit_with(current, chosen)
     if after is None:
         return None, ()
-    kept = {_key(t) for t in after.model.terms}
-    return after, tuple(t for t in current.model.terms if _key(t) not in kept)
-
-
-def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
-    """The estimate with one more term, without those it contains; None if the cost does not fall or a
-    coefficient leaves its physical bounds.
-    """
-    term = _with_start(chosen)
-    inner = CONTAINS.get(term.effect, ())
-    kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
-    after = refit(current, (*kept, term))
-    fitted, errors = next(
-        (t, e)
-        for t, e in zip(after.model.terms, after.std_errors, strict=True)
-        if _key(t) == _key(term)
-    )
-    linear = term.law.linear
-    physical = all(fitted.values[p.name] >= p.lower for p in linear)
-    # A coefficient that is nowhere larger than twice its doubt stands for something else.
-    certain = not linear or any(
-        abs(fitted.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name])
-        for p in linear
-    )
-    weight = robust_weight(current.fit.residual)
-
-    def cost(one: Estimate) -> float:
-        return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
-
-    return after if physical and certain and cost(after) < cost(current) else None
-
-
-def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
-    """Estimate with other terms from where the current one stands, its sign width found anew."""
-    after = _fit_from(current, current, terms, current.model.width)
-    width = best_width(
-        after.model.robot,
-        after.model.terms,
-        current.motions,
-        current.rigids,
-        np.asarray(after.model.robot.parameters).ravel(),
-    )
-    if abs(np.log(width / after.model.width)) < _NEAR:
-        return after
-    again = _fit_from(current, after, after.model.terms, width)
-    return again if _cost(again, after) < _cost(after, after) else after
-
-
-def _fit_from(
-    current: Estimate, start: Estimate, terms: tuple[Term, ...], width: float
-) -> Estimate:
-    """Fit terms to the current logs from another estimate's rigid parameters and a width."""
-    return estimate(
-        current.model.robot,
-        terms,
-        current.motions,
-        width=width,
-        refine_width=True,
-        bounded=False,
-        rigids=current.rigids,
-        start=np.asarray(start.model.robot.parameters).ravel(),
-    )
-
-
-def _with_start(chosen: Score) -> Term:
-    """The term with a first-order start of what its linearization found."""
-    term, a = chosen.candidate.term, chosen.coefficients
-    values = dict(term.values)
-    if term.law.warp == "gain":
-        values["gain"] = float(np.clip(1.0 + a[0], 0.55, 1.9))
-    elif term.law.warp == "delay":
-        values["seconds"] = float(np.clip(a[0], -0.045, 0.045))
-    elif term.law.warp == "gravity":
-        values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a[:2])
-    return replace(term, values=values)
+    kept = {key_of(t) for t in after.model.terms}
+    return after, tuple(t for t in current.model.terms if key_of(t) not in kept)
 
 
 def _error(one: Estimate) -> float:
     """Relative error [%] of a fit, all joints."""
     size = np.linalg.norm(one.regression.torque)
     return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))
-
-
-def _cost(one: Estimate, weights: Estimate) -> float:
-    return float(((one.fit.residual / weights.fit.sigma) ** 2).sum())
-
-
-def _key(term: Term) -> tuple:
-    start = round(term.values.get("start", 0.0), 1) if term.effect == "contact" else None
-    return (term.effect, term.joint, term.other, start)

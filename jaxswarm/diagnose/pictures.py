@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import plots
-from jaxswarm.diagnose.loop import Diagnosis, Step
+from jaxswarm.diagnose.loop import Diagnosis
+from jaxswarm.diagnose.step import Step
 from jaxswarm.diagnose.unexplained import Unexplained
 from jaxswarm.diagnose.words import where
 from jaxswarm.identify.model import Model, model_torque

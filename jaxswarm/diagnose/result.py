@@ -5,7 +5,9 @@ from pathlib import Path
 
 from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.experiment import best_experiment
-from jaxswarm.diagnose.loop import Diagnosis, Step, refit_with
+from jaxswarm.diagnose.loop import Diagnosis
+from jaxswarm.diagnose.refit import refit_with
+from jaxswarm.diagnose.step import Step
 from jaxswarm.diagnose.unexplained import Unexplained, with_smooth_terms
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.summary import term_parameters, units, with_intervals

@@ -9,9 +9,10 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.diagnose.against import Change, Comparison, compare
 from jaxswarm.diagnose.journal import Journal, fingerprint
-from jaxswarm.diagnose.loop import Diagnosis, Step
+from jaxswarm.diagnose.loop import Diagnosis
 from jaxswarm.diagnose.result import place, to_result
 from jaxswarm.diagnose.run import write_report
+from jaxswarm.diagnose.step import Step
 from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.errors import InputError
 from jaxswarm.identify.metrics import torque_errors

@@ -1,0 +1,63 @@
+"""Choices made while effects were missing are made again once all are in place."""
+
+from dataclasses import replace
+
+import pytest
+from planted import declared_fit, log_with
+
+from jaxswarm.diagnose.decide import Rules
+from jaxswarm.diagnose.loop import ask
+from jaxswarm.diagnose.reconsider import competitors, reconsider
+from jaxswarm.diagnose.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.step import Step
+from jaxswarm.identify.terms import Term
+
+DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
+
+
+@pytest.fixture(scope="module")
+def stage():
+    before, background = declared_fit(log_with(DRAG))
+    scores = ask(before, background, 0)
+    return before, {key_of(s.candidate.term): s for s in scores}
+
+
+def step_of(stage, effect, others) -> Step:
+    """As if another law had been chosen."""
+    before, scores = stage
+    score = scores[effect, 1, None, None]
+    after = refit_with(before, score)
+    added = next(t for t in after.model.terms if t.effect == effect)
+    near = tuple(scores[o, 1, None, None] for o in others)
+    return Step(added, score, (), near, before, after, ())
+
+
+def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(stage):
+    step = step_of(stage, "nonlinear_viscous_friction", ["quadratic_drag", "torque_offset"])
+    assert [t.effect for t in competitors(step)] == ["quadratic_drag"]
+    steps, found, changed = reconsider([step], step.after, 60, Rules())
+    assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
+    assert steps[0].added.values["c"] == pytest.approx(1.5, rel=0.05)
+    assert key_of(steps[0].added) in {key_of(t) for t in found.model.terms}
+    assert "nonlinear_viscous_friction" not in {t.effect for t in found.model.terms}
+    assert steps[0].before is stage[0]
+    assert "quadratic_drag" in {t.effect for t in steps[0].after.model.terms}
+
+
+def test_the_right_law_stays_and_nothing_is_fitted_anew(stage):
+    step = step_of(stage, "quadratic_drag", ["nonlinear_viscous_friction"])
+    steps, found, changed = reconsider([step], step.after, 60, Rules())
+    assert not changed and found is step.after
+    assert steps[0].added == step.added
+
+
+def test_what_nobody_needs_is_dropped(stage):
+    right = step_of(stage, "quadratic_drag", [])
+    score = stage[1]["torque_offset", 1, None, None]
+    spare = Term("torque_offset", 1)
+    both = refit(right.after, (*right.after.model.terms, spare))
+    near = replace(stage[1]["joint_spring", 1, None, None], gain=2.0 * abs(score.gain), joint=score.joint)
+    later = Step(spare, replace(score, gain=abs(score.gain)), (), (near,), right.after, both, ())
+    steps, found, changed = reconsider([right, later], both, 60, Rules())
+    assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
+    assert "torque_offset" not in {t.effect for t in found.model.terms}
