@@ -22,6 +22,7 @@ from scipy import linalg, optimize
 from jaxswarm.identify.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.regression import Regression
 
+_BLOCK_ROWS = 512
 # Rows with more leverage than this are fitted whatever they hold.
 _MOST_LEVERAGE = 0.9
 
@@ -80,9 +81,27 @@ def compress(columns: np.ndarray, torque: np.ndarray) -> np.ndarray:
     Returns:
         Upper triangle, shape (min(m, p + 1), p + 1).
     """
-    return linalg.qr(np.column_stack([columns, torque]), mode="r", check_finite=False)[0][
-        : columns.shape[1] + 1
-    ]
+    return triangular_factor(np.column_stack([columns, torque]))
+
+
+def triangular_factor(matrix: np.ndarray) -> np.ndarray:
+    """Triangular factor (min(m, p), p) of a tall matrix (m, p), by blocks of rows that stay in the cache.
+
+    J. Demmel, L. Grigori, M. Hoemmen, J. Langou, SIAM J. Sci. Comput. 34 (2012), section 2. Rows may
+    differ in sign from those of one factorization.
+
+    >>> a = np.random.default_rng(0).normal(size=(5000, 3))
+    >>> r = triangular_factor(a)
+    >>> bool(np.allclose(r.T @ r, a.T @ a)), r.shape
+    (True, (3, 3))
+    """
+    width = matrix.shape[1]
+    rows = max(_BLOCK_ROWS, 2 * width)
+    whole = len(matrix) // rows * rows
+    if whole > rows:
+        blocks = np.linalg.qr(matrix[:whole].reshape(-1, rows, width), mode="r")
+        matrix = np.concatenate([blocks.reshape(-1, width), matrix[whole:]])
+    return np.linalg.qr(matrix, mode="r")
 
 
 def joint_factors(regression: Regression) -> list[np.ndarray]:

@@ -16,6 +16,7 @@ import jax
 import numpy as np
 
 from jaxswarm.errors import InputError, nearest
+from jaxswarm.identify.least_squares import triangular_factor
 from jaxswarm.robot import regressor, rx60
 from jaxswarm.studies.rx60_paper import NAMES, NOISE, TRUE
 
@@ -160,8 +161,8 @@ def averaged(data: Experiment, width: int = 50) -> Experiment:
 def compress(data: Experiment) -> Compressed:
     """R, z and rho^2 of an experiment."""
     matrix = np.concatenate([data.columns, data.tau[:, :, None]], axis=2).reshape(-1, 14)
-    triangle = np.linalg.qr(matrix / np.sqrt(len(data.t)), mode="r")
-    return Compressed(triangle[:13, :13], triangle[:13, 13], float(triangle[13, 13] ** 2))
+    r = triangular_factor(matrix / np.sqrt(len(data.t)))
+    return Compressed(r[:13, :13], r[:13, 13], float(r[13, 13] ** 2))
 
 
 def relative_error(data: Experiment, theta: np.ndarray) -> np.ndarray:
