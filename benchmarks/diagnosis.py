@@ -1,9 +1,10 @@
 """Logs with an undeclared effect: is it named, on its joint, and is nothing else?
 
-    python -m benchmarks.diagnosis practice|suite|real [--fast] [--only NAME,...] [--share K/N]
+    python -m benchmarks.diagnosis practice|suite|pairs|real [--fast] [--only NAME,...] [--share K/N]
 
 ``practice``: the cases of another simulator under ``cases/`` (``JAXSWARM_DATA``, default ``../shared``);
-``suite``: simulated logs, see :mod:`benchmarks.diagnosis_suite`; ``real``: measured robots. Rows go to
+``suite``: simulated logs with one effect, see :mod:`benchmarks.diagnosis_suite`; ``pairs``: with two or
+three, see :mod:`benchmarks.diagnosis_pairs`; ``real``: measured robots. Rows go to
 ``benchmarks/results/`` as JSON lines, tables beside them. The suite goes through its cases in a random
 order, so that a part of it says what the whole would; it skips what is finished already, and several
 processes may share it (``--share``).
@@ -48,6 +49,19 @@ def real(only: set[str]) -> None:
         write_lines("diagnosis_real.jsonl", rows)
 
 
+def pairs(fast: bool) -> None:
+    from benchmarks.diagnosis_pairs import pairs_table, run_pairs
+
+    rows = []
+    for number in range(4 if fast else 40):
+        rows.append(run_pairs(number))
+        print(json.dumps(rows[-1]), flush=True)
+    if not fast:
+        write_lines("diagnosis_pairs.jsonl", rows)
+        (RESULTS / "diagnosis_pairs.md").write_text(pairs_table(rows))
+    print(pairs_table(rows))
+
+
 def suite(fast: bool, only: set[str], share: str) -> None:
     from benchmarks.diagnosis_suite import all_cases, run_case
     from benchmarks.diagnosis_tables import summarize
@@ -71,8 +85,10 @@ def suite(fast: bool, only: set[str], share: str) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("part", choices=["practice", "suite", "real"])
-    parser.add_argument("--fast", action="store_true", help="suite: one case per effect")
+    parser.add_argument("part", choices=["practice", "suite", "pairs", "real"])
+    parser.add_argument(
+        "--fast", action="store_true", help="suite: one case per effect; pairs: four"
+    )
     parser.add_argument("--only", default="", help="names of cases, robots or effects")
     parser.add_argument("--share", default="1/1", help="suite: which of how many processes this is")
     options = parser.parse_args()
@@ -83,6 +99,8 @@ def main() -> None:
     only = set(filter(None, options.only.split(",")))
     if options.part == "suite":
         suite(options.fast, only, options.share)
+    elif options.part == "pairs":
+        pairs(options.fast)
     elif options.part == "practice":
         practice(only)
     else:

@@ -10,7 +10,7 @@ from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.gather import gather
 from jaxswarm.diagnose.journal import Journal
-from jaxswarm.diagnose.reconsider import reconsider
+from jaxswarm.diagnose.reconsider import choose_again
 from jaxswarm.diagnose.refit import key_of, refit_with
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.step import Step
@@ -102,10 +102,12 @@ def diagnose(
         if round_number == _MOST_STEPS:
             break
         if not guilty:
-            if len(steps) < 2 or settled:
+            if settled or not steps:
                 break
-            steps, current, changed = reconsider(steps, current, asked, rules, seed, progress)
             settled = True
+            steps, current, changed = choose_again(
+                steps, current, background, asked, rules, seed, progress
+            )
             if not changed:
                 break
             continue
@@ -124,6 +126,8 @@ def diagnose(
         ]
         steps.append(Step(added, chosen, tuple(rivals), tuple(others[:8]), current, after, removed))
         current = after
+        # What was refused on this joint was refused without the new effect.
+        banned = {key for key in banned if key[1] != added.joint}
     return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked)
 
 

@@ -11,19 +11,57 @@ from dataclasses import replace
 import jax
 import numpy as np
 
-from jaxswarm.diagnose.background import make_background, robust_weight
+from jaxswarm.diagnose.background import Background, make_background, robust_weight
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
 from jaxswarm.diagnose.stand import Memory, Stand
-from jaxswarm.diagnose.step import Step
+from jaxswarm.diagnose.step import Step, chain, competitors, find_term
+from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate
-from jaxswarm.identify.terms import Term
 
-# Competitors gained at least this part of what the chosen one gained; so many are asked again.
-_NEAR, _MOST = 0.6, 4
+# Residuals beyond this multiple of the torque sensor's noise are looked at for two laws in one.
+_LOUD = 1.25
 # A simpler law may leave this much more of a joint's squared error.
 _PRICE = 1.02
+
+
+def choose_again(
+    steps: Sequence[Step],
+    current: Estimate,
+    background: Background,
+    asked: int,
+    rules: Rules,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[list[Step], Estimate, bool]:
+    """The steps and the model after every choice was made again, and whether one changed.
+
+    Args:
+        steps: What was added, in order.
+        current: The model with all of it, in which no further suspect passes.
+        background: Its stage.
+        asked: Suspects asked in the first round, for the level of the tests.
+        rules: Thresholds.
+        seed: Seed of the searches.
+        progress: Called with one line per effect.
+    """
+    if len(steps) > 1:
+        done, found, changed = reconsider(steps, current, asked, rules, seed, progress)
+        if changed:
+            return done, found, True
+        steps = done
+    noise = np.min([m.torque_noise for m in current.motions], axis=0)
+    loud = set(np.flatnonzero(current.fit.sigma > _LOUD * noise).tolist())
+    joints = sorted({step.score.joint for step in steps if step.score.joint in loud})
+    left = find_unexplained(current, background, seed, joints) if joints else []
+    if left:
+        progress("looking for two laws where one was bent")
+        told = pair(steps, current, [item.joint for item in left], asked, rules, seed)
+        if told:
+            return (*told, True)
+    return list(steps), current, False
 
 
 def reconsider(
@@ -37,12 +75,7 @@ def reconsider(
     """Choose every added effect anew among its competitors, the others in place.
 
     Args:
-        steps: What was added, in order.
-        current: The model with all of it.
-        asked: Suspects asked in the first round, for the level of the tests.
-        rules: Thresholds.
-        seed: Seed of the searches.
-        progress: Called with one line per effect.
+        steps, current, asked, rules, seed, progress: As for :func:`choose_again`.
 
     Returns:
         The steps, the model, and whether an effect was exchanged or dropped.
@@ -76,40 +109,10 @@ def reconsider(
         if after is None or _cost(after, chosen, rest) > _PRICE * _cost(current, chosen, rest):
             continue
         others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen)
-        added = _find(after, chosen.candidate.term)
+        added = find_term(after, chosen.candidate.term)
         done[place] = replace(step, added=added, score=chosen, rivals=tuple(near), others=others)
         current, changed = after, True
-    return (_chain(done) if changed else done), current, changed
-
-
-def competitors(step: Step) -> list[Term]:
-    """Terms that came near a chosen one on its joint when it was added, the best first."""
-    near = [
-        s
-        for s in step.others
-        if s.joint == step.score.joint
-        and s.gain > _NEAR * step.score.gain
-        and s.candidate.term.effect != "contact"
-    ]
-    known = {key_of(s.candidate.term): s.candidate.term for s in (*step.rivals, *near)}
-    return list(known.values())[:_MOST]
-
-
-def _chain(steps: list[Step]) -> list[Step]:
-    """The same steps with the estimates before and after each as the exchanged effects make them."""
-    done = []
-    for step in steps:
-        before = done[-1].after if done else step.before
-        gone = {key_of(t) for t in step.removed}
-        kept = tuple(t for t in before.model.terms if key_of(t) not in gone)
-        after = refit(before, (*kept, step.added))
-        done.append(replace(step, added=_find(after, step.added), before=before, after=after))
-    return done
-
-
-def _find(found: Estimate, term: Term) -> Term:
-    """A term of a model with its fitted values."""
-    return next(t for t in found.model.terms if key_of(t) == key_of(term))
+    return (chain(done) if changed else done), current, changed
 
 
 def _cost(found: Estimate, chosen: Score, weights: Estimate) -> float:

@@ -1,10 +1,15 @@
-"""One round of the loop that added something."""
+"""The steps of the loop, and the chain of models they make."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from jaxswarm.diagnose.decide import Score
+from jaxswarm.diagnose.refit import key_of, refit
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.terms import Term
+
+# Competitors gained at least this part of what the chosen one gained; so many are asked again.
+_NEAR, _MOST = 0.6, 4
 
 
 @dataclass(frozen=True)
@@ -27,3 +32,33 @@ class Step:
     before: Estimate
     after: Estimate
     removed: tuple[Term, ...]
+
+
+def competitors(step: Step) -> list[Term]:
+    """Terms that came near a chosen one on its joint when it was added, the best first."""
+    near = [
+        s
+        for s in step.others
+        if s.joint == step.score.joint
+        and s.gain > _NEAR * step.score.gain
+        and s.candidate.term.effect != "contact"
+    ]
+    known = {key_of(s.candidate.term): s.candidate.term for s in (*step.rivals, *near)}
+    return list(known.values())[:_MOST]
+
+
+def chain(steps: Sequence[Step]) -> list[Step]:
+    """The same steps with the estimates before and after each as the exchanged effects make them."""
+    done = []
+    for step in steps:
+        before = done[-1].after if done else step.before
+        gone = {key_of(t) for t in step.removed}
+        kept = tuple(t for t in before.model.terms if key_of(t) not in gone)
+        after = refit(before, (*kept, step.added))
+        done.append(replace(step, added=find_term(after, step.added), before=before, after=after))
+    return done
+
+
+def find_term(found: Estimate, term: Term) -> Term:
+    """A term of a model with its fitted values."""
+    return next(t for t in found.model.terms if key_of(t) == key_of(term))

@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 import pytest
-from planted import declared_fit, log_with
+from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.decide import Rules
 from jaxswarm.diagnose.loop import ask
-from jaxswarm.diagnose.reconsider import competitors, reconsider
+from jaxswarm.diagnose.pair import pair
+from jaxswarm.diagnose.reconsider import reconsider
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
-from jaxswarm.diagnose.step import Step
+from jaxswarm.diagnose.step import Step, competitors
 from jaxswarm.identify.terms import Term
 
 DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
@@ -56,8 +57,25 @@ def test_what_nobody_needs_is_dropped(stage):
     score = stage[1]["torque_offset", 1, None, None]
     spare = Term("torque_offset", 1)
     both = refit(right.after, (*right.after.model.terms, spare))
-    near = replace(stage[1]["joint_spring", 1, None, None], gain=2.0 * abs(score.gain), joint=score.joint)
+    near = replace(
+        stage[1]["joint_spring", 1, None, None], gain=2.0 * abs(score.gain), joint=score.joint
+    )
     later = Step(spare, replace(score, gain=abs(score.gain)), (), (near,), right.after, both, ())
     steps, found, changed = reconsider([right, later], both, 60, Rules())
     assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
     assert "torque_offset" not in {t.effect for t in found.model.terms}
+
+
+def test_a_law_bent_into_the_sum_of_two_is_told_as_two():
+    """A Stribeck law with free exponent follows most of a wide one plus drag."""
+    hidden = Term("stribeck_friction", 1, values={"df": 3.0, "vs": 0.12, "delta": 2.0}), DRAG
+    found = diagnose_log(log_with(*hidden))
+    assert {t[0] for t in added(found)} == {"stribeck_friction", "quadratic_drag"}
+    values = {k: v for t in found.final.model.terms for k, v in t.values.items() if t.joint == 1}
+    assert values["vs"] == pytest.approx(0.12, rel=0.15)
+    assert values["c"] == pytest.approx(1.5, rel=0.15)
+
+
+def test_a_pair_is_refused_where_one_law_says_it_all(stage):
+    step = step_of(stage, "nonlinear_viscous_friction", ["quadratic_drag"])
+    assert pair([step], step.after, [1], 60, Rules()) is None
