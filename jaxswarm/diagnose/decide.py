@@ -36,13 +36,15 @@ class Rules:
         significance: Chance that anything is added to a log without a missing effect.
         share: Least share of a joint's held-out squared error that an effect has to take off.
         repeat: Least share of blocks in which it has to help.
-        tie: Rivals whose gains differ by fewer standard errors than this are not told apart.
+        tie: Rivals whose gains differ by fewer standard errors than this are not told apart,
+        rival: unless one explains what another leaves with less than this chance of error.
     """
 
     significance: float = 0.01
     share: float = 0.2
     repeat: float = 0.6
     tie: float = 2.0
+    rival: float = 0.001
 
 
 @dataclass(frozen=True)
@@ -209,7 +211,7 @@ def beats(one: Score, other: Score, rules: Rules, background: Background) -> boo
 
     def adds(new: Score, old: Score) -> bool:
         left = score(new.candidate, background.with_columns(old.candidate.columns))
-        return left.gain > 0 and left.p_value < rules.significance
+        return left.gain > 0 and left.p_value < rules.rival
 
     return adds(one, other) and not adds(other, one)
 

@@ -141,7 +141,9 @@ def standard_errors(problem: Problem, moving: list[Knob], here: Settled, theta: 
     solution, regression = here.solution, here.regression
     if moving:
         pi = theta[: len(here.pi)]
-        slopes = tangents(lambda place: problem.output(place, pi, theta), here.place, moving)
+        slopes = tangents(
+            lambda place: problem.output(place, pi, theta), here.place, moving, wide=True
+        )
         wide = Regression(
             (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),
             np.concatenate([regression.columns, slopes], axis=2),

@@ -8,7 +8,8 @@ import numpy as np
 
 from jaxswarm.identify.terms import Term
 
-_DIFFERENCE = 1e-4
+# The output of a loose joint has small steps along its gap: its slope there is that over a wider span.
+_DIFFERENCE, _WIDE = 1e-4, 0.02
 # Parameters of these warps follow from the data in one linear step and are not searched here.
 _NOT_SEARCHED = ("window", "payload")
 
@@ -29,6 +30,7 @@ class Knob:
         name: Parameter name.
         lower, upper: Bounds.
         log: Whether it moves on a logarithmic scale.
+        stepwise: Whether the model's output has small steps along it.
     """
 
     term: int | None
@@ -36,6 +38,7 @@ class Knob:
     lower: float
     upper: float
     log: bool
+    stepwise: bool = False
 
     def decode(self, u: float) -> float:
         """Value at position u."""
@@ -59,7 +62,7 @@ class Knob:
 def knobs(terms: tuple[Term, ...], width_range: tuple[float, float] | None = None) -> list[Knob]:
     """All nonlinear parameters of a model, in order, and the width where its range is given."""
     own = [
-        Knob(k, p.name, p.lower, p.upper, p.scale == "log")
+        Knob(k, p.name, p.lower, p.upper, p.scale == "log", term.law.warp == "play")
         for k, term in enumerate(terms)
         if term.law.warp not in _NOT_SEARCHED
         for p in term.law.nonlinear
@@ -85,13 +88,19 @@ def write(place: Place, moving: list[Knob], position: np.ndarray) -> Place:
     return Place(terms, width)
 
 
-def tangents(output: Callable[[Place], np.ndarray], place: Place, moving: list[Knob]) -> np.ndarray:
-    """Central differences of a model's output (T, n) by its knobs, shape (T, n, m)."""
+def tangents(
+    output: Callable[[Place], np.ndarray], place: Place, moving: list[Knob], wide: bool = False
+) -> np.ndarray:
+    """Central differences of a model's output (T, n) by its knobs, shape (T, n, m).
+
+    ``wide`` looks beyond the steps of a stepwise knob: for its doubt, not for the way to the minimum.
+    """
     here = read(place, moving)
     slopes = []
     for k in range(len(moving)):
         high, low = here.copy(), here.copy()
-        high[k], low[k] = min(1.0, here[k] + _DIFFERENCE), max(0.0, here[k] - _DIFFERENCE)
+        change = _WIDE if wide and moving[k].stepwise else _DIFFERENCE
+        high[k], low[k] = min(1.0, here[k] + change), max(0.0, here[k] - change)
         rise = output(write(place, moving, high)) - output(write(place, moving, low))
         slopes.append(rise / (high[k] - low[k]))
     return np.stack(slopes, axis=2)
