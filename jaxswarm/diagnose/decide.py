@@ -25,7 +25,7 @@ from jaxswarm.diagnose.background import Background, Fold
 from jaxswarm.diagnose.candidates import Candidate
 
 # Candidates that say the same thing to this degree compete for one explanation.
-_OVERLAP = 0.7
+OVERLAP = 0.7
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ def choose(guilty: list[Score], rules: Rules, background: Background) -> tuple[S
         for s in ranked
         if s is best
         or (
-            overlap(best.candidate, s.candidate, background) > _OVERLAP
+            overlap(best.candidate, s.candidate, background) > OVERLAP
             and (difference(best, s) < rules.tie or s.gain > 0.97 * best.gain)
         )
     ]

@@ -13,7 +13,7 @@ from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.reconsider import choose_again
 from jaxswarm.diagnose.refit import key_of, refit_with
 from jaxswarm.diagnose.stand import Memory, Stand
-from jaxswarm.diagnose.step import Step
+from jaxswarm.diagnose.step import Step, near_ones
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate, estimate
@@ -124,7 +124,9 @@ def diagnose(
         others = [
             s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
         ]
-        steps.append(Step(added, chosen, tuple(rivals), tuple(others[:8]), current, after, removed))
+        near = near_ones(chosen, guilty, background)
+        told = tuple(rivals), tuple(others[:8])
+        steps.append(Step(added, chosen, *told, current, after, removed, near))
         current = after
         # What was refused on this joint was refused without the new effect.
         banned = {key for key in banned if key[1] != added.joint}

@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from jaxswarm.diagnose.decide import Score
+from jaxswarm.diagnose.background import Background
+from jaxswarm.diagnose.decide import OVERLAP, Score, overlap
 from jaxswarm.diagnose.refit import key_of, refit
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.terms import Term
 
 # Competitors gained at least this part of what the chosen one gained; so many are asked again.
-_NEAR, _MOST = 0.6, 4
+_NEAR, _MOST = 0.6, 3
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,8 @@ class Step:
         added: The term, with the values of the fit after it.
         score: What it was worth.
         rivals: Terms the data did not tell from it.
-        others: Scores of the runners-up on the same joint.
+        others: Scores of the runners-up.
+        near: Those of them that passed too and say much the same on the same joint.
         before, after: The estimates around it.
         removed: Terms that became superfluous.
     """
@@ -32,19 +34,26 @@ class Step:
     before: Estimate
     after: Estimate
     removed: tuple[Term, ...]
+    near: tuple[Score, ...] = ()
+
+
+def near_ones(chosen: Score, guilty: Sequence[Score], background: Background) -> tuple[Score, ...]:
+    """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first."""
+    return tuple(
+        s
+        for s in sorted(guilty, key=lambda s: -s.gain)
+        if s is not chosen
+        and s.joint == chosen.joint
+        and s.gain > _NEAR * chosen.gain
+        and s.candidate.term.effect != "contact"
+        and overlap(chosen.candidate, s.candidate, background) > OVERLAP
+    )[:_MOST]
 
 
 def competitors(step: Step) -> list[Term]:
-    """Terms that came near a chosen one on its joint when it was added, the best first."""
-    near = [
-        s
-        for s in step.others
-        if s.joint == step.score.joint
-        and s.gain > _NEAR * step.score.gain
-        and s.candidate.term.effect != "contact"
-    ]
-    known = {key_of(s.candidate.term): s.candidate.term for s in (*step.rivals, *near)}
-    return list(known.values())[:_MOST]
+    """Terms that came near a chosen one when it was added."""
+    known = {key_of(s.candidate.term): s.candidate.term for s in (*step.rivals, *step.near)}
+    return list(known.values())
 
 
 def chain(steps: Sequence[Step]) -> list[Step]:

@@ -5,12 +5,13 @@ from dataclasses import replace
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
-from jaxswarm.diagnose.decide import Rules
+from jaxswarm.diagnose.background import make_background
+from jaxswarm.diagnose.decide import Rules, overlap
 from jaxswarm.diagnose.loop import ask
 from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.reconsider import reconsider
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
-from jaxswarm.diagnose.step import Step, competitors
+from jaxswarm.diagnose.step import Step, competitors, near_ones
 from jaxswarm.identify.terms import Term
 
 DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
@@ -30,11 +31,11 @@ def step_of(stage, effect, others) -> Step:
     after = refit_with(before, score)
     added = next(t for t in after.model.terms if t.effect == effect)
     near = tuple(scores[o, 1, None, None] for o in others)
-    return Step(added, score, (), near, before, after, ())
+    return Step(added, score, (), near, before, after, (), near)
 
 
 def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(stage):
-    step = step_of(stage, "nonlinear_viscous_friction", ["quadratic_drag", "torque_offset"])
+    step = step_of(stage, "nonlinear_viscous_friction", ["quadratic_drag"])
     assert [t.effect for t in competitors(step)] == ["quadratic_drag"]
     steps, found, changed = reconsider([step], step.after, 60, Rules())
     assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
@@ -43,6 +44,17 @@ def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(stage):
     assert "nonlinear_viscous_friction" not in {t.effect for t in found.model.terms}
     assert steps[0].before is stage[0]
     assert "quadratic_drag" in {t.effect for t in steps[0].after.model.terms}
+
+
+def test_competitors_say_the_same_on_the_same_joint(stage):
+    before, scores = stage
+    background = make_background(before)
+    chosen = scores["nonlinear_viscous_friction", 1, None, None]
+    near = near_ones(chosen, list(scores.values()), background)
+    assert "quadratic_drag" in {s.candidate.term.effect for s in near}
+    assert chosen not in near and {s.joint for s in near} == {1}
+    for one in near:
+        assert overlap(chosen.candidate, one.candidate, background) > 0.7
 
 
 def test_the_right_law_stays_and_nothing_is_fitted_anew(stage):
@@ -60,7 +72,7 @@ def test_what_nobody_needs_is_dropped(stage):
     near = replace(
         stage[1]["joint_spring", 1, None, None], gain=2.0 * abs(score.gain), joint=score.joint
     )
-    later = Step(spare, replace(score, gain=abs(score.gain)), (), (near,), right.after, both, ())
+    later = Step(spare, score, (), (near,), right.after, both, (), (near,))
     steps, found, changed = reconsider([right, later], both, 60, Rules())
     assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
     assert "torque_offset" not in {t.effect for t in found.model.terms}
