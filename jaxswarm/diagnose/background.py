@@ -56,6 +56,10 @@ class Fold:
         inner = self.basis.reshape(len(rows), -1).T @ rows
         return columns - (self.project.reshape(len(rows), -1) @ inner).reshape(columns.shape)
 
+    def free_rows(self, own: np.ndarray, joint: int) -> np.ndarray:
+        """The joint's rows (T, k) of c_perp, of weighted columns (T, k) that act on this joint alone."""
+        return own - self.project[:, joint] @ (self.basis[:, joint].T @ own)
+
     def with_columns(self, columns: np.ndarray) -> "Fold":
         """The same rows fitted by a model that has further weighted columns (T, n, k)."""
         more = _fold(self.free_part(columns), self.residual, self.train)

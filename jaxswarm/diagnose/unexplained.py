@@ -117,11 +117,13 @@ def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
 def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplained:
     """Fit the smooth function of the picked variables on all rows."""
     inputs = [table[n] for n in pick]
-    columns = _columns(background, joint, inputs, seed)
-    whole = background.whole
-    a = _ridge(whole.free_part(columns)[:, joint], whole.residual[:, joint])
+    weight, whole = background.weight[:, joint, None], background.whole
+    rows = _features(inputs, seed) * weight
+    a = _ridge(whole.free_rows(rows, joint), whole.residual[:, joint])
+    torque = np.zeros(background.weight.shape)
+    torque[:, joint] = rows @ a
     change = np.zeros(len(found.fit.theta))
-    change[found.fit.base.kept] = -whole.absorbed(columns @ a)
+    change[found.fit.base.kept] = -whole.absorbed(torque)
     x = np.stack([one.raw for one in inputs], axis=1)
     term = None
     joints = found.model.robot.joints
@@ -165,13 +167,6 @@ def _features(inputs: list[_Input], seed: int) -> np.ndarray:
     return features(x, sides, *_waves(len(inputs), seed))
 
 
-def _columns(background: Background, joint: int, inputs, seed) -> np.ndarray:
-    features = _features(inputs, seed) * background.weight[:, joint, None]
-    columns = np.zeros((len(features), background.weight.shape[1], features.shape[1]))
-    columns[:, joint] = features
-    return columns
-
-
 def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
     gram = free.T @ free
     return np.linalg.solve(
@@ -181,12 +176,12 @@ def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
 
 def _try(background: Background, joint: int, inputs, seed: int) -> tuple[float, float]:
     """Held-out share of the joint's squared error, and its p-value over blocks."""
-    columns = _columns(background, joint, inputs, seed)
+    rows = _features(inputs, seed) * background.weight[:, joint, None]
     count = int(background.block.max()) + 1
     gains, before = np.zeros(count), 0.0
     inner, square = np.zeros(count), np.zeros(count)
     for fold in background.halves:
-        free = fold.free_part(columns)[:, joint]
+        free = fold.free_rows(rows, joint)
         a = _ridge(free[fold.train], fold.residual[fold.train, joint])
         out = ~fold.train
         r = fold.residual[out, joint]

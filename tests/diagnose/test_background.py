@@ -81,3 +81,14 @@ def test_effective_samples_are_fewer_where_the_residual_is_structured(stage):
     structured = stage[1].effective
     clean = declared_fit(log_with())[1].effective
     assert structured < 0.5 * clean
+
+
+def test_columns_on_one_joint_need_its_rows_only(stage):
+    found, background = stage
+    own = np.random.default_rng(0).normal(size=(len(found.fit.residual), 4))
+    columns = np.zeros((*found.fit.residual.shape, 4))
+    columns[:, 1] = own
+    for fold in background.folds:
+        np.testing.assert_allclose(
+            fold.free_rows(own, 1), fold.free_part(columns)[:, 1], atol=1e-10
+        )
