@@ -38,7 +38,9 @@ def gather(
         elif law.torque is None:
             soft = law.warp in ("elastic", "play")
             done[term] = (
-                lagging_candidate(stand, term, memory) if soft else warped_candidate(stand, term)
+                lagging_candidate(stand, term, memory)
+                if soft
+                else warped_candidate(stand, term, memory)
             )
     for term, values in zip(searched, finish(), strict=True):
         columns = tuple(stand.law(replace(term, values=v)) for v in values)

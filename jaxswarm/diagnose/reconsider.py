@@ -15,7 +15,7 @@ from jaxswarm.diagnose.background import Background, make_background, robust_wei
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
 from jaxswarm.diagnose.gather import gather
 from jaxswarm.diagnose.pair import pair
-from jaxswarm.diagnose.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.refit import is_certain, key_of, refit, refit_with
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.step import Step, chain, competitors, find_term
 from jaxswarm.diagnose.unexplained import find_unexplained
@@ -83,8 +83,12 @@ def reconsider(
     done, changed = list(steps), False
     for step in steps:
         rivals = competitors(step)
-        terms = {key_of(t): t for t in current.model.terms}
-        if not rivals or step.removed or key_of(step.added) not in terms:
+        errors = {
+            key_of(t): (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
+        }
+        if step.removed or key_of(step.added) not in errors:
+            continue
+        if not rivals and is_certain(*errors[key_of(step.added)]):
             continue
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
         own = key_of(step.added)

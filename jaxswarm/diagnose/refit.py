@@ -30,17 +30,22 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     )
     linear = term.law.linear
     physical = all(fitted.values[p.name] >= p.lower for p in linear)
-    # A coefficient that is nowhere larger than twice its doubt stands for something else.
-    certain = not linear or any(
-        abs(fitted.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name])
-        for p in linear
-    )
     weight = robust_weight(current.fit.residual)
 
     def cost(one: Estimate) -> float:
         return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
 
-    return after if physical and certain and cost(after) < cost(current) else None
+    return (
+        after if physical and is_certain(fitted, errors) and cost(after) < cost(current) else None
+    )
+
+
+def is_certain(term: Term, errors: dict[str, float]) -> bool:
+    """Whether a linear coefficient is larger than twice its doubt: else it stands for something else."""
+    linear = term.law.linear
+    return not linear or any(
+        abs(term.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name]) for p in linear
+    )
 
 
 def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:

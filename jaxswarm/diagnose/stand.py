@@ -24,11 +24,14 @@ class Memory:
     Attributes:
         journal: Keeps what was searched on disk; None: nothing is kept.
         round: Number of the present round, from zero.
+        known: Values per fold by term, with the residuals.
+        gravity: Columns of gravity along each base axis, by the logs they belong to.
     """
 
     journal: Journal | None = None
     round: int = -1
     known: dict = field(default_factory=dict)
+    gravity: dict = field(default_factory=dict)
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if the joint's residuals (folds, T) are still what they were."""

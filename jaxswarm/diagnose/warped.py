@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates import Candidate
-from jaxswarm.diagnose.stand import Stand
+from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.identify.columns import rigid_columns
 from jaxswarm.identify.terms import Term
 
@@ -14,7 +14,7 @@ from jaxswarm.identify.terms import Term
 _SHORTEST, _LENGTHS = 8, 24
 
 
-def warped_candidate(stand: Stand, term: Term) -> Candidate | None:
+def warped_candidate(stand: Stand, term: Term, memory: Memory) -> Candidate | None:
     """The candidate of a drive gain, delay, tilt, payload or touch; None where there is nothing to say."""
     kind = term.law.warp
     if kind == "window":
@@ -29,7 +29,7 @@ def warped_candidate(stand: Stand, term: Term) -> Candidate | None:
         )
         start = {"seconds": 0.0}
     elif kind == "gravity":
-        columns = stand.background.weigh(_tilt(stand))
+        columns = stand.background.weigh(_tilt(stand, memory))
         start = {"gx": 0.0, "gy": 0.0}
     else:
         last = slice(-10, None)
@@ -38,32 +38,48 @@ def warped_candidate(stand: Stand, term: Term) -> Candidate | None:
     return Candidate(replace(term, values=start), (columns,) * 3, columns.shape[2])
 
 
-def _tilt(stand: Stand) -> np.ndarray:
+def _tilt(stand: Stand, memory: Memory) -> np.ndarray:
     """Decimated torque of a unit of gravity along base x and y, (T', n, 2 and more).
 
     Gravity aside also loads masses that the level arm never felt, such as that of a first link
     about its vertical axis: their torques follow as further columns with free coefficients.
     """
-
-    def by_gravity(arm):
-        def rows(k):
-            q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])
-            return rigid_columns(arm, q, zero, zero)
-
-        return stand.low(rows)
-
     unknown = np.setdiff1d(np.arange(len(stand.pi)), stand.found.fit.base.kept)
-    aside = [by_gravity(stand.arm.replace(gravity=jnp.asarray(axis))) for axis in np.eye(3)[:2]]
+    *aside, level = _by_gravity(stand, memory)
     known = np.stack([rows @ stand.pi for rows in aside], axis=2)
     free = np.concatenate([rows[:, :, unknown] for rows in aside], axis=2)
     # What the level arm's own columns cannot say already, as few columns as span it.
-    own = by_gravity(stand.arm).reshape(-1, len(stand.pi))
+    own = level.reshape(-1, len(stand.pi))
     basis, size, _ = np.linalg.svd(own, full_matrices=False)
     inside = basis[:, size > 1e-9 * size[0]]
     flat = free.reshape(len(own), -1)
     u, size, _ = np.linalg.svd(flat - inside @ (inside.T @ flat), full_matrices=False)
     fresh = u[:, size > 1e-6 * max(np.linalg.norm(flat, axis=0).max(), 1e-300)]
     return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
+
+
+def _by_gravity(stand: Stand, memory: Memory) -> list[np.ndarray]:
+    """Decimated rigid columns at rest for gravity along base x, base y and as it is, (T', n, 10 n) each.
+
+    They follow from the links' positions alone, so that the next round need not build them again.
+    """
+    places = tuple(id(q) for q, _, _ in stand.moved)
+    if places in memory.gravity:
+        return memory.gravity[places][1]
+
+    def columns(gravity):
+        arm = stand.arm.replace(gravity=jnp.asarray(gravity))
+
+        def rows(k):
+            q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])
+            return rigid_columns(arm, q, zero, zero)
+
+        return stand.low(rows)
+
+    found = [columns(g) for g in (*np.eye(3)[:2], stand.arm.gravity)]
+    # The positions are kept with them: their identity is the key.
+    memory.gravity = {places: ([q for q, _, _ in stand.moved], found)}
+    return found
 
 
 def _touch(stand: Stand, term: Term) -> Candidate | None:
