@@ -37,6 +37,7 @@ class Diagnosis:
         last: Scores of all suspects in the final round, in which nobody passed.
         background: The folds of the final model.
         asked: Suspects asked in the first round.
+        withdrawn: What was added and later exchanged or dropped, with all effects in place.
     """
 
     declared: Estimate
@@ -45,6 +46,7 @@ class Diagnosis:
     last: tuple[Score, ...]
     background: Background
     asked: int
+    withdrawn: tuple[Term, ...] = ()
 
     @property
     def kept(self) -> tuple[Step, ...]:
@@ -81,7 +83,7 @@ def diagnose(
     progress("fitting the declared model")
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
-    memory, settled = Memory(journal), False
+    memory, settled, withdrawn = Memory(journal), False, ()
     for round_number in range(_MOST_STEPS + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
@@ -105,11 +107,14 @@ def diagnose(
             if settled or not steps:
                 break
             settled = True
+            former = steps
             steps, current, changed = choose_again(
                 steps, current, background, asked, rules, seed, progress
             )
             if not changed:
                 break
+            held = {key_of(s.added) for s in steps}
+            withdrawn = tuple(s.added for s in former if key_of(s.added) not in held)
             continue
         chosen, rivals = choose(guilty, rules, background)
         if stands_in(chosen, current, background, seed):
@@ -130,7 +135,7 @@ def diagnose(
         current = after
         # What was refused on this joint was refused without the new effect.
         banned = {key for key in banned if key[1] != added.joint}
-    return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked)
+    return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked, withdrawn)
 
 
 def stands_in(chosen: Score, current: Estimate, background: Background, seed: int) -> bool:

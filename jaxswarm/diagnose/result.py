@@ -66,7 +66,10 @@ def to_result(
         "declared": [place(t, joints) for t in diagnosis.declared.model.terms],
         "effects": [_effect(step, final, joints) for step in diagnosis.kept],
         "steps": steps,
-        "removed": [place(t, joints) for step in diagnosis.steps for t in step.removed],
+        "removed": [
+            place(t, joints)
+            for t in (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
+        ],
         "unexplained": [
             {
                 "joint": joints[u.joint],

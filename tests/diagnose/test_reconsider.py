@@ -86,6 +86,8 @@ def test_a_law_bent_into_the_sum_of_two_is_told_as_two():
     values = {k: v for t in found.final.model.terms for k, v in t.values.items() if t.joint == 1}
     assert values["vs"] == pytest.approx(0.12, rel=0.15)
     assert values["c"] == pytest.approx(1.5, rel=0.15)
+    gone = {t.effect for t in found.withdrawn}
+    assert gone.isdisjoint({s.added.effect for s in found.steps})
 
 
 def test_a_pair_is_refused_where_one_law_says_it_all(stage):
