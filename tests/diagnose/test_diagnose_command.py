@@ -65,6 +65,19 @@ def test_bad_options_are_refused_and_nothing_is_written(
     assert not out.exists()
 
 
+def test_validation_log_without_motion_to_use_is_refused_before_the_work(
+    monkeypatch, log_file, tmp_path, capsys
+):
+    short = tmp_path / "short.npz"
+    with np.load(log_file[0]) as whole:
+        np.savez(short, **{k: whole[k] if k == "joints" else whole[k][:5] for k in whole.files})
+    out = tmp_path / "out"
+    code = command(monkeypatch, log_file[0], "--robot", "rx60", "--out", out, "--validation", short)
+    assert code == 2
+    assert "short.npz" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_log_of_another_robot_is_refused(monkeypatch, tmp_path, capsys):
     path = tmp_path / "two.npz"
     t = np.arange(500) * 0.01
