@@ -9,16 +9,15 @@ respect autocorrelation as everywhere.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.candidates import Candidate
-from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
-from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.decide import Rules, Score, choose, passes
 from jaxswarm.diagnose.journal import Journal
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.judge import judge
+from jaxswarm.diagnose.stand import Memory
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.errors import InputError
 from jaxswarm.identify.assemble import tilted
@@ -158,14 +157,14 @@ def compare(
 
 def _ask(found: Estimate, background: Background, held, seed: int, done, memory) -> list[Score]:
     suspects = [t for t in list_suspects(found.model, found.motions, True) if t not in done]
-    stand = Stand(found, background)
-    interval = max(m.interval for m in found.motions)
-    scores = []
-    for candidate in gather(stand, tuple(suspects), jax.random.key(seed), memory):
-        term = candidate.term
-        known = (term.effect, term.joint, term.other) in held
-        scores.append(score(replace(candidate, signed=known), background, interval))
-    return scores
+    return judge(
+        found,
+        background,
+        suspects,
+        seed,
+        memory,
+        signed=lambda term: (term.effect, term.joint, term.other) in held,
+    )
 
 
 def _rows(before: Estimate, picked) -> Regression:

@@ -3,16 +3,15 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import jax
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background
-from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
-from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.decide import Rules, Score, choose, passes
 from jaxswarm.diagnose.journal import Journal
+from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.reconsider import choose_again
 from jaxswarm.diagnose.refit import key_of, refit_with
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.stand import Memory
 from jaxswarm.diagnose.step import Step, near_ones
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
@@ -179,14 +178,9 @@ def ask(
     memory: Memory | None = None,
 ) -> list[Score]:
     """Score every suspect against an estimate; ``memory`` spares searches between rounds."""
-    suspects = tuple(
-        t for t in list_suspects(found.model, found.motions) if key_of(t) not in banned
-    )
-    candidates = gather(
-        Stand(found, background), suspects, jax.random.key(seed), memory or Memory()
-    )
-    interval = max(m.interval for m in found.motions)
-    return [score(c, background, interval) for c in candidates]
+    suspects = list_suspects(found.model, found.motions)
+    allowed = [t for t in suspects if key_of(t) not in banned]
+    return judge(found, background, allowed, seed, memory)
 
 
 def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:

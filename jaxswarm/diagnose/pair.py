@@ -8,15 +8,13 @@ unseen blocks clearly better than the bent law did.
 from collections.abc import Sequence
 from dataclasses import replace
 
-import jax
 import numpy as np
 from scipy import special
 
-from jaxswarm.diagnose.background import make_background
-from jaxswarm.diagnose.decide import Rules, Score, passes, score
-from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.background import Background, make_background
+from jaxswarm.diagnose.decide import Rules, Score, passes
+from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
-from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.terms import Term
@@ -60,10 +58,7 @@ def pair(
 
 def _ask(found: Estimate, term: Term, asked: int, rules: Rules, seed: int) -> Score | None:
     """The score of a term on a model if it passes."""
-    background, interval = make_background(found), max(m.interval for m in found.motions)
-    suspects = (replace(term, values={}),)
-    gathered = gather(Stand(found, background), suspects, jax.random.key(seed), Memory())
-    scores = [score(c, background, interval) for c in gathered]
+    scores = judge(found, make_background(found), [replace(term, values={})], seed)
     return next((s for s in scores if passes(s, asked, rules)), None)
 
 
@@ -72,8 +67,7 @@ def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules
     stage = make_background(old)
     count = int(stage.block.max()) + 1
 
-    def blocks(found: Estimate) -> np.ndarray:
-        background = make_background(found)
+    def blocks(background: Background) -> np.ndarray:
         total = np.zeros(count)
         for half in background.halves:
             out = ~half.train
@@ -81,7 +75,7 @@ def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules
             np.add.at(total, stage.block[out], (left * stage.weight[out, joint]) ** 2)
         return total
 
-    before, after = blocks(old), blocks(new)
+    before, after = blocks(stage), blocks(make_background(new))
     fall = before - after
     spread = fall.std(ddof=1) / np.sqrt(count)
     chance = special.stdtr(count - 1, -fall.mean() / max(spread, 1e-300))

@@ -8,15 +8,13 @@ needs any more is dropped.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import jax
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background, robust_weight
-from jaxswarm.diagnose.decide import Rules, Score, choose, passes, score
-from jaxswarm.diagnose.gather import gather
+from jaxswarm.diagnose.decide import Rules, Score, choose, passes
+from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.refit import is_certain, key_of, refit, refit_with
-from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.step import Step, chain, competitors, find_term
 from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate
@@ -94,10 +92,8 @@ def reconsider(
         own = key_of(step.added)
         rest = refit(current, tuple(t for t in current.model.terms if key_of(t) != own))
         background = make_background(rest)
-        suspects = tuple(replace(t, values={}) for t in (step.added, *rivals))
-        gathered = gather(Stand(rest, background), suspects, jax.random.key(seed), Memory())
-        interval = max(m.interval for m in rest.motions)
-        scores = [score(c, background, interval) for c in gathered]
+        suspects = [replace(t, values={}) for t in (step.added, *rivals)]
+        scores = judge(rest, background, suspects, seed)
         guilty = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not guilty:
