@@ -45,7 +45,7 @@ def true_term(entry: dict) -> Term:
         "load_dependent_friction": lambda: {"mu": p["mu"], "inertial": 1.0},
         "hysteresis": lambda: {"fc": p["fc"], "x0": p["fc"] / p["sigma"]},
         "joint_elasticity": lambda: {"k": p["k"], "d": p["d"]},
-        "backlash": lambda: {"gap": p["gap"]},
+        "backlash": lambda: {"gap": p["gap"], "blur": 0.0},
         "transmission_coupling": lambda: {"b": p.get("fv", 0.0)},
     }.get(name, lambda: dict(p))()
     other = int(p["other"]) - 1 if "other" in p else None

@@ -19,6 +19,7 @@ from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.stand import Memory
 from jaxswarm.diagnose.suspects import list_suspects
+from jaxswarm.effects.warps import LAGGING
 from jaxswarm.errors import InputError
 from jaxswarm.identify.assemble import tilted
 from jaxswarm.identify.base_parameters import find_base
@@ -225,7 +226,7 @@ def _values(term: Term, own, doubt, joints) -> tuple[dict, dict]:
         names, own, doubt = ["gx", "gy"], own[:2], doubt[:2]
     elif law.warp == "window":
         names = [f"tau_{j}" for j in joints]
-    elif law.warp in ("elastic", "play"):
+    elif law.warp in LAGGING:
         return dict(term.values), {}
     else:
         names = [p.name for p in law.linear]

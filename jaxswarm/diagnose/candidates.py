@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
+from jaxswarm.effects.warps import LAGGING
 from jaxswarm.identify.terms import Term
 
 
@@ -19,6 +20,7 @@ class Candidate:
         size: Parameters it spends, linear and nonlinear.
         blur: Rows over which it is averaged before it is judged. When a loose gear strikes is decided
             by torques below the noise; how the load shifts around the strike is not.
+        start: Rigid parameters (10 n,) to refit from; None: those of the current model.
         signed: Whether the coefficient is a change of something known, of either sign.
     """
 
@@ -27,6 +29,7 @@ class Candidate:
     size: int
     blur: int = 1
     signed: bool = False
+    start: np.ndarray | None = None
 
     def view(self, x: np.ndarray) -> np.ndarray:
         """Average (T, ...) over ``blur`` rows."""
@@ -40,6 +43,6 @@ class Candidate:
         law = self.term.law
         if self.signed:
             return False
-        if law.warp in ("elastic", "play"):
+        if law.warp in LAGGING:
             return True
         return len(law.linear) == 1 and law.linear[0].lower >= 0

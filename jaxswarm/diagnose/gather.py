@@ -16,6 +16,7 @@ from jaxswarm.diagnose.lagging import lagging_candidate
 from jaxswarm.diagnose.search import Stage, begin_search
 from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.warped import warped_candidate
+from jaxswarm.effects.warps import LAGGING
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
 
@@ -36,7 +37,7 @@ def gather(
         if law.torque is not None and not law.nonlinear:
             done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
         elif law.torque is None:
-            soft = law.warp in ("elastic", "play")
+            soft = law.warp in LAGGING
             done[term] = (
                 lagging_candidate(stand, term, memory)
                 if soft

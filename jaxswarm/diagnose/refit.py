@@ -22,7 +22,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     term = _with_start(chosen)
     inner = CONTAINS.get(term.effect, ())
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
-    after = refit(current, (*kept, term))
+    after = refit(current, (*kept, term), chosen.candidate.start)
     fitted, errors = next(
         (t, e)
         for t, e in zip(after.model.terms, after.std_errors, strict=True)
@@ -48,26 +48,35 @@ def is_certain(term: Term, errors: dict[str, float]) -> bool:
     )
 
 
-def refit(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
-    """Estimate with other terms from where the current one stands, its sign width found anew."""
-    after = _fit_from(current, current, terms, current.model.width)
+def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None = None) -> Estimate:
+    """Estimate with other terms, its sign width found anew.
+
+    It starts from the current rigid parameters where no others are given.
+    """
+    start = _rigid(current) if start is None else start
+    after = _fit_from(current, start, terms, current.model.width)
     width = best_width(
         after.model.robot,
         after.model.terms,
         current.motions,
         current.rigids,
-        np.asarray(after.model.robot.parameters).ravel(),
+        _rigid(after),
     )
     if abs(np.log(width / after.model.width)) < _NEAR:
         return after
-    again = _fit_from(current, after, after.model.terms, width)
+    again = _fit_from(current, _rigid(after), after.model.terms, width)
     return again if _cost(again, after) < _cost(after, after) else after
 
 
+def _rigid(one: Estimate) -> np.ndarray:
+    """Rigid parameters, (10 n,)."""
+    return np.asarray(one.model.robot.parameters).ravel()
+
+
 def _fit_from(
-    current: Estimate, start: Estimate, terms: tuple[Term, ...], width: float
+    current: Estimate, start: np.ndarray, terms: tuple[Term, ...], width: float
 ) -> Estimate:
-    """Fit terms to the current logs from another estimate's rigid parameters and a width."""
+    """Fit terms to the current logs from rigid parameters (10 n,) and a width."""
     return estimate(
         current.model.robot,
         terms,
@@ -76,7 +85,7 @@ def _fit_from(
         refine_width=True,
         bounded=False,
         rigids=current.rigids,
-        start=np.asarray(start.model.robot.parameters).ravel(),
+        start=start,
     )
 
 

@@ -1,20 +1,23 @@
 """Where the model stands when the suspects are asked, and what earlier rounds found."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from jaxswarm.diagnose.background import Background
 from jaxswarm.diagnose.journal import Journal
-from jaxswarm.identify.assemble import assemble, tilted
+from jaxswarm.identify.assemble import assemble, moves_links, tilted
 from jaxswarm.identify.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.lag import link_motion, sensitivity_columns
 from jaxswarm.identify.model import linear_values
-from jaxswarm.identify.terms import Term, warped
+from jaxswarm.identify.terms import Term
 
 # A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
 _SAME = 0.05
+# Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
+_REACH, _TURNS = 3.0, 9
 
 
 @dataclass
@@ -56,7 +59,7 @@ class Stand:
         theta = linear_values(model)
         self.arm = tilted(model.robot, model.terms)
         self.loads, self.outputs, self.moved, self._sensed = [], [], [], {}
-        plain = not any(warped(model.terms, w) for w in ("elastic", "play", "gravity"))
+        plain = not moves_links(model.terms)
         for motion, rigid in zip(found.motions, found.rigids, strict=True):
             if plain:
                 moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
@@ -76,6 +79,54 @@ class Stand:
             motions = self.found.motions
             self._sensed[joint] = [sensitivity_columns(self.arm, m, joint) for m in motions]
         return self._sensed[joint]
+
+    @cached_property
+    def steady(self) -> tuple[np.ndarray, np.ndarray]:
+        """The model fitted to the rows that are within reach of the noise.
+
+        Huber's weights first, then none beyond :data:`_REACH` times the noise, which is the median
+        absolute deviation.
+
+        Returns:
+            Rigid parameters (10 n,), and the residual of all rows over the noise (T', n).
+        """
+        regression, solution = self.found.regression, self.found.fit
+        columns = regression.columns[:, :, solution.base.kept]
+        residual, values = solution.residual, solution.values
+        for turn in range(_TURNS):
+            noise = np.maximum(1.4826 * np.median(np.abs(residual), axis=0), 1e-300)
+            far = np.abs(residual) / noise / _REACH
+            weight = np.where(far < 1, 1.0, 0.0) if turn > 2 else np.maximum(far, 1.0) ** -0.5
+            rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])
+            target = (regression.target * weight / noise).ravel()
+            scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+            gram = rows.T @ rows / scale / scale[:, None]
+            values = np.linalg.lstsq(gram, rows.T @ target / scale, rcond=1e-13)[0] / scale
+            residual = regression.target - columns @ values
+        return solution.base.expand(values)[: len(self.pi)], residual / noise
+
+    def rotor(self, joint: int) -> np.ndarray:
+        """What the rigid parameters (10 n,) hold if all of a joint's inertia is its rotor's.
+
+        While a link follows its motor the two inertias are one. The change of the rigid parameters that
+        does what the rotor does, as large as the least inertia of the joint; zeros where no rotor is
+        declared.
+        """
+        full = np.zeros_like(self.pi)
+        name = f"ia_{self.found.model.robot.joints[joint]}:rotor_inertia"
+        regression, solution = self.found.regression, self.found.fit
+        inertia = min(
+            float((columns[3][:, joint] @ self.pi).min()) for columns in self.sensed(joint)
+        )
+        if name not in regression.names or inertia <= 0:
+            return full
+        rigid = [c for c in solution.base.kept if c < len(full)]
+        rows = regression.columns / solution.sigma[:, None]
+        matrix = rows[:, :, rigid].reshape(-1, len(rigid))
+        target = rows[:, :, regression.names.index(name)].ravel()
+        scale = np.linalg.norm(matrix, axis=0)
+        full[rigid] = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
+        return inertia * full
 
     def low(self, build) -> np.ndarray:
         """Decimate what ``build(log index)`` gives along its first axis, all logs one after the other."""

@@ -3,6 +3,7 @@
 import numpy as np
 
 from jaxswarm.effects import REGISTRY
+from jaxswarm.effects.warps import LAGGING
 from jaxswarm.identify.model import Model
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
@@ -29,6 +30,11 @@ def list_suspects(
     present = {(t.effect, t.joint, t.other) for t in model.terms}
     contained = {
         (inner, t.joint, None) for t in model.terms for inner in CONTAINS.get(t.effect, ())
+    }
+    # A play has a spring on its flanks: one transmission, one of the two.
+    soft = {(t.joint, None) for t in model.terms if t.law.warp in LAGGING}
+    contained |= {
+        (law.name, *place) for law in REGISTRY.values() if law.warp in LAGGING for place in soft
     }
     moves = np.any([np.ptp(m.q, axis=0) > 1e-3 for m in motions], axis=0)
     suspects = []

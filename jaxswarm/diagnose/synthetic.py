@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects.warps import LAGGING
 from jaxswarm.identify.model import Model, model_torque
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.filtering import Decimator
@@ -93,7 +94,7 @@ def synthetic_log(
     Raises:
         ValueError: If a term moves the links.
     """
-    if any(t.law.warp in ("elastic", "play") for t in terms):
+    if any(t.law.warp in LAGGING for t in terms):
         raise ValueError("soft joints and play need the forward simulation of jaxswarm.simulate")
     noise = noise or Noise()
     rng = np.random.default_rng(seed)

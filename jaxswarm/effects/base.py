@@ -83,6 +83,7 @@ class Parameter:
         nominal: A usual value: default in simulations, and where a search starts.
         scale: ``"linear"`` or ``"log"``: how a search should walk between the bounds.
         description: One clause that says what it is.
+        fitted: Whether a fit may move it; a choice stays what it was set to.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Parameter:
     nominal: float
     description: str
     scale: str = "linear"
+    fitted: bool = True
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,19 @@ register(
         scope="joint",
         parameters=(
             Parameter("gap", "rad", 1e-5, 0.2, False, 0.005, "play to either side", "log"),
+            Parameter(
+                "flank", "Hz", 10.0, 100.0, False, 30.0, "of the link on a closed gear", "log"
+            ),
+            Parameter(
+                "blur",
+                "s",
+                0.0,
+                1.0,
+                False,
+                0.12,
+                "time a predicted strike may be off",
+                fitted=False,
+            ),
         ),
         summary="encoder on the motor: dead zone in the transmission",
         reference="Nordin, Gutman 2002, Automatica 38(10)",

@@ -21,10 +21,12 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
+# Warps by which a link moves apart from its motor.
+LAGGING = ("elastic", "play")
 # Steps of the integrator within one sample: keeps a stiff contact accurate.
 SUBSTEPS = 4
-# Stiffness and damping of a closed gear, as multiples of the link's inertia: 30 Hz, damping 0.5.
-_CONTACT_FREQUENCY, _CONTACT_DAMPING = 190.0, 0.5
+# Damping ratio of a link on a closed gear.
+_CONTACT_DAMPING = 0.5
 
 
 @partial(jax.jit, static_argnames="substeps")
@@ -84,10 +86,12 @@ def deflection(
     return e, v, a
 
 
-def contact_stiffness(inertia: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Stiffness and damping that stand for a closed gear: well above the band, well damped."""
-    m = jnp.median(jnp.abs(inertia)) + 1e-9
-    return m * _CONTACT_FREQUENCY**2, 2 * _CONTACT_DAMPING * m * _CONTACT_FREQUENCY
+def contact_stiffness(
+    inertia: jax.Array, frequency: jax.Array | float
+) -> tuple[jax.Array, jax.Array]:
+    """Stiffness and damping of a closed gear, on which a link of inertia (T,) swings at a frequency [Hz]."""
+    m, w = jnp.median(jnp.abs(inertia)) + 1e-9, 2 * jnp.pi * frequency
+    return m * w**2, 2 * _CONTACT_DAMPING * m * w
 
 
 def shift(x: jax.Array, seconds: jax.Array, step: float) -> jax.Array:

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.warps import shift
+from jaxswarm.effects.warps import LAGGING, shift
 from jaxswarm.identify.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.lag import link_motion
 from jaxswarm.identify.terms import Term, warped
@@ -35,7 +35,7 @@ def uses_load(terms: tuple[Term, ...]) -> bool:
 
 def moves_links(terms: tuple[Term, ...]) -> bool:
     """Whether a term changes the rigid columns themselves."""
-    return any(t.law.warp in ("elastic", "play", "gravity") for t in terms)
+    return any(t.law.warp in (*LAGGING, "gravity") for t in terms)
 
 
 def assemble(

@@ -7,7 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.identify.assemble import tilted
 from jaxswarm.identify.columns import Rigid, rigid_of
+from jaxswarm.identify.lag import flank_compression
 from jaxswarm.identify.least_squares import Fit
 from jaxswarm.identify.model import Model, linear_values
 from jaxswarm.identify.newton import Problem, Settled, newton, settle, standard_errors
@@ -123,6 +125,10 @@ def _finish(problem: Problem, here: Settled, moving: list[Knob]) -> Estimate:
         if knob.term is not None:
             slope = knob.slope(terms[knob.term].values[knob.name])
             errors[knob.term][knob.name] = float(error * slope)
+    for term, own in zip(terms, errors, strict=True):
+        if term.law.warp == "play":
+            pressed = flank_compression(tilted(robot, terms), term, first, here.pi)
+            own["gap"] = float(np.hypot(own["gap"], pressed))
     return Estimate(
         model, here.solution, here.regression, problem.motions, problem.rigids, tuple(errors)
     )

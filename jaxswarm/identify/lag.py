@@ -19,9 +19,6 @@ from jaxswarm.identify.terms import Term, warped
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
-# Uncertainty [s] of the moment at which a loose link strikes.
-_STRIKE = 0.12
-
 
 def sensitivity_columns(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
     """Rigid columns (T, n, 10 n) and their derivatives by position, velocity, acceleration of a joint.
@@ -46,20 +43,38 @@ def sensitivity(robot: Robot, motion: Motion, joint: int, pi: np.ndarray) -> tup
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
     """Lag of the link of a soft or loose joint along a log: e, de, dde, each (T,)."""
     torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
-    if term.effect == "backlash":
-        k, d = contact_stiffness(by_ddq)
-        gap = term.values["gap"]
-    else:
-        k, d, gap = term.values["k"], term.values["d"], 0.0
-    lag = deflection(
-        by_ddq, by_dq, by_q, torque, jnp.asarray(k, float), jnp.asarray(d, float),
-        jnp.asarray(gap, float), 1.0 / motion.rate,
-    )  # fmt: skip
-    if term.effect != "backlash":
-        return tuple(np.asarray(x) for x in lag)
-    # When the link strikes is uncertain by torques below the noise: the mean over that uncertainty.
-    size = max(1, round(_STRIKE * motion.rate))
+    lag = deflection(by_ddq, by_dq, by_q, torque, *_transmission(term, by_ddq), 1.0 / motion.rate)
+    size = max(1, round(blur_of(term) * motion.rate))
     return tuple(ndimage.uniform_filter1d(np.asarray(x), size, mode="nearest") for x in lag)
+
+
+def blur_of(term: Term) -> float:
+    """Time [s] over which a lag is averaged: by how much the moment of a strike is uncertain."""
+    return {**term.law.nominal(), **term.values}.get("blur", 0.0)
+
+
+def slope_terms(terms: tuple[Term, ...]) -> list[Term]:
+    """The soft and loose joints whose lag follows the rigid parameters smoothly enough for a derivative."""
+    loose = [t for t in warped(terms, "play") if blur_of(t) == 0.0]
+    return [*warped(terms, "elastic"), *loose]
+
+
+def flank_compression(robot: Robot, term: Term, motion: Motion, pi: np.ndarray) -> float:
+    """How far the gear of a loose joint is pressed together on its flanks [rad], the median along a log.
+
+    Where a flank begins is not known more closely: the play and the compression add up.
+    """
+    torque, _, _, inertia = (x[:, term.joint] for x in sensitivity(robot, motion, term.joint, pi))
+    return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
+
+
+def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
+    """Stiffness, damping and play of a joint whose link has this inertia (T,)."""
+    given = {**term.law.nominal(), **term.values}
+    if term.law.warp == "play":
+        gear = contact_stiffness(jnp.asarray(inertia), given["flank"])
+        return (*gear, jnp.asarray(given["gap"], float))
+    return tuple(jnp.asarray(x, float) for x in (given["k"], given["d"], 0.0))
 
 
 def link_motion(
@@ -75,30 +90,30 @@ def link_motion(
 
 
 def lag_slopes(robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.ndarray) -> np.ndarray:
-    """Derivative of the torque by the rigid parameters that runs through the lag of soft joints.
+    """Derivative of the torque by the rigid parameters that runs through the lag of soft and loose joints.
 
     To first order about the motors' motion, shape (T, n, 10 n).
     """
     total = np.zeros((*motion.q.shape, len(pi)))
-    for term in warped(terms, "elastic"):
+    for term in slope_terms(terms):
         j = term.joint
         sensed = sensitivity_columns(robot, motion, j)
         own = np.stack([x[:, j] for x in sensed])
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
-        k, d = (jnp.asarray(term.values[name], float) for name in ("k", "d"))
-        lags = _lag_directions(own @ pi, own[:, :, felt], k, d, 1.0 / motion.rate)
+        given = _transmission(term, own[3] @ pi)
+        lags = _lag_directions(own @ pi, own[:, :, felt], given, 1.0 / motion.rate)
         for by, lag in zip(sensed[1:], lags, strict=True):
             total[:, :, felt] -= (by @ pi)[:, :, None] * np.asarray(lag)[:, None, :]
     return total
 
 
 @jax.jit
-def _lag_directions(own, directions, k, d, step):
+def _lag_directions(own, directions, transmission, step):
     """Derivatives (T, m) of e, de, dde along m directions (4, T, m) of torque and sensitivities."""
 
     def lag(signals):
         torque, by_q, by_dq, by_ddq = signals
-        return deflection(by_ddq, by_dq, by_q, torque, k, d, jnp.zeros_like(k), step)
+        return deflection(by_ddq, by_dq, by_q, torque, *transmission, step)
 
     along = partial(jax.jvp, lag, (own,))
     return jax.vmap(lambda x: along((x,))[1], in_axes=2, out_axes=1)(directions)

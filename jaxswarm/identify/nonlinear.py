@@ -66,6 +66,7 @@ def knobs(terms: tuple[Term, ...], width_range: tuple[float, float] | None = Non
         for k, term in enumerate(terms)
         if term.law.warp not in _NOT_SEARCHED
         for p in term.law.nonlinear
+        if p.fitted
     ]
     return own if width_range is None else [*own, Knob(None, "width", *width_range, True)]
 

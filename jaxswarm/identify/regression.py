@@ -8,9 +8,9 @@ import numpy as np
 from jaxswarm.errors import InputError
 from jaxswarm.identify.assemble import assemble, report, tilted
 from jaxswarm.identify.columns import Rigid, column_names
-from jaxswarm.identify.lag import lag_slopes
+from jaxswarm.identify.lag import lag_slopes, slope_terms
 from jaxswarm.identify.metrics import is_moving
-from jaxswarm.identify.terms import Term, warped
+from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -86,7 +86,7 @@ def build_regression(
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
         low = motion.decimator
-        if warped(terms, "elastic"):
+        if slope_terms(terms):
             slopes = lag_slopes(tilted(robot, terms), terms, motion, pi)
             lag = low.apply(report(terms, motion, slopes))
             columns[-1][:, :, : len(pi)] += lag

@@ -19,10 +19,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Law, get_law
+from jaxswarm.effects.warps import LAGGING
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
 
-SOFT = ("elastic", "play")
 MEASURED = ("gain", "delay")
 PLAY_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
 
@@ -68,7 +68,7 @@ class Plant:
     @property
     def soft(self) -> tuple[int, ...]:
         """Joints whose motor moves apart from the link."""
-        return tuple(sorted({a.joint for a in self.acting if a.law.warp in SOFT}))
+        return tuple(sorted({a.joint for a in self.acting if a.law.warp in LAGGING}))
 
     @property
     def remembering(self) -> tuple[Acting, ...]:
