@@ -277,7 +277,7 @@ def run_case(case: Case) -> dict:
     right = [t for t in added if any(same(t, h) for h in hidden)]
     late = [h.values["seconds"] for h in hidden if h.effect == "time_delay"]
     skew = found.final.motions[0].skew
-    clock = bool(late) and abs(late[0]) < 0.5 / RATE and abs(skew - late[0]) < 0.2 * abs(late[0])
+    clock = any(x < 0.5 / RATE and bool(abs(skew - x) < 0.2 * x) for x in late)
     rivals = [[s.candidate.term.label(joints) for s in step.rivals] for step in found.steps]
     return {
         "case": case.name,

@@ -3,6 +3,7 @@
 import io
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 MEASURED, MODEL, RESIDUAL, ACCENT = "#5b6770", "#d1495b", "#2e6f95", "#edae49"
@@ -16,6 +17,30 @@ def _grid(rows: int, columns: int, width: float, height: float, **options) -> tu
         axis.spines[["top", "right"]].set_visible(False)
         axis.grid(alpha=0.25, linewidth=0.5)
     return figure, axes
+
+
+def _arrange(figure: Figure, axes: np.ndarray, title: str, across: float, between: float) -> None:
+    """Title and margins in inches for many panels: the constrained layout takes as long as the drawing.
+
+    Args:
+        figure: The figure.
+        axes: Its axes in a grid, y labels on the first column alone.
+        title: Title of the figure.
+        across, between: Space between columns, and between rows.
+    """
+    (rows, columns), (width, height) = axes.shape, figure.get_size_inches()
+    left, right, bottom, top = 0.9, 0.12, 0.5, 0.42
+    figure.set_layout_engine(None)
+    figure.subplots_adjust(
+        left=left / width,
+        right=1.0 - right / width,
+        bottom=bottom / height,
+        top=1.0 - top / height,
+        wspace=across * columns / (width - left - right - across * (columns - 1)),
+        hspace=between * rows / (height - bottom - top - between * (rows - 1)),
+    )
+    figure.align_ylabels(axes[:, 0])
+    figure.suptitle(title, fontsize=11, y=1.0 - 0.08 / height, va="top")
 
 
 def panels(rows: int, columns: int, width: float, height: float, **options):
@@ -39,18 +64,21 @@ def torque_overlay(t, measured, predicted, joints, units, title="") -> Figure:
         top, bottom = axes[2 * j, 0], axes[2 * j + 1, 0]
         top.plot(t, measured[:, j], color=MEASURED, lw=1.2, label="measured")
         top.plot(t, predicted[:, j], color=MODEL, lw=0.9, label="model")
-        top.set_ylabel(f"{joints[j]} [{units[j]}]")
+        top.set_ylabel(units[j])
+        top.text(
+            0.005, 0.97, joints[j], va="top", transform=top.transAxes, fontsize=9, weight="bold"
+        )  # fmt: skip
         error = measured[:, j] - predicted[:, j]
         bottom.plot(t, error, color=RESIDUAL, lw=0.7)
         bottom.axhline(0.0, color="k", lw=0.5)
-        bottom.set_ylabel("residual")
+        bottom.set_ylabel("residual", fontsize=8)
         bottom.text(
             0.995, 0.9, f"RMS {np.sqrt(np.mean(error**2)):.3g} {units[j]}",
             ha="right", va="top", transform=bottom.transAxes, fontsize=8,
         )  # fmt: skip
     axes[0, 0].legend(loc="upper right", ncols=2, frameon=False, fontsize=8)
     axes[-1, 0].set_xlabel("time [s]")
-    figure.suptitle(title, fontsize=11)
+    _arrange(figure, axes, title, 0.1, 0.12)
     return figure
 
 
@@ -85,11 +113,12 @@ def residual_dependence(residual, variables, joints, units, title="") -> Figure:
             axis.plot(values[:, j], residual[:, j], ".", ms=1.5, alpha=0.25, color=MEASURED)
             center, mean, error = binned(values[:, j], residual[:, j])
             axis.errorbar(center, mean, 2 * error, color=MODEL, lw=1.2, elinewidth=0.7)
+            axis.locator_params(nbins=4)
             if j == n - 1:
                 axis.set_xlabel(label)
             if k == 0:
                 axis.set_ylabel(f"{joints[j]} [{units[j]}]")
-    figure.suptitle(title, fontsize=11)
+    _arrange(figure, axes, title, 0.1, 0.3)
     return figure
 
 
@@ -119,11 +148,12 @@ def convergence(histories: dict[str, np.ndarray], optimum: float, title="") -> F
 
 def png(figure: Figure):
     """A writer of the figure for :func:`jaxswarm.outputs.write_files`."""
-    return lambda path: figure.savefig(path, format="png")
+    return lambda path: path.write_bytes(png_bytes(figure))
 
 
 def png_bytes(figure: Figure) -> bytes:
     """The figure as a PNG file's content."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png")
+    # savefig() draws everything twice, the first time for a bounding box that is not asked for here.
+    FigureCanvasAgg(figure).print_png(buffer)
     return buffer.getvalue()

@@ -14,7 +14,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.lagging import lagging_candidate
 from jaxswarm.diagnose.search import Stage, begin_search
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.warped import warped_candidate
 from jaxswarm.effects.warps import LAGGING
 from jaxswarm.identify.terms import Term
@@ -24,13 +24,11 @@ from jaxswarm.logs.motion import Motion
 _MULTIPLE = 16
 
 
-def gather(
-    stand: Stand, suspects: tuple[Term, ...], key: jax.Array, memory: Memory
-) -> list[Candidate]:
+def gather(stand: Stand, suspects: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
     """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
     searched = [t for t in suspects if t.law.torque is not None and t.law.nonlinear]
     # The compiled searches run while the other candidates are built.
-    finish = _begin(stand, searched, key, memory)
+    finish = _begin(stand, searched, key)
     done: dict[Term, Candidate | None] = {}
     for term in suspects:
         law = term.law
@@ -38,11 +36,7 @@ def gather(
             done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
         elif law.torque is None:
             soft = law.warp in LAGGING
-            done[term] = (
-                lagging_candidate(stand, term, memory)
-                if soft
-                else warped_candidate(stand, term, memory)
-            )
+            done[term] = lagging_candidate(stand, term) if soft else warped_candidate(stand, term)
     for term, values in zip(searched, finish(), strict=True):
         columns = tuple(stand.law(replace(term, values=v)) for v in values)
         placed = replace(term, values=values[0])
@@ -50,16 +44,15 @@ def gather(
     return [done[t] for t in suspects if done[t] is not None]
 
 
-def _begin(
-    stand: Stand, terms: list[Term], key: jax.Array, memory: Memory
-) -> Callable[[], list[list[dict]]]:
+def _begin(stand: Stand, terms: list[Term], key: jax.Array) -> Callable[[], list[list[dict]]]:
     """Start finding nonlinear parameters of laws per fold where they are unknown."""
+    memory = stand.memory
     memory.round += 1
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
     known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
     if all(known.values()):
-        return lambda: _keep(stand, terms, found, known, memory)
+        return lambda: _keep(stand, terms, found, known)
     motions = stand.found.motions
     chosen = _comparable(motions)
     finish = begin_search(
@@ -75,7 +68,7 @@ def _begin(
         searched = dict(zip(unknown, finish(), strict=True))
         if memory.journal:
             memory.journal.keep(memory.round, searched)
-        return _keep(stand, terms, found, searched, memory)
+        return _keep(stand, terms, found, searched)
 
     return values
 
@@ -92,12 +85,10 @@ def _comparable(motions: Sequence[Motion]) -> list[int]:
     ]
 
 
-def _keep(
-    stand: Stand, terms: list[Term], found: dict, new: dict, memory: Memory
-) -> list[list[dict]]:
+def _keep(stand: Stand, terms: list[Term], found: dict, new: dict) -> list[list[dict]]:
     """Values per fold of all terms; those that are new are remembered."""
     for term, per_fold in new.items():
-        memory.keep(term, stand.residuals(term.joint), per_fold)
+        stand.memory.keep(term, stand.residuals(term.joint), per_fold)
     return [{**found, **new}[t] for t in terms]
 
 

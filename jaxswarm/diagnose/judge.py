@@ -31,6 +31,8 @@ def judge(
         memory: Spares searches between rounds; None: nothing is remembered.
         signed: Whether a term is a change of something known, of either sign.
     """
-    stand, interval = Stand(found, background), max(m.interval for m in found.motions)
-    candidates = gather(stand, tuple(suspects), jax.random.key(seed), memory or Memory())
+    memory = memory or Memory()
+    stand = Stand(found, background, memory)
+    interval = max(m.interval for m in found.motions)
+    candidates = gather(stand, tuple(suspects), jax.random.key(seed))
     return [score(replace(c, signed=signed(c.term)), background, interval) for c in candidates]

@@ -9,6 +9,7 @@ from jaxswarm.diagnose.background import Fold
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.effects import get_law
 from jaxswarm.effects.warps import deflection
+from jaxswarm.identify.sensitivity import Sensitivity
 from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion
 
@@ -24,8 +25,7 @@ _MOST_LAG = 1.0
 
 def lag_torque(
     motion: Motion,
-    columns: tuple[np.ndarray, ...],
-    joint: int,
+    sensed: Sensitivity,
     pis: np.ndarray,
     k: np.ndarray,
     d: np.ndarray,
@@ -36,19 +36,18 @@ def lag_torque(
 
     Args:
         motion: The log.
-        columns: Rigid columns and their derivatives by the joint's motion.
-        joint: The joint.
+        sensed: What the rigid torque does when the joint moves otherwise.
         pis: Rigid parameters, (m, 10 n); one row serves all options.
         k, d, gap: Stiffness, damping and play, each (m,).
         substeps: Integration steps per sample.
     """
-    torque, by_q, by_dq, by_ddq = (np.moveaxis(c @ pis.T, 2, 0) for c in columns)
+    torque, by_q, by_dq, by_ddq = (np.moveaxis(x, 2, 0) for x in sensed.at(pis))
 
     def lag(tau, s, c, m, k, d, gap):
         return deflection(m, c, s, tau, k, d, gap, 1.0 / motion.rate, substeps)
 
     shape = (len(k), len(motion.t))
-    own = [np.broadcast_to(x[:, :, joint], shape) for x in (torque, by_q, by_dq, by_ddq)]
+    own = [np.broadcast_to(x[:, :, sensed.joint], shape) for x in (torque, by_q, by_dq, by_ddq)]
     e, v, a = (np.asarray(x) for x in jax.vmap(lag)(*own, k, d, gap))
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < _MOST_LAG)

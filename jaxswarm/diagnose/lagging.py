@@ -17,7 +17,7 @@ from jaxswarm.diagnose.lag_torque import (
     placed,
 )
 from jaxswarm.diagnose.play import sharp_candidate
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.effects.warps import contact_stiffness
 from jaxswarm.identify.terms import Term
 
@@ -26,17 +26,17 @@ _SOFT = [(k, d) for k in np.geomspace(30.0, 3e5, 17) for d in (0.003, 0.01, 0.03
 _SETTLE = 3
 
 
-def lagging_candidate(stand: Stand, term: Term, memory: Memory) -> Candidate | None:
+def lagging_candidate(stand: Stand, term: Term) -> Candidate | None:
     """A link that lags behind its motor; None where the joint moves no inertia.
 
     Where a rotor is declared, divisions of the joint's inertia between it and the link are tried with
     every stiffness: a stiff joint does not tell them apart.
     """
     soft, j = term.law.warp == "elastic", term.joint
-    inertia = stand.sensed(j)[0][3][:, j] @ stand.pi
+    inertia = stand.sensed(j)[0].inertia(stand.pi)
     if np.median(np.abs(inertia)) < 1e-6:
         return None
-    residuals = stand.residuals(j)
+    memory, residuals = stand.memory, stand.residuals(j)
     known = memory.recall(term, residuals)
     if not soft and (known is None or not any(v["blur"] for v in known)):
         sharp = sharp_candidate(stand, term)
@@ -93,7 +93,7 @@ def _settled_curves(stand: Stand, joint: int, options: list[dict]) -> np.ndarray
     When the link crosses the play depends on small torques, and the parameters were fitted without
     the play: they are settled with every gap, to first order, before it is judged.
     """
-    inertia = jnp.asarray(stand.sensed(joint)[0][3][:, joint] @ stand.pi)
+    inertia = jnp.asarray(stand.sensed(joint)[0].inertia(stand.pi))
     gap, flank = (np.array([o[name] for o in options]) for name in ("gap", "flank"))
     k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
     pis = stand.pi[None]
@@ -105,8 +105,8 @@ def _settled_curves(stand: Stand, joint: int, options: list[dict]) -> np.ndarray
 
 def _weighted(stand: Stand, joint: int, pis, k, d, gap) -> np.ndarray:
     parts = [
-        lag_torque(m, columns, joint, pis, k, d, gap)
-        for m, columns in zip(stand.found.motions, stand.sensed(joint), strict=True)
+        lag_torque(m, own, pis, k, d, gap)
+        for m, own in zip(stand.found.motions, stand.sensed(joint), strict=True)
     ]
     return np.concatenate(parts, axis=1) * stand.background.weight
 

@@ -86,11 +86,11 @@ def _most_explained(
 def _curves(stand: Stand, joint: int, points: list[_Point], pi: np.ndarray) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs."""
     motions, sensed = stand.found.motions, stand.sensed(joint)
-    inertia = jnp.asarray(sensed[0][3][:, joint] @ pi)
+    inertia = jnp.asarray(sensed[0].inertia(pi))
     gap, _, flank = np.array(points).T
     k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
     parts = [
-        lag_torque(motion, columns, joint, pi[None], k, d, gap, SUBSTEPS)
-        for motion, columns in zip(motions, sensed, strict=True)
+        lag_torque(motion, own, pi[None], k, d, gap, SUBSTEPS)
+        for motion, own in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

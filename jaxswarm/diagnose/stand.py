@@ -10,9 +10,10 @@ from jaxswarm.diagnose.journal import Journal
 from jaxswarm.identify.assemble import assemble, moves_links, tilted
 from jaxswarm.identify.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.estimate import Estimate
-from jaxswarm.identify.lag import link_motion, sensitivity_columns
+from jaxswarm.identify.lag import link_motion
 from jaxswarm.identify.model import linear_values
-from jaxswarm.identify.terms import Term
+from jaxswarm.identify.sensitivity import Sensitivity, sensitivity_of
+from jaxswarm.identify.terms import Term, warped
 
 # A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
 _SAME = 0.05
@@ -29,12 +30,14 @@ class Memory:
         round: Number of the present round, from zero.
         known: Values per fold by term, with the residuals.
         gravity: Columns of gravity along each base axis, by the logs they belong to.
+        sensed: What the rigid torque does when a joint moves otherwise, by joint, logs and gravity.
     """
 
     journal: Journal | None = None
     round: int = -1
     known: dict = field(default_factory=dict)
     gravity: dict = field(default_factory=dict)
+    sensed: dict = field(default_factory=dict)
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if the joint's residuals (folds, T) are still what they were."""
@@ -52,14 +55,15 @@ class Memory:
 class Stand:
     """Where the model stands: its torque, motion and loads on every log, and how columns are weighed."""
 
-    def __init__(self, found: Estimate, background: Background):
-        self.found, self.background = found, background
+    def __init__(self, found: Estimate, background: Background, memory: Memory):
+        self.found, self.background, self.memory = found, background, memory
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         theta = linear_values(model)
         self.arm = tilted(model.robot, model.terms)
-        self.loads, self.outputs, self.moved, self._sensed = [], [], [], {}
+        self.loads, self.outputs, self.moved = [], [], []
         plain = not moves_links(model.terms)
+        self.level = not warped(model.terms, "gravity")
         for motion, rigid in zip(found.motions, found.rigids, strict=True):
             if plain:
                 moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
@@ -73,12 +77,23 @@ class Stand:
             )
             self.moved.append(moved)
 
-    def sensed(self, joint: int) -> list[tuple[np.ndarray, ...]]:
-        """Rigid columns of every log and their derivatives by a joint's motion."""
-        if joint not in self._sensed:
-            motions = self.found.motions
-            self._sensed[joint] = [sensitivity_columns(self.arm, m, joint) for m in motions]
-        return self._sensed[joint]
+    def sensed(self, joint: int) -> list[Sensitivity]:
+        """What the rigid torque of every log does when a joint moves otherwise.
+
+        It follows from the motion and gravity alone, so that the next round need not build it again.
+        """
+        place = (joint, *(id(m) for m in self.found.motions), *np.asarray(self.arm.gravity))
+        if place not in self.memory.sensed:
+            logs = place[1 : 1 + len(self.found.motions)]
+            kept = self.memory.sensed.items()
+            self.memory.sensed = {k: v for k, v in kept if k[1 : 1 + len(logs)] == logs}
+            own = [
+                sensitivity_of(self.arm, motion, joint, rigid.full if self.level else None)
+                for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True)
+            ]
+            # The motions are kept with it: their identity is the key.
+            self.memory.sensed[place] = (self.found.motions, own)
+        return self.memory.sensed[place][1]
 
     @cached_property
     def steady(self) -> tuple[np.ndarray, np.ndarray]:
@@ -115,9 +130,7 @@ class Stand:
         full = np.zeros_like(self.pi)
         name = f"ia_{self.found.model.robot.joints[joint]}:rotor_inertia"
         regression, solution = self.found.regression, self.found.fit
-        inertia = min(
-            float((columns[3][:, joint] @ self.pi).min()) for columns in self.sensed(joint)
-        )
+        inertia = min(float(own.inertia(self.pi).min()) for own in self.sensed(joint))
         if name not in regression.names or inertia <= 0:
             return full
         rigid = [c for c in solution.base.kept if c < len(full)]

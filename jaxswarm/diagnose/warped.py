@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates import Candidate
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.identify.columns import rigid_columns
 from jaxswarm.identify.terms import Term
 
@@ -14,7 +14,7 @@ from jaxswarm.identify.terms import Term
 _SHORTEST, _LENGTHS = 8, 24
 
 
-def warped_candidate(stand: Stand, term: Term, memory: Memory) -> Candidate | None:
+def warped_candidate(stand: Stand, term: Term) -> Candidate | None:
     """The candidate of a drive gain, delay, tilt, payload or touch; None where there is nothing to say."""
     kind = term.law.warp
     if kind == "window":
@@ -29,7 +29,7 @@ def warped_candidate(stand: Stand, term: Term, memory: Memory) -> Candidate | No
         )
         start = {"seconds": 0.0}
     elif kind == "gravity":
-        columns = stand.background.weigh(_tilt(stand, memory))
+        columns = stand.background.weigh(_tilt(stand))
         start = {"gx": 0.0, "gy": 0.0}
     else:
         last = slice(-10, None)
@@ -38,14 +38,14 @@ def warped_candidate(stand: Stand, term: Term, memory: Memory) -> Candidate | No
     return Candidate(replace(term, values=start), (columns,) * 3, columns.shape[2])
 
 
-def _tilt(stand: Stand, memory: Memory) -> np.ndarray:
+def _tilt(stand: Stand) -> np.ndarray:
     """Decimated torque of a unit of gravity along base x and y, (T', n, 2 and more).
 
     Gravity aside also loads masses that the level arm never felt, such as that of a first link
     about its vertical axis: their torques follow as further columns with free coefficients.
     """
     unknown = np.setdiff1d(np.arange(len(stand.pi)), stand.found.fit.base.kept)
-    *aside, level = _by_gravity(stand, memory)
+    *aside, level = _by_gravity(stand)
     known = np.stack([rows @ stand.pi for rows in aside], axis=2)
     free = np.concatenate([rows[:, :, unknown] for rows in aside], axis=2)
     # What the level arm's own columns cannot say already, as few columns as span it.
@@ -58,12 +58,13 @@ def _tilt(stand: Stand, memory: Memory) -> np.ndarray:
     return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
 
 
-def _by_gravity(stand: Stand, memory: Memory) -> list[np.ndarray]:
+def _by_gravity(stand: Stand) -> list[np.ndarray]:
     """Decimated rigid columns at rest for gravity along base x, base y and as it is, (T', n, 10 n) each.
 
     They follow from the links' positions alone, so that the next round need not build them again.
     """
     places = tuple(id(q) for q, _, _ in stand.moved)
+    memory = stand.memory
     if places in memory.gravity:
         return memory.gravity[places][1]
 

@@ -14,30 +14,10 @@ import numpy as np
 from scipy import ndimage
 
 from jaxswarm.effects.warps import contact_stiffness, deflection
-from jaxswarm.identify.columns import rigid_columns
+from jaxswarm.identify.sensitivity import sensitivity_of
 from jaxswarm.identify.terms import Term, warped
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
-
-
-def sensitivity_columns(robot: Robot, motion: Motion, joint: int) -> tuple[np.ndarray, ...]:
-    """Rigid columns (T, n, 10 n) and their derivatives by position, velocity, acceleration of a joint.
-
-    Differences of the regressor: exact for the acceleration, in which the torque is linear.
-    """
-    here = (motion.q, motion.dq, motion.ddq)
-    slopes = []
-    for argument, step in enumerate((1e-5, 1e-4, 1.0)):
-        high, low = list(here), list(here)
-        axis = step * (np.arange(robot.num_joints) == joint)
-        high[argument], low[argument] = here[argument] + axis, here[argument] - axis
-        slopes.append((rigid_columns(robot, *high) - rigid_columns(robot, *low)) / (2.0 * step))
-    return rigid_columns(robot, *here), *slopes
-
-
-def sensitivity(robot: Robot, motion: Motion, joint: int, pi: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Rigid torque (T, n) and its derivatives by position, velocity, acceleration of one joint."""
-    return tuple(columns @ pi for columns in sensitivity_columns(robot, motion, joint))
 
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
@@ -64,7 +44,9 @@ def flank_compression(robot: Robot, term: Term, motion: Motion, pi: np.ndarray) 
 
     Where a flank begins is not known more closely: the play and the compression add up.
     """
-    torque, _, _, inertia = (x[:, term.joint] for x in sensitivity(robot, motion, term.joint, pi))
+    torque, _, _, inertia = (
+        x[:, term.joint] for x in sensitivity_of(robot, motion, term.joint).at(pi)
+    )
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
 
@@ -83,7 +65,7 @@ def link_motion(
     """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
     for term in warped(terms, "elastic") + warped(terms, "play"):
-        lag = term_deflection(term, motion, sensitivity(robot, motion, term.joint, pi))
+        lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
@@ -97,13 +79,13 @@ def lag_slopes(robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.nda
     total = np.zeros((*motion.q.shape, len(pi)))
     for term in slope_terms(terms):
         j = term.joint
-        sensed = sensitivity_columns(robot, motion, j)
-        own = np.stack([x[:, j] for x in sensed])
+        sensed = sensitivity_of(robot, motion, j)
+        own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
         given = _transmission(term, own[3] @ pi)
         lags = _lag_directions(own @ pi, own[:, :, felt], given, 1.0 / motion.rate)
-        for by, lag in zip(sensed[1:], lags, strict=True):
-            total[:, :, felt] -= (by @ pi)[:, :, None] * np.asarray(lag)[:, None, :]
+        for by, lag in zip(sensed.at(pi)[1:], lags, strict=True):
+            total[:, :, felt] -= by[:, :, None] * np.asarray(lag)[:, None, :]
     return total
 
 
