@@ -71,7 +71,7 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
         unit = 20.0 * np.sqrt(float(np.median(np.abs(inertia))))
         options = [{"k": k, "d": r * np.sqrt(k) * unit} for k, r in _SOFT]
     else:
-        options = [{"gap": g, "flank": FLANK, "blur": BLUR} for g in GAPS]
+        options = [{"gap": g, "flank": FLANK, "blur": BLUR} for g in GAPS[::2]]
     limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
     inside = [{n: float(np.clip(v, *limits[n])) for n, v in o.items()} for o in options]
     return [{**o, "share": float(s)} for s in shares for o in inside]

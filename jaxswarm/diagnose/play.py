@@ -23,7 +23,7 @@ from jaxswarm.diagnose.stand import Stand
 from jaxswarm.effects.warps import SUBSTEPS, contact_stiffness
 from jaxswarm.identify.terms import Term
 
-# Share of the joint's squared error that predicted strikes must explain.
+# Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
 _MOST = 0.3
 # Second lattice about the best point: factors on the gap, changes of the rotor's share, flanks [Hz].
 _FINE_GAPS, _FINE_SHARES = np.geomspace(0.85, 1.18, 13), np.linspace(-0.075, 0.075, 5)
@@ -52,35 +52,40 @@ def sharp_candidate(stand: Stand, term: Term) -> Candidate | None:
         return np.concatenate(parts)
 
     coarse = [_Point(g, s, FLANK) for s in (ROTOR_SHARES if divided else (0.0,)) for g in GAPS]
-    everything = np.ones(len(residual), dtype=bool)
-    pick, explained = _most_explained(curves_at(coarse), residual, everything, j)
-    if explained < 0.5 * _MOST:
+    shares_of = _explained(curves_at(coarse), residual, np.ones(len(residual), dtype=bool), j)
+    if shares_of.max() < 0.5 * _MOST:
         return None
-    best = coarse[pick]
+    best = coarse[int(np.argmax(shares_of))]
     shares = np.unique(np.clip(best.share + _FINE_SHARES, 0.0, 0.95)) if divided else (0.0,)
     fine = [_Point(best.gap * g, s, f) for s in shares for f in _FLANKS for g in _FINE_GAPS]
     curves = curves_at(fine)
-    found = [_most_explained(curves, residual, f.train, j) for f in stand.background.folds]
-    if found[0][1] < _MOST:
+    folds = stand.background.folds
+    picks = [int(np.argmax(_explained(curves, residual, f.train, j))) for f in folds]
+    unseen = [
+        _explained(curves[[pick]], residual, ~fold.train, j)[0]
+        for pick, fold in zip(picks[1:], folds[1:], strict=True)
+    ]
+    if min(unseen) < _MOST:
         return None
-    best = fine[found[0][0]]
+    best = fine[picks[0]]
     return Candidate(
         replace(term, values={"gap": float(best.gap), "flank": best.flank, "blur": 0.0}),
-        tuple(stand.background.weigh(curves[pick][:, :, None]) for pick, _ in found),
+        tuple(stand.background.weigh(curves[pick][:, :, None]) for pick in picks),
         3,
         start=pi - best.share * along,
     )
 
 
-def _most_explained(
+def _explained(
     curves: np.ndarray, residual: np.ndarray, rows: np.ndarray, joint: int
-) -> tuple[int, float]:
-    """The curve (m, T', n) that explains most of the joint's residual (T', n), and its share of the squares."""
+) -> np.ndarray:
+    """Share of the squares of a joint's residual that curves take off on some rows, (m,).
+
+    Curves are (m, T', n), the residual (T', n).
+    """
     own, target = curves[:, rows, joint], residual[rows, joint]
     size, inner = (own**2).sum(axis=1), np.maximum(own @ target, 0.0)
-    gains = inner**2 / np.maximum(size, 1e-300)
-    best = int(np.argmax(gains))
-    return best, float(gains[best] / max(target @ target, 1e-300))
+    return inner**2 / np.maximum(size * (target @ target), 1e-300)
 
 
 def _curves(stand: Stand, joint: int, points: list[_Point], pi: np.ndarray) -> np.ndarray:

@@ -50,13 +50,16 @@ def flank_compression(robot: Robot, term: Term, motion: Motion, pi: np.ndarray) 
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
 
-def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
+def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
     """Stiffness, damping and play of a joint whose link has this inertia (T,)."""
-    given = {**term.law.nominal(), **term.values}
-    if term.law.warp == "play":
-        gear = contact_stiffness(jnp.asarray(inertia), given["flank"])
-        return (*gear, jnp.asarray(given["gap"], float))
-    return tuple(jnp.asarray(x, float) for x in (given["k"], given["d"], 0.0))
+    values = {n: jnp.asarray(x) for n, x in {**term.law.nominal(), **term.values}.items()}
+    return _gear(term.law.warp == "play", values, jnp.asarray(inertia))
+
+
+def _gear(loose: bool, values: dict[str, jax.Array], inertia: jax.Array) -> tuple[jax.Array, ...]:
+    if loose:
+        return (*contact_stiffness(inertia, values["flank"]), values["gap"])
+    return values["k"], values["d"], jnp.zeros_like(values["k"])
 
 
 def link_motion(
@@ -82,20 +85,21 @@ def lag_slopes(robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.nda
         sensed = sensitivity_of(robot, motion, j)
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
-        given = _transmission(term, own[3] @ pi)
-        lags = _lag_directions(own @ pi, own[:, :, felt], given, 1.0 / motion.rate)
+        loose, step = term.law.warp == "play", 1.0 / motion.rate
+        values = {**term.law.nominal(), **term.values}
+        lags = _lag_directions(loose, own @ pi, own[:, :, felt], values, step)
         for by, lag in zip(sensed.at(pi)[1:], lags, strict=True):
             total[:, :, felt] -= by[:, :, None] * np.asarray(lag)[:, None, :]
     return total
 
 
-@jax.jit
-def _lag_directions(own, directions, transmission, step):
+@partial(jax.jit, static_argnames="loose")
+def _lag_directions(loose, own, directions, values, step):
     """Derivatives (T, m) of e, de, dde along m directions (4, T, m) of torque and sensitivities."""
 
     def lag(signals):
         torque, by_q, by_dq, by_ddq = signals
-        return deflection(by_ddq, by_dq, by_q, torque, *transmission, step)
+        return deflection(by_ddq, by_dq, by_q, torque, *_gear(loose, values, by_ddq), step)
 
     along = partial(jax.jvp, lag, (own,))
     return jax.vmap(lambda x: along((x,))[1], in_axes=2, out_axes=1)(directions)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jaxswarm.identify.assemble import assemble, moves_links, uses_load
+from jaxswarm.identify.assemble import assemble, moves_links, term_block, uses_load
 from jaxswarm.identify.columns import Rigid
 from jaxswarm.identify.least_squares import Fit, fit
 from jaxswarm.identify.nonlinear import Knob, Place, read, tangents, write
@@ -40,11 +40,21 @@ class Problem:
         bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
         return fit(regression, *bounds)
 
-    def output(self, place: Place, pi, theta) -> np.ndarray:
-        """Decimated torque of a model, (T, n)."""
+    def output(self, place: Place, pi, theta, knob: Knob) -> np.ndarray:
+        """Decimated torque of a model, (T, n), but for what a knob does not change."""
+        moved = None if knob.term is None else place.terms[knob.term]
+        alone = moved is not None and moved.law.torque is not None and not moves_links(place.terms)
+        if alone:
+            sizes = [len(t.columns(self.robot.joints)) for t in place.terms[: knob.term + 1]]
+            end = len(pi) + sum(sizes)
+            theta = theta[end - sizes[-1] : end]
         parts = []
         for motion, rigid in zip(self.motions, self.rigids, strict=True):
-            low = assemble(self.robot, place.terms, motion, place.width, pi, rigid, decimate=True)
+            given = (motion, place.width, pi, rigid)
+            if alone:
+                low = term_block(self.robot, place.terms, moved, *given)
+            else:
+                low = assemble(self.robot, place.terms, *given, decimate=True)
             parts.append(low @ theta)
         return np.concatenate(parts)
 
@@ -125,7 +135,9 @@ def _step(problem: Problem, moving: list[Knob], here: Settled) -> np.ndarray:
     """Change of the knobs' positions, (m,)."""
     solution, regression = here.solution, here.regression
     slopes = tangents(
-        lambda place: problem.output(place, here.pi, solution.theta), here.place, moving
+        lambda place, knob: problem.output(place, here.pi, solution.theta, knob),
+        here.place,
+        moving,
     )
     columns = np.concatenate([regression.columns[:, :, solution.base.kept], slopes], axis=2)
     weighted = (columns / solution.sigma[:, None]).reshape(-1, columns.shape[2])
@@ -142,7 +154,10 @@ def standard_errors(problem: Problem, moving: list[Knob], here: Settled, theta: 
     if moving:
         pi = theta[: len(here.pi)]
         slopes = tangents(
-            lambda place: problem.output(place, pi, theta), here.place, moving, wide=True
+            lambda place, knob: problem.output(place, pi, theta, knob),
+            here.place,
+            moving,
+            wide=True,
         )
         wide = Regression(
             (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),

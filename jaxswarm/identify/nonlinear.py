@@ -90,18 +90,22 @@ def write(place: Place, moving: list[Knob], position: np.ndarray) -> Place:
 
 
 def tangents(
-    output: Callable[[Place], np.ndarray], place: Place, moving: list[Knob], wide: bool = False
+    output: Callable[[Place, Knob], np.ndarray],
+    place: Place,
+    moving: list[Knob],
+    wide: bool = False,
 ) -> np.ndarray:
     """Central differences of a model's output (T, n) by its knobs, shape (T, n, m).
 
+    ``output`` may leave out what the given knob does not change.
     ``wide`` looks beyond the steps of a stepwise knob: for its doubt, not for the way to the minimum.
     """
     here = read(place, moving)
     slopes = []
-    for k in range(len(moving)):
+    for k, knob in enumerate(moving):
         high, low = here.copy(), here.copy()
-        change = _WIDE if wide and moving[k].stepwise else _DIFFERENCE
+        change = _WIDE if wide and knob.stepwise else _DIFFERENCE
         high[k], low[k] = min(1.0, here[k] + change), max(0.0, here[k] - change)
-        rise = output(write(place, moving, high)) - output(write(place, moving, low))
+        rise = output(write(place, moving, high), knob) - output(write(place, moving, low), knob)
         slopes.append(rise / (high[k] - low[k]))
     return np.stack(slopes, axis=2)

@@ -1,0 +1,105 @@
+"""What a joint's own motion does to the rigid torque, and how a lag follows the rigid parameters."""
+
+import jax
+import numpy as np
+import pytest
+from small_problems import make_motion, planar_arm
+
+from jaxswarm.identify.columns import rigid_columns, rigid_of
+from jaxswarm.identify.lag import flank_compression, lag_slopes, link_motion
+from jaxswarm.identify.newton import Problem
+from jaxswarm.identify.nonlinear import Place, knobs, read, tangents, write
+from jaxswarm.identify.sensitivity import sensitivity_of
+from jaxswarm.identify.terms import Term
+from jaxswarm.robot import inverse_dynamics
+
+ARM = planar_arm()
+PI = np.asarray(ARM.parameters).ravel()
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_sensitivities_are_the_derivatives_of_inverse_dynamics(joint):
+    motion = make_motion(ARM, length=40)
+    sensed = sensitivity_of(ARM, motion, joint)
+    along = np.eye(2)[joint]
+
+    def slope(argument, state):
+        def torque(x):
+            moved = list(state)
+            moved[argument] = state[argument] + x * along
+            return inverse_dynamics(ARM, *moved)
+
+        return jax.jvp(torque, (0.0,), (1.0,))[1]
+
+    state = (motion.q, motion.dq, motion.ddq)
+    torque, *slopes = sensed.at(PI)
+    np.testing.assert_allclose(torque, motion.tau, atol=1e-9)
+    for argument, found in enumerate(slopes):
+        exact = jax.vmap(lambda *s, a=argument: slope(a, s))(*state)
+        np.testing.assert_allclose(found, exact, atol=1e-5 * np.abs(exact).max())
+    own = sensed.own() @ PI
+    np.testing.assert_allclose(own, np.stack([x[:, joint] for x in (torque, *slopes)]))
+    np.testing.assert_allclose(sensed.inertia(PI), slopes[2][:, joint])
+
+
+SOFT = [
+    Term("joint_elasticity", 1, values={"k": 60.0, "d": 0.5}),
+    Term("backlash", 1, values={"gap": 0.004, "flank": 12.0, "blur": 0.0}),
+]
+
+
+@pytest.mark.parametrize("term", SOFT, ids=lambda t: t.effect)
+def test_slopes_through_a_lag_are_those_of_the_linearized_torque(term):
+    motion = make_motion(ARM, length=400)
+
+    def through_lag(pi):
+        sensed = sensitivity_of(ARM, motion, 1)
+        _, *by = sensed.at(PI)  # first order about the motor's motion at the given parameters
+        moved = link_motion(ARM, (term,), motion, pi)
+        lags = (motion.q - moved[0], motion.dq - moved[1], motion.ddq - moved[2])
+        return -sum(b * e[:, 1:] for b, e in zip(by, lags, strict=True))
+
+    slopes = lag_slopes(ARM, (term,), motion, PI)
+    for column in (11, 19):  # first moment and inertia of the second link
+        step = 1e-6 * np.eye(len(PI))[column]
+        difference = (through_lag(PI + step) - through_lag(PI - step)) / 2e-6
+        scale = np.abs(difference).max()
+        # A strike that falls on another step of the integrator is a jump, and no slope.
+        off = np.abs(slopes[:, :, column] - difference).max(axis=1) > 0.02 * scale
+        assert off.mean() < 0.02
+
+
+def test_flank_is_pressed_by_the_torque_over_its_stiffness():
+    motion = make_motion(ARM, length=200)
+    pressed = [
+        flank_compression(ARM, Term("backlash", 1, values={"gap": 0.01, "flank": f}), motion, PI)
+        for f in (20.0, 40.0)
+    ]
+    assert pressed[0] == pytest.approx(4.0 * pressed[1])
+    inertia = np.median(sensitivity_of(ARM, motion, 1).inertia(PI))
+    torque = np.median(np.abs(motion.tau[:, 1]))
+    assert pressed[0] == pytest.approx(torque / inertia / (2 * np.pi * 20.0) ** 2, rel=1e-6)
+
+
+def test_tangents_of_one_law_are_those_of_the_whole_model():
+    motion = make_motion(ARM, length=300)
+    terms = (
+        Term("viscous_friction", 0, values={"b": 2.0}),
+        Term("torque_ripple", 1, values={"sine": 0.5, "cosine": -0.2, "n": 9.0}),
+        Term("load_dependent_friction", 0, values={"mu": 0.1, "inertial": 0.4}),
+        Term("drive_gain", 1, values={"gain": 1.1}),
+    )
+    problem = Problem(ARM, (motion,), (rigid_of(ARM, motion),), False)
+    moving = knobs(terms, (0.005, 0.1))
+    theta = np.concatenate([PI, [2.0, 0.5, -0.2, 0.1]])
+    place = Place(terms, 0.02)
+    width = moving[-1]  # changes what every law may hang on: the whole model is made for it
+
+    found = tangents(lambda p, k: problem.output(p, PI, theta, k), place, moving)
+    whole = tangents(lambda p, k: problem.output(p, PI, theta, width), place, moving)
+    np.testing.assert_allclose(found, whole, atol=1e-6 * np.abs(whole).max())
+    assert len(moving) == 4 and (np.abs(found).max(axis=(0, 1)) > 0).all()
+    np.testing.assert_allclose(
+        read(write(place, moving, read(place, moving)), moving), read(place, moving)
+    )
+    assert rigid_columns(ARM, motion.q, motion.dq, motion.ddq).shape[2] == len(PI)
