@@ -13,7 +13,7 @@ from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.lag import link_motion
 from jaxswarm.identify.model import linear_values
 from jaxswarm.identify.sensitivity import Sensitivity, sensitivity_of
-from jaxswarm.identify.terms import Term, warped
+from jaxswarm.identify.terms import Term
 
 # A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
 _SAME = 0.05
@@ -30,14 +30,12 @@ class Memory:
         round: Number of the present round, from zero.
         known: Values per fold by term, with the residuals.
         gravity: Columns of gravity along each base axis, by the logs they belong to.
-        sensed: What the rigid torque does when a joint moves otherwise, by joint, logs and gravity.
     """
 
     journal: Journal | None = None
     round: int = -1
     known: dict = field(default_factory=dict)
     gravity: dict = field(default_factory=dict)
-    sensed: dict = field(default_factory=dict)
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if the joint's residuals (folds, T) are still what they were."""
@@ -63,12 +61,11 @@ class Stand:
         self.arm = tilted(model.robot, model.terms)
         self.loads, self.outputs, self.moved = [], [], []
         plain = not moves_links(model.terms)
-        self.level = not warped(model.terms, "gravity")
         for motion, rigid in zip(found.motions, found.rigids, strict=True):
             if plain:
                 moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
             else:
-                moved = link_motion(self.arm, model.terms, motion, self.pi)
+                moved = link_motion(self.arm, model.terms, motion, self.pi, rigid)
                 full = rigid_columns(self.arm, *moved)
                 static = rigid_columns(self.arm, moved[0], moved[1], np.zeros_like(moved[2]))
             self.loads.append(Load(full @ self.pi, static @ self.pi))
@@ -78,22 +75,11 @@ class Stand:
             self.moved.append(moved)
 
     def sensed(self, joint: int) -> list[Sensitivity]:
-        """What the rigid torque of every log does when a joint moves otherwise.
-
-        It follows from the motion and gravity alone, so that the next round need not build it again.
-        """
-        place = (joint, *(id(m) for m in self.found.motions), *np.asarray(self.arm.gravity))
-        if place not in self.memory.sensed:
-            logs = place[1 : 1 + len(self.found.motions)]
-            kept = self.memory.sensed.items()
-            self.memory.sensed = {k: v for k, v in kept if k[1 : 1 + len(logs)] == logs}
-            own = [
-                sensitivity_of(self.arm, motion, joint, rigid.full if self.level else None)
-                for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True)
-            ]
-            # The motions are kept with it: their identity is the key.
-            self.memory.sensed[place] = (self.found.motions, own)
-        return self.memory.sensed[place][1]
+        """What the rigid torque of every log does when a joint moves otherwise."""
+        return [
+            sensitivity_of(self.arm, motion, joint, rigid)
+            for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True)
+        ]
 
     @cached_property
     def steady(self) -> tuple[np.ndarray, np.ndarray]:

@@ -65,7 +65,7 @@ def assemble(
     delays = warped(terms, "delay")
     if moves_links(terms) or rigid is None:
         arm, kept = tilted(robot, terms), None
-        moved = link_motion(arm, terms, motion, pi)
+        moved = link_motion(arm, terms, motion, pi, rigid)
         full = rigid_columns(arm, *moved)
         static = None
     else:

@@ -5,7 +5,7 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
 
@@ -77,18 +77,22 @@ class Rigid:
         full: On the working clock, shape (T, n, 10 n).
         low: Through the decimator, shape (T', n, 10 n).
         static: On the working clock, without acceleration.
+        gravity: What they were made with, (3,).
+        sensed: What :mod:`jaxswarm.identify.sensitivity` found about them, by joint.
     """
 
     full: np.ndarray
     low: np.ndarray
     static: np.ndarray
+    gravity: np.ndarray
+    sensed: dict = field(default_factory=dict, repr=False, compare=False)
 
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
     """The rigid-body columns of a log in nominal gravity and motion."""
     full = rigid_columns(robot, motion.q, motion.dq, motion.ddq)
     static = rigid_columns(robot, motion.q, motion.dq, np.zeros_like(motion.ddq))
-    return Rigid(full, motion.decimator.apply(full), static)
+    return Rigid(full, motion.decimator.apply(full), static, np.asarray(robot.gravity))
 
 
 class Load(NamedTuple):

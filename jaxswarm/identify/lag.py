@@ -14,6 +14,7 @@ import numpy as np
 from scipy import ndimage
 
 from jaxswarm.effects.warps import contact_stiffness, deflection
+from jaxswarm.identify.columns import Rigid
 from jaxswarm.identify.sensitivity import sensitivity_of
 from jaxswarm.identify.terms import Term, warped
 from jaxswarm.logs.motion import Motion
@@ -63,18 +64,28 @@ def _gear(loose: bool, values: dict[str, jax.Array], inertia: jax.Array) -> tupl
 
 
 def link_motion(
-    robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.ndarray
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    pi: np.ndarray,
+    rigid: Rigid | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
     for term in warped(terms, "elastic") + warped(terms, "play"):
-        lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint).at(pi))
+        lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
 
 
-def lag_slopes(robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.ndarray) -> np.ndarray:
+def lag_slopes(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    pi: np.ndarray,
+    rigid: Rigid | None = None,
+) -> np.ndarray:
     """Derivative of the torque by the rigid parameters that runs through the lag of soft and loose joints.
 
     To first order about the motors' motion, shape (T, n, 10 n).
@@ -82,7 +93,7 @@ def lag_slopes(robot: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.nda
     total = np.zeros((*motion.q.shape, len(pi)))
     for term in slope_terms(terms):
         j = term.joint
-        sensed = sensitivity_of(robot, motion, j)
+        sensed = sensitivity_of(robot, motion, j, rigid)
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
         loose, step = term.law.warp == "play", 1.0 / motion.rate

@@ -87,7 +87,7 @@ def build_regression(
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
         low = motion.decimator
         if slope_terms(terms):
-            slopes = lag_slopes(tilted(robot, terms), terms, motion, pi)
+            slopes = lag_slopes(tilted(robot, terms), terms, motion, pi, rigid)
             lag = low.apply(report(terms, motion, slopes))
             columns[-1][:, :, : len(pi)] += lag
             shift.append(lag @ pi)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxswarm.identify.columns import rigid_columns
+from jaxswarm.identify.columns import Rigid, rigid_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -54,18 +54,28 @@ class Sensitivity:
 
 
 def sensitivity_of(
-    robot: Robot, motion: Motion, joint: int, full: np.ndarray | None = None
+    robot: Robot, motion: Motion, joint: int, rigid: Rigid | None = None
 ) -> Sensitivity:
     """Differences of the rigid columns along one joint's motion.
 
+    They follow from the motion and gravity alone: found once for every log, whatever is fitted to it.
+
     Args:
-        robot: Kinematics.
+        robot: Kinematics and gravity.
         motion: The log.
         joint: The joint.
-        full: Rigid columns of the log where they are known, (T, n, 10 n).
+        rigid: The log's rigid columns where they are known; it keeps what is found here.
     """
+    if rigid is None or not np.array_equal(robot.gravity, rigid.gravity):
+        here = (motion.q, motion.dq, motion.ddq)
+        return _differences(robot, motion, joint, rigid_columns(robot, *here))
+    if joint not in rigid.sensed:
+        rigid.sensed[joint] = _differences(robot, motion, joint, rigid.full)
+    return rigid.sensed[joint]
+
+
+def _differences(robot: Robot, motion: Motion, joint: int, full: np.ndarray) -> Sensitivity:
     here = (motion.q, motion.dq, motion.ddq)
-    full = rigid_columns(robot, *here) if full is None else full
 
     def moved(argument: int, step: float) -> np.ndarray:
         there = list(here)
