@@ -44,21 +44,23 @@ def sharp_candidate(stand: Stand, term: Term) -> Candidate | None:
     along = stand.rotor(j)
     divided = bool(along.any())
 
-    def curves_at(points: list[_Point]) -> np.ndarray:
+    def curves_at(points: list[_Point], substeps: int) -> np.ndarray:
         parts = [
-            _curves(stand, j, list(group), pi - share * along)
+            _curves(stand, j, list(group), pi - share * along, substeps)
             for share, group in groupby(points, lambda p: p.share)
         ]
         return np.concatenate(parts)
 
     coarse = [_Point(g, s, FLANK) for s in (ROTOR_SHARES if divided else (0.0,)) for g in GAPS]
-    shares_of = _explained(curves_at(coarse), residual, np.ones(len(residual), dtype=bool), j)
+    shares_of = _explained(
+        curves_at(coarse, SUBSTEPS // 2), residual, np.ones(len(residual), dtype=bool), j
+    )
     if shares_of.max() < 0.5 * _MOST:
         return None
     best = coarse[int(np.argmax(shares_of))]
     shares = np.unique(np.clip(best.share + _FINE_SHARES, 0.0, 0.95)) if divided else (0.0,)
     fine = [_Point(best.gap * g, s, f) for s in shares for f in _FLANKS for g in _FINE_GAPS]
-    curves = curves_at(fine)
+    curves = curves_at(fine, SUBSTEPS)
     folds = stand.background.folds
     picks = [int(np.argmax(_explained(curves, residual, f.train, j))) for f in folds]
     unseen = [
@@ -88,14 +90,16 @@ def _explained(
     return inner**2 / np.maximum(size * (target @ target), 1e-300)
 
 
-def _curves(stand: Stand, joint: int, points: list[_Point], pi: np.ndarray) -> np.ndarray:
+def _curves(
+    stand: Stand, joint: int, points: list[_Point], pi: np.ndarray, substeps: int
+) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs."""
     motions, sensed = stand.found.motions, stand.sensed(joint)
     inertia = jnp.asarray(sensed[0].inertia(pi))
     gap, _, flank = np.array(points).T
     k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
     parts = [
-        lag_torque(motion, own, pi[None], k, d, gap, SUBSTEPS)
+        lag_torque(motion, own, pi[None], k, d, gap, substeps)
         for motion, own in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

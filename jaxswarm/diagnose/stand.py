@@ -14,6 +14,7 @@ from jaxswarm.identify.lag import link_motion
 from jaxswarm.identify.model import linear_values
 from jaxswarm.identify.sensitivity import Sensitivity, sensitivity_of
 from jaxswarm.identify.terms import Term
+from jaxswarm.logs.motion import Motion
 
 # A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
 _SAME = 0.05
@@ -30,12 +31,20 @@ class Memory:
         round: Number of the present round, from zero.
         known: Values per fold by term, with the residuals.
         gravity: Columns of gravity along each base axis, by the logs they belong to.
+        laws: The logs, and decimated columns of laws on them, by term, values and width of the sign.
     """
 
     journal: Journal | None = None
     round: int = -1
     known: dict = field(default_factory=dict)
     gravity: dict = field(default_factory=dict)
+    laws: tuple = ((), {})
+
+    def laws_of(self, motions: tuple[Motion, ...]) -> dict:
+        """Decimated columns of laws on these logs."""
+        if self.laws[0] is not motions:
+            self.laws = (motions, {})
+        return self.laws[1]
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if the joint's residuals (folds, T) are still what they were."""
@@ -136,9 +145,8 @@ class Stand:
         """Decimate and weigh what ``build(log index)`` gives as (T, n, k), all logs."""
         return self.background.weigh(self.low(build))
 
-    def on_joint(self, build, joint: int) -> np.ndarray:
-        """Decimate and weigh columns (T, k) of one joint as (T', n, k), all logs."""
-        own = self.low(build)
+    def on_joint(self, own: np.ndarray, joint: int) -> np.ndarray:
+        """Weigh decimated columns (T', k) of one joint as (T', n, k), all logs."""
         block = np.zeros((len(own), self.found.model.robot.num_joints, own.shape[1]))
         block[:, joint] = own
         return self.background.weigh(block)
@@ -146,9 +154,18 @@ class Stand:
     def law(self, term: Term) -> np.ndarray:
         """Columns of a law with its nonlinear parameters in place."""
         motions, width = self.found.motions, self.found.model.width
-        return self.on_joint(
-            lambda k: term_columns(term, motions[k], width, self.loads[k]), term.joint
-        )
+
+        def build(k):
+            return term_columns(term, motions[k], width, self.loads[k])
+
+        if term.law.uses_load:
+            return self.on_joint(self.low(build), term.joint)
+        # They follow from the motion, and many from that alone: the next round finds them ready.
+        laws = self.memory.laws_of(motions)
+        place = (term, *term.values.items(), width if term.law.uses_direction else None)
+        if place not in laws:
+            laws[place] = self.low(build)
+        return self.on_joint(laws[place], term.joint)
 
     def residuals(self, joint: int) -> np.ndarray:
         """A joint's residual on every fold, (folds, T), zero outside the rows it was fitted to."""

@@ -20,7 +20,9 @@ def warped_candidate(stand: Stand, term: Term) -> Candidate | None:
     if kind == "window":
         return _touch(stand, term)
     if kind == "gain":
-        columns = stand.on_joint(lambda k: stand.outputs[k][:, term.joint, None], term.joint)
+        columns = stand.on_joint(
+            stand.low(lambda k: stand.outputs[k][:, term.joint, None]), term.joint
+        )
         start = {"gain": 1.0}
     elif kind == "delay":
         rates = [m.rate for m in stand.found.motions]
