@@ -3,7 +3,7 @@
     python -m benchmarks.diagnosis practice|suite|pairs|real [--fast] [--only NAME,...] [--share K/N]
 
 ``practice``: the cases of another simulator under ``cases/`` (``JAXSWARM_DATA``, default ``../shared``);
-``suite``: simulated logs with one effect, see :mod:`benchmarks.diagnosis_suite`; ``pairs``: with two or
+``suite``: simulated logs with one effect, see :mod:`benchmarks.diagnosis_cases`; ``pairs``: with two or
 three, see :mod:`benchmarks.diagnosis_pairs`; ``real``: measured robots. Rows go to
 ``benchmarks/results/`` as JSON lines, tables beside them. The suite goes through its cases in a random
 order, so that a part of it says what the whole would; it skips what is finished already, and several
@@ -63,7 +63,8 @@ def pairs(fast: bool) -> None:
 
 
 def suite(fast: bool, only: set[str], share: str) -> None:
-    from benchmarks.diagnosis_suite import all_cases, run_case
+    from benchmarks.diagnosis_cases import all_cases
+    from benchmarks.diagnosis_suite import run_case
     from benchmarks.diagnosis_tables import summarize
 
     path = RESULTS / ("diagnosis_suite_fast.jsonl" if fast else "diagnosis_suite.jsonl")

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.diagnosis_cases import NOISE, make_arm
 from benchmarks.diagnosis_practice import same
-from benchmarks.diagnosis_suite import NOISE, make_arm
 from jaxswarm.diagnose.loop import diagnose
 from jaxswarm.diagnose.synthetic import Noise, synthetic_log
 from jaxswarm.diagnose.unexplained import find_unexplained

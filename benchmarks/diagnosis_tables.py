@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.diagnosis_suite import CLEAN, RATIOS, UNLISTED
+from benchmarks.diagnosis_cases import CLEAN, RATIOS, UNLISTED
 
 
 def summarize(rows: list[dict], stem: Path) -> str:

@@ -47,6 +47,12 @@ def render(result: dict, images: dict[str, bytes]) -> str:
         _image(images, "residual.png"),
     ]
     notes = [n for log in result.get("logs", ()) for n in log["notes"]]
+    skew = result.get("filtering", {}).get("clock_skew_s", 0.0)
+    if skew:
+        notes.append(
+            f"The torque is read {1e3 * abs(skew):.2f} ms {'after' if skew > 0 else 'before'} the position: "
+            "less than half a sample, so a matter of the clock and not of the robot. The model allows for it."
+        )
     if notes:
         lines = "".join(f"<li>{escape(n)}</li>" for n in notes)
         parts += ["<h2>Found in the logs</h2>", f"<ul>{lines}</ul>"]

@@ -101,6 +101,7 @@ def to_result(
         "filtering": {
             "motion_cutoff_hz": final.motions[0].motion_cutoff,
             "torque_cutoff_hz": final.motions[0].torque_cutoff,
+            "clock_skew_s": final.motions[0].skew,
         },
         "rules": vars(rules),
     }

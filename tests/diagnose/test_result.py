@@ -125,6 +125,16 @@ def test_report_escapes_what_it_is_told(result):
     assert "<b>" not in page and "&lt;b&gt;" in page
 
 
+def test_clock_that_is_read_late_is_told_and_is_no_effect():
+    found = diagnose_log(log_with(Term("time_delay", values={"seconds": 0.002})))
+    assert not found.kept
+    told = to_result(found, [])
+    assert told["filtering"]["clock_skew_s"] == pytest.approx(0.002, abs=3e-4)
+    images = dict.fromkeys(("ladder.png", "torque.png", "residual_before.png", "residual.png"), b"")
+    late = 1e3 * told["filtering"]["clock_skew_s"]
+    assert f"read {late:.2f} ms after the position" in render(told, images)
+
+
 def test_pictures_have_a_figure_for_every_step(found):
     for step in found.steps:
         figure = pictures.evidence(step, found.final.model, found.final.motions[0])

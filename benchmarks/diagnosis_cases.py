@@ -1,0 +1,258 @@
+r"""Simulated logs with one effect that is not declared, none, or one that no catalog holds.
+
+The size of an effect is its ratio: RMS of its torque, orthogonal to what the declared model can absorb,
+over the white torque noise of its joint. A case is visible at a ratio of one half. Amplitudes are solved
+for from the wanted ratio; soft joints and play come from the forward simulation with fixed parameters.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import jax.numpy as jnp
+import numpy as np
+from scipy import signal
+
+from jaxswarm.diagnose.synthetic import Noise, fourier_motion, random_links, synthetic_log
+from jaxswarm.identify.assemble import assemble
+from jaxswarm.identify.terms import Term
+from jaxswarm.logs.filtering import Decimator
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot import Robot, rx60
+from jaxswarm.simulate import PD, Reference, make_plant, rest, stable_substeps, track
+
+NOISE = np.array([0.25, 0.30, 0.15])
+WIDTH = 0.01
+# Sampling rate of the logs [Hz], and of the controller of the soft joints in multiples of it.
+RATE, FASTER = 250.0, 10
+SETTLED = 1.0
+VISIBLE = 0.5
+RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
+SILENT = Noise(0.0, 0.0)
+
+
+def _uniform(low, high):
+    return lambda rng: float(rng.uniform(low, high))
+
+
+def _log(low, high):
+    return lambda rng: float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+# Effect: amplitude (scaled to the wanted ratio) and the parameters that are drawn.
+DRAWN = {
+    "stribeck_friction": ("df", {"vs": _log(0.04, 0.2), "delta": lambda rng: 2.0}),
+    "torque_ripple": ("sine", {"n": _uniform(6.0, 60.0), "cosine": lambda rng: 0.0}),
+    "joint_spring": ("k", {"tau0": lambda rng: 0.0}),
+    "load_dependent_friction": ("mu", {"inertial": _uniform(0.0, 1.0)}),
+    "hysteresis": ("fc", {"x0": _log(0.03, 0.15)}),
+    "torque_offset": ("tau0", {}),
+    "thermal_drift": ("fc", {"tc": _log(5.0, 20.0)}),
+    "transmission_coupling": ("b", {"fc": lambda rng: 0.0, "ia": lambda rng: 0.0}),
+    "quadratic_drag": ("c", {}),
+    "nonlinear_viscous_friction": ("c", {"alpha": _uniform(0.3, 0.6)}),
+    "coulomb_friction": ("fc", {}),
+    "rotor_inertia": ("ia", {}),
+    "time_delay": ("seconds", {}),
+    "drive_gain": ("gain", {}),
+    "base_tilt": ("gx", {"gy": lambda rng: 0.0}),
+}
+# Softness [N m/rad, N m s/rad] and play [rad], mild to severe.
+SOFT = {
+    "joint_elasticity": [
+        {"k": k, "d": 0.02 * np.sqrt(k) * 5} for k in (6e3, 3e3, 1500.0, 700.0, 350.0)
+    ],
+    "backlash": [{"gap": g} for g in (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)],
+}
+UNLISTED = ("position_friction", "crossed_velocity", "position_viscous")
+CLEAN = ("white", "colored", "quantized")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One log to make: effect, its level (index), joint, noise level and seed."""
+
+    effect: str
+    level: int
+    joint: int
+    noise: float
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.effect}-{self.level}-{self.joint}-{self.noise:g}-{self.seed}"
+
+
+def all_cases(fast: bool) -> list[Case]:
+    """All cases of the suite, or about twenty of them."""
+    hidden = [*DRAWN, "asymmetric_friction", *SOFT]
+    cases = []
+    if fast:
+        cases += [Case(e, 3, _joint(e, 1 + k), 1.0, k) for k, e in enumerate(hidden)]
+        cases += [Case(c, 0, 0, 1.0, 50 + k) for k, c in enumerate(CLEAN)]
+        return cases + [Case(u, 3, 1, 1.0, 60 + k) for k, u in enumerate(UNLISTED)]
+    for number, (repeat, level, effect) in enumerate(product(range(5), range(5), hidden)):
+        noise = (1.0, 0.5, 2.0)[repeat % 3]
+        cases.append(Case(effect, level, _joint(effect, repeat), noise, 1000 + number))
+    cases += [Case(CLEAN[k % 3], 0, 0, (1.0, 0.5, 2.0)[k // 3 % 3], 3000 + k) for k in range(210)]
+    cases += [
+        Case(u, 2 + k % 3, k % 3, 1.0, 4000 + 100 * i + k)
+        for i, u in enumerate(UNLISTED)
+        for k in range(20)
+    ]
+    return cases
+
+
+def _joint(effect: str, k: int) -> int:
+    """Joint 1 of an upright arm carries no gravity, and its rotor merges with its link."""
+    if effect in ("load_dependent_friction", "rotor_inertia", "drive_gain", *SOFT):
+        return 1 + k % 2
+    return k % 3
+
+
+def make_arm(rng: np.random.Generator) -> tuple[Robot, tuple[Term, ...]]:
+    """An arm with random links, and the friction its user declares."""
+    arm = rx60().replace(parameters=jnp.asarray(random_links(rx60(), rng)))
+    declared = tuple(
+        Term(effect, j, values={symbol: float(rng.uniform(3.0, 6.0) / (1 + j))})
+        for effect, symbol in (("viscous_friction", "b"), ("coulomb_friction", "fc"))
+        for j in range(3)
+    )
+    return arm, declared
+
+
+def plain_motion(log: Log, state: tuple | None = None) -> Motion:
+    """A noise-free log without filtering."""
+    q, dq, ddq = state
+    low = Decimator(np.ones(1), 1)
+    return Motion(
+        log.source, log.joints, log.t, q, dq, ddq, log.tau, {}, low, np.inf, np.inf, 0.004, None
+    )
+
+
+def hidden_ratio(arm: Robot, declared, motion: Motion, clean: np.ndarray) -> np.ndarray:
+    """RMS of the part of a torque that the declared model cannot absorb, over the noise, (3,)."""
+    pi = np.asarray(arm.parameters).ravel()
+    columns = assemble(arm, declared, motion, WIDTH, pi) / NOISE[:, None]
+    flat = columns[::4].reshape(-1, columns.shape[2])
+    target = (clean / NOISE)[::4].reshape(-1)
+    scale = np.maximum(np.linalg.norm(flat, axis=0), 1e-12)
+    left = target - flat / scale @ np.linalg.lstsq(flat / scale, target, rcond=1e-10)[0]
+    return np.sqrt((left.reshape(-1, 3) ** 2).mean(axis=0))
+
+
+def make_case(case: Case) -> tuple[Robot, tuple[Term, ...], tuple[Term, ...], Log, np.ndarray]:
+    """Arm, declared terms, hidden terms, log, and the ratio per joint for noise of this level."""
+    rng = np.random.default_rng(case.seed)
+    arm, declared = make_arm(rng)
+    if case.effect == "coulomb_friction":
+        declared = tuple(t for t in declared if (t.effect, t.joint) != (case.effect, case.joint))
+    if case.effect in SOFT:
+        hidden, declared, log, motion = _soft(case, arm, declared, rng)
+    else:
+        log = synthetic_log(arm, declared, case.seed, noise=SILENT, motion_seed=case.seed)
+        state = fourier_motion(3, np.random.default_rng(case.seed))[1:]
+        motion = plain_motion(log, state)
+        hidden, log = _sized(case, arm, declared, motion, log, rng)
+    ratio = hidden_ratio(arm, declared, motion, log.tau) / case.noise
+    return arm, declared, hidden, noisy(case, log, rng), ratio
+
+
+def _sized(case, arm, declared, motion, base, rng):
+    """The hidden term with its amplitude solved for from the wanted ratio."""
+    if case.effect in CLEAN:
+        return (), base
+    wanted = RATIOS[case.level] * case.noise
+    if case.effect in UNLISTED:
+        j, q, dq = case.joint, motion.q, motion.dq
+        sign = np.tanh(dq[:, j] / WIDTH)
+        shape = {
+            "position_friction": np.cos(2.0 * q[:, j]) * sign,
+            "crossed_velocity": np.sin(2.0 * q[:, (j + 1) % 3]) * sign,
+            "position_viscous": np.sin(2.5 * q[:, j] + 0.4) * dq[:, j],
+        }[case.effect]
+        extra = np.zeros_like(base.tau)
+        extra[:, j] = shape
+        one = hidden_ratio(arm, declared, motion, extra).max()
+        return (), replace(base, tau=base.tau + extra * wanted / one)
+
+    def log_with(size):
+        terms = _terms(case, declared, drawn, size)
+        log = synthetic_log(arm, terms, case.seed, noise=SILENT, motion_seed=case.seed)
+        return terms, log
+
+    drawn = (
+        {k: draw(rng) for k, draw in DRAWN[case.effect][1].items()} if case.effect in DRAWN else {}
+    )
+    size = {"time_delay": 0.004, "drive_gain": 0.05, "base_tilt": 0.3}.get(case.effect, 1.0)
+    for _ in range(3):
+        terms, log = log_with(size)
+        ratio = hidden_ratio(arm, declared, motion, log.tau).max()
+        if ratio < 1e-3 * size:  # the declared model absorbs it whatever its size
+            break
+        limit = {"time_delay": 0.03, "drive_gain": 0.4, "base_tilt": 2.0}.get(case.effect, 200.0)
+        size = min(size * wanted / ratio, limit)
+    terms, log = log_with(size)
+    return tuple(t for t in terms if t.effect == case.effect and t.joint in (case.joint, None)), log
+
+
+def _terms(case, declared, drawn, size):
+    if case.effect == "asymmetric_friction":
+        old = {t.effect: t for t in declared if t.joint == case.joint}
+        b, fc = old["viscous_friction"].values["b"], old["coulomb_friction"].values["fc"]
+        values = {"fc_pos": fc, "fc_neg": fc, "b_pos": b + size, "b_neg": b}
+        return (
+            *(t for t in declared if t.joint != case.joint),
+            Term(case.effect, case.joint, values=values),
+        )
+    amplitude = DRAWN[case.effect][0]
+    value = 1.0 + size if amplitude == "gain" else size
+    glob = case.effect in ("time_delay", "base_tilt")
+    other = (case.joint + 1) % 3 if case.effect == "transmission_coupling" else None
+    values = {**drawn, amplitude: value}
+    return (*declared, Term(case.effect, None if glob else case.joint, other, values))
+
+
+def _soft(case, arm, declared, rng):
+    """A closed-loop run of an arm with a soft or loose joint; its rotor is declared.
+
+    The controller runs far faster than the log: a torque held over a sample would be a delay. The log
+    starts when the arm has settled onto its reference.
+    """
+    rotor = Term("rotor_inertia", case.joint, values={"ia": 0.5})
+    hidden = Term(case.effect, case.joint, values=SOFT[case.effect][case.level])
+    declared = (*declared, rotor)
+    plant = make_plant(arm, (*declared, hidden), width=WIDTH)
+    t, q, dq, ddq = fourier_motion(3, np.random.default_rng(case.seed), rate=RATE * FASTER)
+    reference = Reference(*(jnp.asarray(x) for x in (q, dq, ddq, np.zeros_like(q))))
+    control = PD(jnp.array([300.0, 300.0, 120.0]), jnp.array([40.0, 40.0, 15.0]))
+    period = 1.0 / (RATE * FASTER)
+    steps = stable_substeps(plant, jnp.asarray(q[0]), period)
+    start = rest(plant, jnp.asarray(q[0]), jnp.asarray(dq[0]))
+    run = track(plant, start, control, reference, dt=period, substeps=steps)
+    kept = slice(round(SETTLED * RATE) * FASTER, None, FASTER)
+    t, tau = t[kept] - SETTLED, np.asarray(run.tau)[kept]
+    log = Log(
+        source=f"simulated {arm.name}, seed {case.seed}",
+        joints=arm.joints,
+        t=t,
+        q=np.asarray(run.q)[kept],
+        tau=tau,
+        channels={"tau_clean": tau},
+    )
+    state = tuple(np.asarray(x)[kept] for x in (run.q, run.dq, run.ddq))
+    return (hidden,), declared, log, plain_motion(log, state)
+
+
+def noisy(case: Case, log: Log, rng: np.random.Generator) -> Log:
+    """Sensor noise: white; colored torque; or quantized position and torque."""
+    sd = NOISE * case.noise
+    q = log.q + rng.normal(size=log.q.shape) * 2e-5
+    white = rng.normal(size=log.q.shape) * sd
+    if case.effect == "colored":
+        white = signal.lfilter([np.sqrt(1 - 0.9**2)], [1.0, -0.9], white, axis=0)
+    tau = log.tau + white
+    if case.effect == "quantized":
+        q = np.round(log.q / 2e-4) * 2e-4
+        tau = np.round((log.tau + 0.3 * white) / (2 * sd)) * 2 * sd
+    return replace(log, q=q, tau=tau)
