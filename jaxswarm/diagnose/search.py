@@ -1,4 +1,4 @@
-r"""Nonlinear parameters of laws by swarms, for all laws, joints and folds through one compiled program.
+r"""Nonlinear parameters of laws by swarms, for all laws, joints and folds through the same compiled programs.
 
 For a candidate :math:`\nu` the law's columns c on its joint are computed along the whole log, decimated,
 freed of what the model absorbs, and the linear parameters eliminated: the cost is minus the explained
@@ -8,7 +8,7 @@ swarm in its cell finds the floor. The law is chosen inside the program and leng
 that neither another suspect nor a log of another length costs a compilation.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -77,41 +77,54 @@ class _Task(NamedTuple):
 
     law: jax.Array
     positive: jax.Array
-    lattice: jax.Array
     cell: jax.Array
     series: Sample
     stages: Stage
 
 
-@partial(jax.jit, static_argnames=("laws", "factor"))
-def _search(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, key: jax.Array):
-    """Best positions in the unit cube, one per fold: (S, 3)."""
+def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array):
+    """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law."""
     width = max(len(law.linear) for law in laws)
 
     def columns_of(law, u):
         columns = law_columns(law, _decode(law, u), task.series)
         return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
 
-    def columns_at(u):
-        full = jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
-        return decimate(full, taps, factor)
+    full = jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
+    return decimate(full, taps, factor)
 
-    lattice, cell = task.lattice, task.cell
-    everywhere = jax.lax.map(columns_at, lattice, batch_size=32)
+
+@partial(jax.jit, static_argnames=("laws", "factor"))
+def _survey(laws: tuple[Law, ...], factor: int, task: _Task, lattice: jax.Array, taps: jax.Array):
+    """The best point of a lattice and what it explains, one per fold: (S, 3), (S,)."""
+    at = partial(_columns_at, laws, factor, task, taps)
+    everywhere = jax.lax.map(at, lattice, batch_size=32)
 
     def one_fold(stage):
         gains = jax.vmap(lambda c: explained(c, stage, task.positive))(everywhere)
-        low = jnp.clip(lattice[jnp.argmax(gains)] - cell, 0.0, 1.0 - 2.0 * cell)
+        return lattice[jnp.argmax(gains)], jnp.max(gains)
+
+    return jax.vmap(one_fold)(task.stages)
+
+
+@partial(jax.jit, static_argnames=("laws", "factor"))
+def _refine(
+    laws: tuple[Law, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
+):
+    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, 3)."""
+
+    def one_fold(stage, point, gain):
+        low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
 
         def cost(u, stage):
-            return -explained(columns_at(low + 2.0 * cell * u), stage, task.positive)
+            columns = _columns_at(laws, factor, task, taps, low + 2.0 * task.cell * u)
+            return -explained(columns, stage, task.positive)
 
         unit = Space.vector(np.zeros(_MOST_DIMS), np.ones(_MOST_DIMS))
         swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
-        better = -swarm.value > jnp.max(gains)
-        return jnp.where(better, low + 2.0 * cell * swarm.params, lattice[jnp.argmax(gains)])
+        return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
 
-    return jax.vmap(one_fold)(task.stages)
+    return jax.vmap(one_fold)(task.stages, *survey)
 
 
 def begin_search(
@@ -147,22 +160,23 @@ def begin_search(
     rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
     joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
-    found = []
+    found, laws = [], _searched(law for law, _, _ in tasks)
     for law, joint, other in tasks:
-        family = _family(law)
+        lattice, cell = _lattice(len(law.nonlinear), _FINE.get(law.name, _POINTS))
         parts = [
             _held(joint_series(motion, width, load, joint, other), end)
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
         task = _Task(
-            np.int32(family.index(law)),
+            np.int32(laws.index(law)),
             np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
-            *_lattice(len(law.nonlinear), _FINE.get(law.name, _POINTS)),
+            cell,
             series,
             jax.tree.map(lambda x, j=joint: x[j], whole),
         )
-        found.append(_search(family, factor, task, taps, key))
+        survey = _survey(laws, factor, task, lattice, taps)
+        found.append(_refine(laws, factor, task, survey, taps, key))
 
     def finish() -> list[list[dict[str, float]]]:
         return [
@@ -187,15 +201,10 @@ def _rows(stage: Stage, count: int) -> Stage:
     return jax.tree.map(fill, stage)
 
 
-def _family(law: Law) -> tuple[Law, ...]:
-    """The laws that share a compiled program with this one."""
-    fine = _FINE.get(law.name)
-    known = {one.name: one for one in (*REGISTRY.values(), law)}
-    return tuple(
-        one
-        for one in known.values()
-        if one.torque is not None and one.nonlinear and _FINE.get(one.name) == fine
-    )
+def _searched(laws: Iterable[Law]) -> tuple[Law, ...]:
+    """The laws that share compiled programs: all that are registered, and these."""
+    known = {one.name: one for one in (*REGISTRY.values(), *laws)}
+    return tuple(one for one in known.values() if one.torque is not None and one.nonlinear)
 
 
 def _lattice(dims: int, points: int) -> tuple[np.ndarray, np.ndarray]:
