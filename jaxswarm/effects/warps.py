@@ -9,7 +9,10 @@ torque of joint j, linearized about the motor's motion,
 
 :math:`M_{jj}, C_j, K_j` the derivatives of :math:`RB_j` with respect to acceleration, velocity and
 position of joint j. It is integrated from the motor's side (:func:`deflection`); the quasi-static
-correction would differentiate the noise twice more and fail near resonance. The rigid body then moves
+correction would differentiate the noise twice more and fail near resonance. The stiffness of a loose joint's
+gear is told by the frequency ``flank`` at which the link swings on it when closed, with damping ratio 0.5; its
+lag is averaged over ``blur``, by which the moment of a strike may be off (zero: strikes where they are
+predicted). The simulation knows neither of the two and takes a stiff flank. The rigid body then moves
 by ``q - e``, friction and rotor inertia stay with the motor. Reference: M. W. Spong, J. Dyn. Sys. Meas.
 Control 109 (1987); M. Nordin, P.-O. Gutman, Automatica 38 (2002), eq. 6 for the dead zone.
 
