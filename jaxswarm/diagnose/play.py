@@ -24,7 +24,7 @@ from jaxswarm.effects.warps import SUBSTEPS, contact_stiffness
 from jaxswarm.identify.terms import Term
 
 # Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
-_MOST = 0.3
+_MOST = 0.5
 # Second lattice about the best point: factors on the gap, changes of the rotor's share, flanks [Hz].
 _FINE_GAPS, _FINE_SHARES = np.geomspace(0.85, 1.18, 13), np.linspace(-0.075, 0.075, 5)
 _FLANKS = (20.0, 40.0, 80.0)

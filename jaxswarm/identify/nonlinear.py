@@ -60,13 +60,16 @@ class Knob:
 
 
 def knobs(terms: tuple[Term, ...], width_range: tuple[float, float] | None = None) -> list[Knob]:
-    """All nonlinear parameters of a model, in order, and the width where its range is given."""
+    """All nonlinear parameters of a model, in order, and the width where its range is given.
+
+    A torque averaged over the moment of a strike says nothing of the flank, which then stays as it is.
+    """
     own = [
         Knob(k, p.name, p.lower, p.upper, p.scale == "log", term.law.warp == "play")
         for k, term in enumerate(terms)
         if term.law.warp not in _NOT_SEARCHED
         for p in term.law.nonlinear
-        if p.fitted
+        if p.fitted and not (p.name == "flank" and term.values.get("blur"))
     ]
     return own if width_range is None else [*own, Knob(None, "width", *width_range, True)]
 
