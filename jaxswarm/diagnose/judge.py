@@ -31,7 +31,6 @@ def judge(
         memory: Spares searches between rounds; None: nothing is remembered.
         signed: Whether a term is a change of something known, of either sign.
     """
-    memory = memory or Memory()
     stand = Stand(found, background, memory)
     interval = max(m.interval for m in found.motions)
     candidates = gather(stand, tuple(suspects), jax.random.key(seed))

@@ -62,8 +62,8 @@ class Memory:
 class Stand:
     """Where the model stands: its torque, motion and loads on every log, and how columns are weighed."""
 
-    def __init__(self, found: Estimate, background: Background, memory: Memory):
-        self.found, self.background, self.memory = found, background, memory
+    def __init__(self, found: Estimate, background: Background, memory: Memory | None = None):
+        self.found, self.background, self.memory = found, background, memory or Memory()
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         theta = linear_values(model)
