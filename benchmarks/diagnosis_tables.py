@@ -31,7 +31,7 @@ def summarize(rows: list[dict], stem: Path) -> str:
                 f"| false additions, {kind} noise | {_rate(sum(bool(r['added']) for r in own), len(own))} |"
             )
     for law in UNLISTED:
-        own = [r for r in rows if r["effect"] == law and r["ratio"] >= 1.0]
+        own = [r for r in rows if r["effect"] == law and r["ratio"] > 0.999]
         if own:
             lines.append(
                 f"| {law}: flagged, right variables | {_rate(sum(flagged(r) for r in own), len(own))} |"
