@@ -125,8 +125,10 @@ class Stand:
         full = np.zeros_like(self.pi)
         name = f"ia_{self.found.model.robot.joints[joint]}:rotor_inertia"
         regression, solution = self.found.regression, self.found.fit
+        if name not in regression.names:
+            return full
         inertia = min(float(own.inertia(self.pi).min()) for own in self.sensed(joint))
-        if name not in regression.names or inertia <= 0:
+        if inertia <= 0:
             return full
         rigid = [c for c in solution.base.kept if c < len(full)]
         rows = regression.columns / solution.sigma[:, None]

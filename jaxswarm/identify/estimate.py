@@ -127,7 +127,9 @@ def _finish(problem: Problem, here: Settled, moving: list[Knob]) -> Estimate:
             errors[knob.term][knob.name] = float(error * slope)
     for term, own in zip(terms, errors, strict=True):
         if term.law.warp == "play":
-            pressed = flank_compression(tilted(robot, terms), term, first, here.pi)
+            pressed = flank_compression(
+                tilted(robot, terms), term, first, here.pi, problem.rigids[0]
+            )
             own["gap"] = float(np.hypot(own["gap"], pressed))
     return Estimate(
         model, here.solution, here.regression, problem.motions, problem.rigids, tuple(errors)

@@ -40,13 +40,15 @@ def slope_terms(terms: tuple[Term, ...]) -> list[Term]:
     return [*warped(terms, "elastic"), *loose]
 
 
-def flank_compression(robot: Robot, term: Term, motion: Motion, pi: np.ndarray) -> float:
+def flank_compression(
+    robot: Robot, term: Term, motion: Motion, pi: np.ndarray, rigid: Rigid | None = None
+) -> float:
     """How far the gear of a loose joint is pressed together on its flanks [rad], the median along a log.
 
     Where a flank begins is not known more closely: the play and the compression add up.
     """
     torque, _, _, inertia = (
-        x[:, term.joint] for x in sensitivity_of(robot, motion, term.joint).at(pi)
+        x[:, term.joint] for x in sensitivity_of(robot, motion, term.joint, rigid).at(pi)
     )
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
