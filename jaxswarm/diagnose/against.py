@@ -17,7 +17,7 @@ from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes
 from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
-from jaxswarm.diagnose.stand import Memory
+from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.effects.warps import LAGGING
 from jaxswarm.errors import InputError
@@ -159,11 +159,9 @@ def compare(
 def _ask(found: Estimate, background: Background, held, seed: int, done, memory) -> list[Score]:
     suspects = [t for t in list_suspects(found.model, found.motions, True) if t not in done]
     return judge(
-        found,
-        background,
+        Stand(found, background, memory),
         suspects,
         seed,
-        memory,
         signed=lambda term: (term.effect, term.joint, term.other) in held,
     )
 

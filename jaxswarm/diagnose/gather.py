@@ -5,7 +5,8 @@ links, the clock or the scale is taken to first order about the current model: t
 the model's torque, or the derivative of that by its parameter. Once added, it is refitted exactly.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import jax
@@ -13,7 +14,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.lagging import lagging_candidate
-from jaxswarm.diagnose.search import Stage, begin_search
+from jaxswarm.diagnose.search import Stage, searching
 from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.warped import warped_candidate
 from jaxswarm.effects.warps import LAGGING
@@ -27,35 +28,41 @@ _MULTIPLE = 16
 def gather(stand: Stand, suspects: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
     """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
     searched = [t for t in suspects if t.law.torque is not None and t.law.nonlinear]
-    # The compiled searches run while the other candidates are built.
-    finish = _begin(stand, searched, key)
     done: dict[Term, Candidate | None] = {}
-    for term in suspects:
-        law = term.law
-        if law.torque is not None and not law.nonlinear:
-            done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
-        elif law.torque is None:
-            soft = law.warp in LAGGING
-            done[term] = lagging_candidate(stand, term) if soft else warped_candidate(stand, term)
-    for term, values in zip(searched, finish(), strict=True):
+    # The compiled searches run while the other candidates are built.
+    with _searched(stand, searched, key) as finish:
+        for term in suspects:
+            law = term.law
+            if law.torque is not None and not law.nonlinear:
+                done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
+            elif law.torque is None:
+                soft = law.warp in LAGGING
+                build = lagging_candidate if soft else warped_candidate
+                done[term] = build(stand, term)
+        found = finish()
+    for term, values in zip(searched, found, strict=True):
         columns = tuple(stand.law(replace(term, values=v)) for v in values)
         placed = replace(term, values=values[0])
         done[term] = Candidate(placed, columns, len(term.law.parameters))
     return [done[t] for t in suspects if done[t] is not None]
 
 
-def _begin(stand: Stand, terms: list[Term], key: jax.Array) -> Callable[[], list[list[dict]]]:
-    """Start finding nonlinear parameters of laws per fold where they are unknown."""
+@contextmanager
+def _searched(
+    stand: Stand, terms: list[Term], key: jax.Array
+) -> Iterator[Callable[[], list[list[dict]]]]:
+    """Find nonlinear parameters of laws per fold where they are unknown, in the background."""
     memory = stand.memory
     memory.round += 1
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
     known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
     if all(known.values()):
-        return lambda: _keep(stand, terms, found, known)
+        yield lambda: _keep(stand, terms, found, known)
+        return
     motions = stand.found.motions
     chosen = _comparable(motions)
-    finish = begin_search(
+    search = searching(
         [(t.law, t.joint, t.other) for t in unknown],
         [motions[k] for k in chosen],
         stand.found.model.width,
@@ -64,13 +71,15 @@ def _begin(stand: Stand, terms: list[Term], key: jax.Array) -> Callable[[], list
         key,
     )
 
-    def values() -> list[list[dict]]:
-        searched = dict(zip(unknown, finish(), strict=True))
-        if memory.journal:
-            memory.journal.keep(memory.round, searched)
-        return _keep(stand, terms, found, searched)
+    with search as finish:
 
-    return values
+        def values() -> list[list[dict]]:
+            searched = dict(zip(unknown, finish(), strict=True))
+            if memory.journal:
+                memory.journal.keep(memory.round, searched)
+            return _keep(stand, terms, found, searched)
+
+        yield values
 
 
 def _comparable(motions: Sequence[Motion]) -> list[int]:

@@ -11,7 +11,7 @@ from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.reconsider import choose_again
 from jaxswarm.diagnose.refit import key_of, refit_with
-from jaxswarm.diagnose.stand import Memory
+from jaxswarm.diagnose.stand import Memory, Stand
 from jaxswarm.diagnose.step import Step, near_ones
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
@@ -20,7 +20,7 @@ from jaxswarm.identify.terms import Term
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
-_MOST_STEPS = 12
+_MOST_STEPS, _MOST_SKEWS = 12, 3
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
 _SMALL_PART, _NEARLY_ALL = 0.4, 0.7
 
@@ -88,18 +88,22 @@ def diagnose(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
         )
         background = make_background(current)
-        scores = ask(current, background, seed, banned, memory)
+        stand = Stand(current, background, memory)
+        suspects = [
+            t for t in list_suspects(current.model, current.motions) if key_of(t) not in banned
+        ]
+        late = clock_skew(stand, suspects, rules, seed) if len(skews) < _MOST_SKEWS else 0.0
+        if late:
+            skews.append(late)
+            current = with_skew(current, late)
+            first = current if not steps else first
+            continue
+        scores = judge(stand, suspects, seed)
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
         # A touch is believed only if nothing that lasts explains more.
         most = max((s.gain for s in scores), default=0.0)
         guilty = [s for s in guilty if s.candidate.term.effect != "contact" or s.gain >= most]
-        late = clock_skew(scores, rules)
-        if late and len(skews) < 3:
-            skews.append(late)
-            current = with_skew(current, late)
-            first = current if not steps else first
-            continue
         if round_number == _MOST_STEPS:
             break
         if not guilty:
@@ -149,11 +153,11 @@ def stands_in(chosen: Score, current: Estimate, background: Background, seed: in
     return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
 
 
-def clock_skew(scores: Sequence[Score], rules: Rules) -> float:
+def clock_skew(stand: Stand, suspects: Sequence[Term], rules: Rules, seed: int) -> float:
     """The delay [s] that is real but below half a sample: a matter of the clock, not of the robot; else 0."""
-    for s in scores:
-        if s.candidate.term.effect == "time_delay" and not s.allowed:
-            real = s.gain > 0 and s.p_value * len(scores) < rules.significance
+    for s in judge(stand, [t for t in suspects if t.effect == "time_delay"], seed):
+        if not s.allowed:
+            real = s.gain > 0 and s.p_value * len(suspects) < rules.significance
             return float(s.coefficients[0]) if real and s.share > 0.02 else 0.0
     return 0.0
 
@@ -168,19 +172,6 @@ def with_skew(current: Estimate, seconds: float) -> Estimate:
         bounded=False,
         start=np.asarray(current.model.robot.parameters).ravel(),
     )
-
-
-def ask(
-    found: Estimate,
-    background: Background,
-    seed: int,
-    banned=frozenset(),
-    memory: Memory | None = None,
-) -> list[Score]:
-    """Score every suspect against an estimate; ``memory`` spares searches between rounds."""
-    suspects = list_suspects(found.model, found.motions)
-    allowed = [t for t in suspects if key_of(t) not in banned]
-    return judge(found, background, allowed, seed, memory)
 
 
 def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:

@@ -15,6 +15,7 @@ from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.terms import Term
@@ -58,7 +59,7 @@ def pair(
 
 def _ask(found: Estimate, term: Term, asked: int, rules: Rules, seed: int) -> Score | None:
     """The score of a term on a model if it passes."""
-    scores = judge(found, make_background(found), [replace(term, values={})], seed)
+    scores = judge(Stand(found, make_background(found)), [replace(term, values={})], seed)
     return next((s for s in scores if passes(s, asked, rules)), None)
 
 

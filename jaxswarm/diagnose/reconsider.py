@@ -15,6 +15,7 @@ from jaxswarm.diagnose.decide import Rules, Score, choose, passes
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.refit import is_certain, key_of, refit, refit_with
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, chain, competitors, find_term
 from jaxswarm.diagnose.unexplained import find_unexplained
 from jaxswarm.identify.estimate import Estimate
@@ -93,7 +94,7 @@ def reconsider(
         rest = refit(current, tuple(t for t in current.model.terms if key_of(t) != own))
         background = make_background(rest)
         suspects = [replace(t, values={}) for t in (step.added, *rivals)]
-        scores = judge(rest, background, suspects, seed)
+        scores = judge(Stand(rest, background), suspects, seed)
         guilty = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not guilty:

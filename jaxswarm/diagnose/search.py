@@ -8,8 +8,11 @@ swarm in its cell finds the floor. The law is chosen inside the program and leng
 that neither another suspect nor a log of another length costs a compilation.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import partial
+from threading import Lock
 from typing import NamedTuple
 
 import jax
@@ -25,8 +28,14 @@ from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
 # Lattice points, shared by the dimensions; the order of a ripple has a narrow valley.
-_POINTS, _MOST_DIMS = 128, 3
-_FINE = {"torque_ripple": 480}
+_POINTS, _MOST_POINTS, _MOST_DIMS = 128, 480, 3
+_FINE = {"torque_ripple": _MOST_POINTS}
+# Lattice points whose columns are held at a time.
+_BATCH = 32
+# What explains less of the residual than this share on every fold is not refined: it comes to nothing.
+_WORTH = 0.02
+# Threads that search: beside the one that builds other candidates, and when that has finished.
+_WORKERS = 2
 # Lengths are rounded up to multiples of these: samples, filter taps.
 _CHUNK, _TAPS = 1024, 32
 
@@ -68,8 +77,14 @@ def explained(columns: jax.Array, stage: Stage, positive: bool | jax.Array) -> j
     size = jnp.sqrt(jnp.diag(columns.T @ columns)) + 1e-300
     gram = gram / size / size[:, None] + 1e-9 * jnp.eye(columns.shape[1])
     right = (columns.T @ stage.residual) / size
-    gain = right @ jnp.linalg.solve(gram, right)
-    return jnp.where(jnp.logical_and(positive, right[0] <= 0), 0.0, gain)
+    refused = jnp.logical_and(positive, right[0] <= 0)
+    gain = 0.0
+    # Column after column, each freed of those before: for one to three of them a solver has no part to do.
+    for k in range(columns.shape[1]):
+        share = gram[k] / gram[k, k]
+        gain += right[k] ** 2 / gram[k, k]
+        right, gram = right - right[k] * share, gram - share[:, None] * gram[k]
+    return jnp.where(refused, 0.0, gain)
 
 
 class _Task(NamedTuple):
@@ -82,6 +97,7 @@ class _Task(NamedTuple):
     stages: Stage
 
 
+@partial(jax.jit, static_argnames=("laws", "factor"))
 def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array):
     """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law."""
     width = max(len(law.linear) for law in laws)
@@ -95,16 +111,30 @@ def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array
 
 
 @partial(jax.jit, static_argnames=("laws", "factor"))
-def _survey(laws: tuple[Law, ...], factor: int, task: _Task, lattice: jax.Array, taps: jax.Array):
-    """The best point of a lattice and what it explains, one per fold: (S, 3), (S,)."""
+def _survey(
+    laws: tuple[Law, ...], factor: int, task: _Task, lattice: jax.Array, count, taps: jax.Array
+):
+    """The best of a lattice's first points and what it explains, one per fold: (S, 3), (S,).
+
+    ``count`` batches are looked at, so that a fine lattice is no program of its own.
+    """
     at = partial(_columns_at, laws, factor, task, taps)
-    everywhere = jax.lax.map(at, lattice, batch_size=32)
 
-    def one_fold(stage):
-        gains = jax.vmap(lambda c: explained(c, stage, task.positive))(everywhere)
-        return lattice[jnp.argmax(gains)], jnp.max(gains)
+    def look(k, best):
+        points = jax.lax.dynamic_slice_in_dim(lattice, k * _BATCH, _BATCH)
+        columns = jax.vmap(at)(points)
 
-    return jax.vmap(one_fold)(task.stages)
+        def one_fold(stage, point, most):
+            gains = jax.vmap(lambda c: explained(c, stage, task.positive))(columns)
+            pick = jnp.argmax(gains)
+            better = gains[pick] > most
+            return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
+
+        return jax.vmap(one_fold)(task.stages, *best)
+
+    folds, kind = task.stages.residual.shape[0], task.stages.residual.dtype
+    nowhere = jnp.full((folds, _MOST_DIMS), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
+    return jax.lax.fori_loop(0, count, look, nowhere)
 
 
 @partial(jax.jit, static_argnames=("laws", "factor"))
@@ -127,15 +157,19 @@ def _refine(
     return jax.vmap(one_fold)(task.stages, *survey)
 
 
-def begin_search(
+@contextmanager
+def searching(
     tasks: list[tuple[Law, int, int | None]],
     motions: Sequence[Motion],
     width: float,
     loads: Sequence[Load],
     stages: Sequence[Stage],
     key: jax.Array,
-) -> Callable[[], list[list[dict[str, float]]]]:
-    """Start searching the best nonlinear parameters of laws on joints, for every fold.
+) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
+    """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
+
+    The searches run in a thread of their own: programs started by one thread wait for each other.
+    What has not begun when the context ends is given up.
 
     Args:
         tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
@@ -147,7 +181,7 @@ def begin_search(
             them.
         key: Random key.
 
-    Returns:
+    Yields:
         A function that waits for the end: values by name, for every task and every fold.
     """
     taps, factor = np.asarray(motions[0].decimator.taps), motions[0].decimator.factor
@@ -160,31 +194,40 @@ def begin_search(
     rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
     joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
-    found, laws = [], _searched(law for law, _, _ in tasks)
-    for law, joint, other in tasks:
-        lattice, cell = _lattice(len(law.nonlinear), _FINE.get(law.name, _POINTS))
+    laws = _searched(law for law, _, _ in tasks)
+    precise, tracing = jax.config.jax_enable_x64, Lock()
+
+    def search(law: Law, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
             _held(joint_series(motion, width, load, joint, other), end)
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
+        points = _FINE.get(law.name, _POINTS)
+        lattice, cell = _lattice(len(law.nonlinear), points)
         task = _Task(
             np.int32(laws.index(law)),
             np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
             cell,
             series,
-            jax.tree.map(lambda x, j=joint: x[j], whole),
+            jax.tree.map(lambda x: x[joint], whole),
         )
-        survey = _survey(laws, factor, task, lattice, taps)
-        found.append(_refine(laws, factor, task, survey, taps, key))
+        with jax.enable_x64(precise):  # a thread has settings of its own
+            with tracing:
+                best = _survey(laws, factor, task, lattice, points // _BATCH, taps)
+            positions, gains = map(np.asarray, best)
+            if (gains > _WORTH * (task.stages.residual**2).sum(axis=1)).any():
+                with tracing:
+                    refined = _refine(laws, factor, task, best, taps, key)
+                positions = np.asarray(refined)
+        return [{n: float(x) for n, x in _decode(law, u).items()} for u in positions]
 
-    def finish() -> list[list[dict[str, float]]]:
-        return [
-            [{n: float(x) for n, x in _decode(law, u).items()} for u in np.asarray(positions)]
-            for (law, _, _), positions in zip(tasks, found, strict=True)
-        ]
-
-    return finish
+    pool = ThreadPoolExecutor(max_workers=_WORKERS)
+    try:
+        found = [pool.submit(search, *task) for task in tasks]
+        yield lambda: [one.result() for one in found]
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _held(series: Sample, count: int) -> Sample:
@@ -210,13 +253,13 @@ def _searched(laws: Iterable[Law]) -> tuple[Law, ...]:
 def _lattice(dims: int, points: int) -> tuple[np.ndarray, np.ndarray]:
     """Lattice points in the unit cube, (points, 3), and half the width of a cell with its neighbors.
 
-    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to ``points``.
+    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most points of any law.
     """
     count = int(points ** (1 / dims) + 1e-9)
     axis = (np.arange(count) + 0.5) / count
     grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
-    lattice = np.full((points, _MOST_DIMS), 0.5)
-    lattice[:, :dims] = grid[np.minimum(np.arange(points), len(grid) - 1)]
+    lattice = np.full((_MOST_POINTS, _MOST_DIMS), 0.5)
+    lattice[:, :dims] = grid[np.minimum(np.arange(_MOST_POINTS), len(grid) - 1)]
     return lattice, np.where(np.arange(_MOST_DIMS) < dims, 1.0 / count, 0.5)
 
 

@@ -23,7 +23,6 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import optax
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.base import at_least
@@ -118,6 +117,8 @@ _polish = jax.jit(_polish, static_argnames=("fn", "method", "num_steps"))
 
 def _optax(fn, z, num_steps, solver, with_value):
     """Run an optax solver; return the points visited (k, d) and their values (k,)."""
+    import optax
+
     value_and_grad = optax.value_and_grad_from_state(fn) if with_value else jax.value_and_grad(fn)
 
     def step(carry, _):
@@ -136,11 +137,15 @@ def _optax(fn, z, num_steps, solver, with_value):
 
 
 def _lbfgs(fn, z, num_steps, learning_rate):
-    return _optax(fn, z, num_steps, optax.lbfgs(), True)
+    from optax import lbfgs  # here: a search that is not polished need not wait for the import
+
+    return _optax(fn, z, num_steps, lbfgs(), True)
 
 
 def _adam(fn, z, num_steps, learning_rate):
-    return _optax(fn, z, num_steps, optax.adam(learning_rate), False)
+    from optax import adam
+
+    return _optax(fn, z, num_steps, adam(learning_rate), False)
 
 
 def _levenberg_marquardt(residual, z, num_steps, learning_rate):

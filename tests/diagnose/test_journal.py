@@ -60,8 +60,8 @@ def test_interrupted_diagnosis_goes_on(tmp_path, monkeypatch):
     path = tmp_path / "arm.npz"
     np.savez(path, t=log.t, q=log.q, tau=log.tau, joints=np.array(log.joints))
     declare = "viscous_friction,coulomb_friction"
-    searched, begin = [], gather.begin_search
-    monkeypatch.setattr(gather, "begin_search", lambda *a: searched.append(1) or begin(*a))
+    searched, plain = [], gather.searching
+    monkeypatch.setattr(gather, "searching", lambda *a: searched.append(1) or plain(*a))
 
     def stop(text):
         if text.startswith("round 2"):

@@ -7,11 +7,13 @@ from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.background import make_background
 from jaxswarm.diagnose.decide import Rules, overlap
-from jaxswarm.diagnose.loop import ask
+from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.reconsider import reconsider
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, competitors, near_ones
+from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.identify.terms import Term
 
 DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
@@ -20,7 +22,7 @@ DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
 @pytest.fixture(scope="module")
 def stage():
     before, background = declared_fit(log_with(DRAG))
-    scores = ask(before, background, 0)
+    scores = judge(Stand(before, background), list_suspects(before.model, before.motions), 0)
     return before, {key_of(s.candidate.term): s for s in scores}
 
 

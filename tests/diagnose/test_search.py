@@ -1,12 +1,15 @@
 """The swarms' search of nonlinear parameters, on columns without noise."""
 
+import time
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from planted import log_with, small_arm
 
-from jaxswarm.diagnose.search import Stage, begin_search, decimate, explained
+from jaxswarm.diagnose import search
+from jaxswarm.diagnose.search import Stage, decimate, explained, searching
 from jaxswarm.effects import get_law
 from jaxswarm.identify.columns import Load, rigid_of, term_columns
 from jaxswarm.identify.terms import Term
@@ -52,7 +55,9 @@ def test_planted_parameters_are_recovered(motion, load, key, effect, values, lin
     columns = motion.decimator.apply(term_columns(term, motion, 0.01, load))
     residual = columns @ np.array(linear)
     stages = stages_of(motion, residual)
-    found = begin_search([(get_law(effect), 1, None)], [motion], 0.01, [load], [stages], key)()
+    task = (get_law(effect), 1, None)
+    with searching([task], [motion], 0.01, [load], [stages], key) as finish:
+        found = finish()
     for fold, weight in zip(found[0], np.asarray(stages.train[0]), strict=True):
         placed = Term(effect, 1, values=fold)
         again = motion.decimator.apply(term_columns(placed, motion, 0.01, load))
@@ -82,7 +87,8 @@ def test_logs_are_searched_together(motion, load, key, effect):
     def found(size):
         parts = [size * columns[0], 2.0 * columns[1]]
         stages = [stages_of(m, part) for m, part in zip(motions, parts, strict=True)]
-        return begin_search([law], motions, 0.01, loads, stages, key)()[0][0]
+        with searching([law], motions, 0.01, loads, stages, key) as finish:
+            return finish()[0][0]
 
     ((name, value),) = values.items()
     alike = found(2.0)[name]
@@ -125,3 +131,36 @@ def test_a_coefficient_of_the_wrong_sign_explains_nothing():
     stage = Stage(*map(jnp.asarray, (np.zeros((50, 1)), -2.0 * column[:, 0], np.ones(50))))
     assert float(explained(jnp.asarray(column), stage, True)) == 0.0
     assert float(explained(jnp.asarray(column), stage, False)) > 1.0
+
+
+@pytest.mark.parametrize(("size", "swarms"), [(-1.0, 0), (1.0, 1)])
+def test_only_what_explains_something_is_refined(motion, load, key, monkeypatch, size, swarms):
+    begun, plain = [], search._refine
+    monkeypatch.setattr(search, "_refine", lambda *args: begun.append(1) or plain(*args))
+    term = Term("hysteresis", 1, values={"x0": 0.043})
+    law = motion.decimator.apply(term_columns(term, motion, 0.01, load))[:, 0]
+    # Hysteresis takes energy: with the other sign the law explains nothing.
+    stages = stages_of(motion, size * law)
+    task = (get_law("hysteresis"), 1, None)
+    with searching([task], [motion], 0.01, [load], [stages], key) as finish:
+        assert len(finish()[0]) == 2
+    assert len(begun) == swarms
+
+
+def test_a_search_that_is_left_does_not_go_on(motion, load, key, monkeypatch):
+    begun = []
+    plain = search._survey
+
+    def slow(*args):
+        begun.append(1)
+        time.sleep(0.2)
+        return plain(*args)
+
+    monkeypatch.setattr(search, "_survey", slow)
+    stages = stages_of(motion, motion.decimator.apply(motion.tau)[:, 1])
+    tasks = [(get_law(effect), 1, None) for effect, _, _ in PLANTED] * 3
+    with pytest.raises(KeyboardInterrupt):
+        with searching(tasks, [motion], 0.01, [load], [stages], key):
+            raise KeyboardInterrupt
+    time.sleep(1.0)
+    assert len(begun) < len(tasks) / 2
