@@ -1,5 +1,6 @@
 """The command line: parse, call one library function, print. Results on stdout, the rest on stderr."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -48,6 +49,9 @@ def _start() -> None:
     # Threads of OpenBLAS wait for each other by spinning: on a busy machine the QR of 500 x 70 numbers
     # takes a hundred times longer than with one. Read when numpy is first imported, hence here.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Imports and tracing make many objects that stay: to look for garbage among them after every 700
+    # takes a tenth of a short run.
+    gc.set_threshold(100_000, 20, 20)
     import jax
 
     jax.config.update("jax_enable_x64", True)
