@@ -13,7 +13,7 @@ few beyond four times it are bounded in their influence (P. J. Huber, Ann. Math.
 impact or an outlier must not decide what a joint lacks.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import linalg
@@ -82,6 +82,7 @@ class Background:
         whole: The fit to all rows.
         halves: The two fits to alternating blocks.
         effective: Independent residuals in the data.
+        structure: What :mod:`jaxswarm.diagnose.unexplained` found on it, by seed and joint.
     """
 
     weight: np.ndarray
@@ -89,6 +90,7 @@ class Background:
     whole: Fold
     halves: tuple[Fold, Fold]
     effective: float
+    structure: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def folds(self) -> tuple[Fold, ...]:
@@ -98,7 +100,7 @@ class Background:
     def with_columns(self, columns: tuple[np.ndarray, ...]) -> "Background":
         """The stage of a model that has further weighted columns, given for every fold."""
         whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
-        return replace(self, whole=whole, halves=tuple(halves))
+        return replace(self, whole=whole, halves=tuple(halves), structure={})
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
         """Columns (T, n, k) in units of the noise."""

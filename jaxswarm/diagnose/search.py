@@ -143,7 +143,8 @@ def _refine(
 ):
     """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, 3)."""
 
-    def one_fold(stage, point, gain):
+    def one_fold(fold):
+        stage, point, gain = fold
         low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
 
         def cost(u, stage):
@@ -154,7 +155,7 @@ def _refine(
         swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
         return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
 
-    return jax.vmap(one_fold)(task.stages, *survey)
+    return jax.lax.map(one_fold, (task.stages, *survey))
 
 
 @contextmanager

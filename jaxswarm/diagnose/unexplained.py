@@ -74,36 +74,47 @@ def find_unexplained(
     found: Estimate, background: Background, seed: int = 0, joints: Sequence[int] | None = None
 ) -> list[Unexplained]:
     """Joints (all, or those given) whose residual the motion predicts although no law passed."""
-    variables = residual_variables(found)
+    asked = range(background.weight.shape[1]) if joints is None else joints
+    known = background.structure
+    unknown = [j for j in asked if (seed, j) not in known]
+    if unknown:
+        table = _table(found)
+        known.update({(seed, j): _look(found, background, j, table, seed) for j in unknown})
+    return [known[seed, j] for j in asked if known[seed, j] is not None]
+
+
+def _table(found: Estimate) -> dict[str, "_Input"]:
+    """All variables that vary."""
     width = found.model.width
-    names = [n for n, x in variables.items() if np.ptp(x) > 1e-9]
+    variables = {n: x for n, x in residual_variables(found).items() if np.ptp(x) > 1e-9}
     # A velocity also enters by its direction: friction jumps at zero.
-    table = {n: _input(variables[n], width if n.startswith("dq_") else None) for n in names}
-    found_structure = []
-    for joint in range(background.weight.shape[1]) if joints is None else joints:
-        singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in names]
-        singles.sort(key=lambda item: -item[0][0])
-        best, pick = singles[0]
-        # Pairs with each of the three most telling variables, and with the joint's own velocity.
-        own = f"dq_{found.model.robot.joints[joint]}"
-        leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
-        pairs = [
-            (_try(background, joint, [table[a], table[b]], seed), (a, b))
-            for a in leads
-            for b in names
-            if a in table and b != a
-        ]
-        asked = len(singles) + len(pairs)
-        pairs.sort(key=lambda item: -item[0][0])
-        if pairs and pairs[0][0][0] > best[0] + _SECOND:
-            best, pick = pairs[0]
-        share, p_value = best
-        if share < _LEAST or p_value * asked > _SIGNIFICANCE:
-            continue
-        found_structure.append(
-            _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
-        )
-    return found_structure
+    return {n: _input(x, width if n.startswith("dq_") else None) for n, x in variables.items()}
+
+
+def _look(
+    found: Estimate, background: Background, joint: int, table: dict[str, "_Input"], seed: int
+) -> Unexplained | None:
+    """The structure of one joint."""
+    singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in table]
+    singles.sort(key=lambda item: -item[0][0])
+    best, pick = singles[0]
+    # Pairs with each of the three most telling variables, and with the joint's own velocity.
+    own = f"dq_{found.model.robot.joints[joint]}"
+    leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
+    pairs = [
+        (_try(background, joint, [table[a], table[b]], seed), (a, b))
+        for a in leads
+        for b in table
+        if a in table and b != a
+    ]
+    asked = len(singles) + len(pairs)
+    pairs.sort(key=lambda item: -item[0][0])
+    if pairs and pairs[0][0][0] > best[0] + _SECOND:
+        best, pick = pairs[0]
+    share, p_value = best
+    if share < _LEAST or p_value * asked > _SIGNIFICANCE:
+        return None
+    return _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
 
 
 def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
