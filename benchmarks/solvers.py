@@ -83,6 +83,11 @@ def solvers() -> dict[str, Solver]:
         **APSO,
     )
 
+    rest = dict(initial_velocity=0.0)
+    add("jaxswarm spso, at rest", "PSO, rule of spso", "starts at rest", ours, "spso", **rest)
+    as_mealpy = dict(strategy="rand/1", weight=0.1, crossover_rate=0.9, dither=0.0)
+    add("jaxswarm de, as mealpy", "DE", "rand/1/bin, F 0.1, CR 0.9", ours, "de", **as_mealpy)
+
     rule = "w 0.75, c1 1.5, c2 2, one pair of random numbers a particle, no bounds"
     add("evosax PSO", "PSO", rule, peers.evosax, "PSO")
     rule = "w 0.7298, c 1.49618, periodic walls"
@@ -111,7 +116,9 @@ def solvers() -> dict[str, Solver]:
         "evosax as spso", "PSO, rule of spso", rule, peers.evosax, "PSO",
         inertia_coeff=W, cognitive_coeff=C, social_coeff=C,
     )  # fmt: skip
-    rule = "comprehensive learning"
+    rule = (
+        "a particle moves only where it gets better, velocities and exemplars drawn anew each step"
+    )
     add("mealpy CL_PSO", "CLPSO", rule, peers.mealpy, "swarm_based", "PSO", "CL_PSO")
 
     rule = "best/1/bin, F 0.5 to 1 a generation, CR 0.7"

@@ -140,7 +140,7 @@ def test_restart_when_collapsed():
 
 
 def test_islands_send_their_best_round():
-    optimizer = islands(pso(3), 3, migrate_every=2)
+    optimizer = islands(pso(3, initial_velocity=0.5), 3, migrate_every=2)
     state = optimizer.init(KEY, 2)
     value = jnp.array([5.0, 6.0, 7.0, 2.0, 3.0, 4.0, 8.0, 9.0, 1.0])
     state, _ = optimizer.update(jax.random.key(1), state, value)

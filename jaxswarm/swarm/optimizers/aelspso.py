@@ -56,6 +56,7 @@ def aelspso(
         raise InputError(f"gate={gate!r} is unknown. {nearest(str(gate), GATES)}")
     control = evolutionary_control(adapt_coefficients=adapt_coefficients, scale=scale)
     chosen = dict(inertia=0.9, cognitive=2.0, social=2.0, velocity_limit=0.2, control=control)
+    chosen |= dict(initial_velocity=0.5)
     swarm = pso(num_particles, random=random, **(chosen | parts))
     return elitist_learning(
         swarm,

@@ -46,6 +46,7 @@ def clpso(num_particles: int = 40, num_steps: int = 1000, *, refresh: int = 7, *
         inertia=linear(0.9, 0.4, num_steps),
         cognitive=1.49445,
         velocity_limit=0.2,
+        initial_velocity=0.5,
         control=Exemplars(coefficient("refresh", refresh, lower=0.0)),
         rule=ComprehensiveLearning(),
     )

@@ -8,7 +8,8 @@ References:
     K. Deb, R. B. Agrawal, "Simulated binary crossover for continuous search space", Complex Systems
     9 (1995); K. Deb, "An efficient constraint handling method for genetic algorithms", Comput.
     Methods Appl. Mech. Eng. 186 (2000), doi 10.1016/S0045-7825(99)00389-8 (bounded forms); D. E.
-    Goldberg, "Genetic algorithms in search, optimization and machine learning", 1989 (roulette).
+    Goldberg, "Genetic algorithms in search, optimization and machine learning", 1989 (roulette); A.
+    Sokolov, D. Whitley, "Unbiased tournament selection", GECCO 2005.
 """
 
 from typing import Any
@@ -23,7 +24,7 @@ __all__ = ["arithmetic", "gaussian", "polynomial", "roulette", "sbx", "tournamen
 
 
 def tournament(size: int = 2) -> "Tournament":
-    """Each parent is the best of ``size`` members drawn at random."""
+    """Each parent is the best of ``size`` members; every member enters as many tournaments."""
     return Tournament(at_least("size", size, 1, "somebody must compete"))
 
 
@@ -72,8 +73,10 @@ class Tournament:
     size: int = static()
 
     def __call__(self, random, value):
-        n = value.shape[0]
-        entrants = random.integers("entrants", (self.size, 2, n), n)
+        # Orders, not free draws: those leave out the best member of a small population now and then.
+        n, count = value.shape[0], 2 * self.size
+        orders = [random.permutation(f"entrants/{k}", n) for k in range(count)]
+        entrants = jnp.stack(orders).reshape(self.size, 2, n)
         winner = jnp.argmin(value[entrants], axis=0)
         return jnp.take_along_axis(entrants, winner[None], axis=0)[0]
 

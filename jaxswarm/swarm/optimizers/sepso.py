@@ -72,6 +72,7 @@ def sepso(
         cognitive=2.0,
         social=2.0,
         velocity_limit=0.2,
+        initial_velocity=0.5,
         control=emotions(variant),
         rule=emotional(variant, repulsion),
     )
