@@ -30,20 +30,26 @@ from jaxswarm.swarm.schedules import coefficient, linear
 __all__ = ["clpso"]
 
 
-def clpso(num_particles: int = 40, num_steps: int = 1000, *, refresh: int = 7, **parts: Any) -> PSO:
+def clpso(
+    num_particles: int = 40, num_steps: int = 1000, *, refresh: int | None = None, **parts: Any
+) -> PSO:
     """Comprehensive learning PSO with w from 0.9 to 0.4, c = 1.49445, velocity limit 20 %.
 
     Args:
       num_particles: n, at least 3.
       num_steps: updates over which the inertia falls; give what ``minimize`` gets.
-      refresh: updates without improvement after which a particle chooses new exemplars.
+      refresh: updates without improvement after which a particle chooses new exemplars. The default
+        is the paper's 7 from 3500 updates on and less below, down to none: in 100 to 1000 updates
+        a gap of 7 left medians up to 1e8 times larger on the benchmark's smooth problems, and
+        gained nothing on those with many optima.
       **parts: keyword arguments of :func:`pso`, which override the choices made here; ``social``
-      and
-        ``topology`` have no effect.
+        and ``topology`` have no effect.
     """
     at_least("num_particles", num_particles, 3, "each particle compares two others")
+    inertia = linear(0.9, 0.4, num_steps)
+    refresh = min(7, num_steps // 500) if refresh is None else refresh
     chosen = dict(
-        inertia=linear(0.9, 0.4, num_steps),
+        inertia=inertia,
         cognitive=1.49445,
         velocity_limit=0.2,
         initial_velocity=0.5,
