@@ -27,7 +27,7 @@ def linear(start: float, end: float, num_steps: float) -> Partial:
     >>> float(evaluate("inertia", linear(0.9, 0.4, 100), 50))
     0.65
     """
-    return Partial(_linear, *map(_number, (start, end, num_steps)))
+    return Partial(_linear, *_numbers(start, end, num_steps))
 
 
 def cosine(start: float, end: float, num_steps: float) -> Partial:
@@ -36,7 +36,7 @@ def cosine(start: float, end: float, num_steps: float) -> Partial:
     >>> round(float(evaluate("inertia", cosine(1.0, 0.0, 100), 25)), 4)
     0.8536
     """
-    return Partial(_cosine, *map(_number, (start, end, num_steps)))
+    return Partial(_cosine, *_numbers(start, end, num_steps))
 
 
 def exponential(start: float, end: float, num_steps: float) -> Partial:
@@ -45,7 +45,7 @@ def exponential(start: float, end: float, num_steps: float) -> Partial:
     >>> round(float(evaluate("scale", exponential(1.0, 0.01, 100), 50)), 6)
     0.1
     """
-    return Partial(_exponential, *map(_number, (start, end, num_steps)))
+    return Partial(_exponential, *_numbers(start, end, num_steps))
 
 
 def coefficient(
@@ -113,9 +113,10 @@ def _require_scalar(name: str, value: Any) -> None:
         )
 
 
-def _number(value):
-    """Plain numbers become floats: a leaf that is once an int and once a float compiles twice."""
-    return value if isinstance(value, jax.Array) else float(value)
+def _numbers(start, end, num_steps):
+    """Numbers of a schedule as leaves: one that is once an int and once a float compiles twice."""
+    length = coefficient("num_steps", num_steps, lower=1.0)
+    return coefficient("start", start), coefficient("end", end), length
 
 
 def _fraction(count, num_steps, dtype):

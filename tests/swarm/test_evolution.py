@@ -62,6 +62,9 @@ def test_tournament_prefers_the_better():
     drawn = np.asarray(pick(jax.random.split(KEY, 4000))).ravel()
     share = np.bincount(drawn, minlength=4) / drawn.size
     np.testing.assert_allclose(share, np.array([7, 5, 3, 1]) / 16, atol=0.02)
+    # No order leaves anybody out: the best wins every tournament it enters, two on each side.
+    wins = (np.asarray(pick(jax.random.split(KEY, 500))) == 0).sum(axis=2)
+    assert set(np.unique(wins)) <= {1, 2}
 
 
 def test_arithmetic_crossover_keeps_the_sum():
@@ -228,6 +231,12 @@ def test_emotion_rises_with_success_and_decays():
     np.testing.assert_allclose(info.hyper["emotion"], [1.0, 0.85, 0.85, 0.85, 0.85])
     with pytest.raises(InputError, match="num_particles=3"):
         sepso(3)
+
+
+@pytest.mark.parametrize("steps, gap", [(16, 0), (499, 0), (1000, 2), (3500, 7), (10**5, 7)])
+def test_clpso_keeps_exemplars_longer_in_longer_runs(steps, gap):
+    assert float(clpso(10, steps).control.refresh) == gap
+    assert float(clpso(10, steps, refresh=4).control.refresh) == 4
 
 
 def test_clpso_exemplars():

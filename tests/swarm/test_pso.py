@@ -42,6 +42,16 @@ def half_source(monkeypatch):
     return "half"
 
 
+def test_a_swarm_starts_at_rest_or_half_the_way_to_another_point():
+    assert not pso(20).init(KEY, 3).velocity.any()
+    state = pso(2000, initial_velocity=0.5).init(KEY, 3)
+    ahead = np.asarray(state.position + 2.0 * state.velocity)  # the other point: uniform too
+    assert ahead.min() >= 0.0 and ahead.max() <= 1.0
+    np.testing.assert_allclose(ahead.mean(axis=0), 0.5, atol=0.03)
+    for factory in (gpso, spso2011):
+        assert factory().init(KEY, 3).velocity.any()
+
+
 def test_reference_step_by_hand(half_source):
     """Three particles in two dimensions, r1 = r2 = 1/2, w = 1/2, c1 = c2 = 1, nobody meets a wall.
 
@@ -214,6 +224,8 @@ def test_spherical_rule_does_not_see_axes():
         (lambda: pso(inertia=[0.1, 0.2]), r"inertia has shape \(2,\), one number is needed"),
         (lambda: pso(social=lambda k: jnp.ones(3)), r"social has shape \(3,\)"),
         (lambda: pso(velocity_limit=-1.0), "velocity_limit=-1.0 must lie in"),
+        (lambda: gpso(10, 0), "num_steps=0 must lie in"),
+        (lambda: pso(initial_velocity=2.0), "initial_velocity=2.0 must lie in"),
         (lambda: reflect(2.0), "damping=2.0"),
         (lambda: ring(0), "reach=0"),
         (lambda: von_neumann(5)(Random(KEY), jnp.ones((12, 1)), jnp.ones(12)), "rows=5 does not"),

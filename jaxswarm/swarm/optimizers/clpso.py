@@ -47,7 +47,7 @@ def clpso(
     """
     at_least("num_particles", num_particles, 3, "each particle compares two others")
     inertia = linear(0.9, 0.4, num_steps)
-    refresh = min(7, num_steps // 500) if refresh is None else refresh
+    refresh = jnp.minimum(7.0, num_steps // 500) if refresh is None else refresh
     chosen = dict(
         inertia=inertia,
         cognitive=1.49445,
