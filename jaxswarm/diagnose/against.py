@@ -17,7 +17,8 @@ from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes
 from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.memory import Memory
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.effects.warps import LAGGING
 from jaxswarm.errors import InputError
@@ -130,7 +131,7 @@ def compare(
     stages: list[Estimate] = []
     unseen: list[np.ndarray] = []
     changes: tuple[Change, ...] = ()
-    asked, memory = 0, Memory(journal)
+    asked, memory = 0, Memory(journal, rules.share)
     for number in range(_MOST_STEPS + 1):
         progress(f"round {number + 1}: asking what changed")
         background = make_background(current, frozen=True)

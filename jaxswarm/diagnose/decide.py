@@ -57,6 +57,7 @@ class Score:
         per_joint: The same per joint, shape (n,).
         blocks: Per block, shape (B,).
         share: Largest share of a joint's squared error taken off.
+        trained: The same on the rows it was fitted to, where it is largest.
         joint: The joint where that is.
         p_value: One-sided, that the prediction is not in the residual of unseen blocks.
         repeats: Share of blocks in which it helps.
@@ -69,6 +70,7 @@ class Score:
     per_joint: np.ndarray
     blocks: np.ndarray
     share: float
+    trained: float
     joint: int
     p_value: float
     repeats: float
@@ -96,14 +98,15 @@ def score(candidate: Candidate, background: Background, interval: float = 0.0) -
     gains = np.zeros((count, joints))
     before = np.zeros(joints)
     inner, square = np.zeros(count), np.zeros(count)
-    signs = []
+    signs, trained = [], 0.0
     for fold, columns in zip(background.halves, candidate.columns[1:], strict=True):
         free = fold.free_part(columns)
         a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
         signs.append(a)
         out = ~fold.train
-        predicted = candidate.view(free @ a)[out]
-        residual = candidate.view(fold.residual)[out]
+        predicted, residual = candidate.view(free @ a), candidate.view(fold.residual)
+        trained = max(trained, _share_of(predicted[fold.train], residual[fold.train]))
+        predicted, residual = predicted[out], residual[out]
         fall = residual**2 - (residual - predicted) ** 2
         np.add.at(gains, background.block[out], fall)
         np.add.at(inner, background.block[out], (predicted * residual).sum(axis=1))
@@ -127,12 +130,19 @@ def score(candidate: Candidate, background: Background, interval: float = 0.0) -
         per_joint=per_joint,
         blocks=blocks,
         share=share,
+        trained=trained,
         joint=joint,
         p_value=slope_p_value(inner, square),
         repeats=float((blocks[weighty] > 0).mean()) if weighty.any() else 0.0,
         coefficients=whole,
         allowed=bool(allowed),
     )
+
+
+def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
+    """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
+    before = np.maximum((residual**2).sum(axis=0), 1e-300)
+    return float(max(0.0, (1.0 - ((residual - predicted) ** 2).sum(axis=0) / before).max()))
 
 
 def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:

@@ -27,6 +27,9 @@ def judge(
     """
     interval = max(m.interval for m in stand.found.motions)
     candidates = gather(stand, tuple(suspects), jax.random.key(seed))
-    return [
+    scores = [
         score(replace(c, signed=signed(c.term)), stand.background, interval) for c in candidates
     ]
+    for one in scores:
+        stand.memory.judged(one.candidate.term, one.trained)
+    return scores

@@ -9,9 +9,10 @@ from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.decide import Rules, Score, choose, passes
 from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
+from jaxswarm.diagnose.memory import Memory
 from jaxswarm.diagnose.reconsider import choose_again
 from jaxswarm.diagnose.refit import key_of, refit_with
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, near_ones
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.diagnose.unexplained import find_unexplained
@@ -82,7 +83,7 @@ def diagnose(
     progress("fitting the declared model")
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
-    memory, settled, withdrawn = Memory(journal), False, ()
+    memory, settled, withdrawn = Memory(journal, rules.share), False, ()
     for round_number in range(_MOST_STEPS + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"

@@ -1,12 +1,11 @@
-"""Where the model stands when the suspects are asked, and what earlier rounds found."""
+"""Where the model stands when the suspects are asked."""
 
-from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from jaxswarm.diagnose.background import Background
-from jaxswarm.diagnose.journal import Journal
+from jaxswarm.diagnose.memory import Memory
 from jaxswarm.identify.assemble import assemble, moves_links, tilted
 from jaxswarm.identify.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.estimate import Estimate
@@ -14,49 +13,9 @@ from jaxswarm.identify.lag import link_motion
 from jaxswarm.identify.model import linear_values
 from jaxswarm.identify.sensitivity import Sensitivity, sensitivity_of
 from jaxswarm.identify.terms import Term
-from jaxswarm.logs.motion import Motion
 
-# A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
-_SAME = 0.05
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9
-
-
-@dataclass
-class Memory:
-    """Nonlinear parameters found in earlier rounds, with the residuals they were found on.
-
-    Attributes:
-        journal: Keeps what was searched on disk; None: nothing is kept.
-        round: Number of the present round, from zero.
-        known: Values per fold by term, with the residuals.
-        gravity: Columns of gravity along each base axis, by the logs they belong to.
-        laws: The logs, and decimated columns of laws on them, by term, values and width of the sign.
-    """
-
-    journal: Journal | None = None
-    round: int = -1
-    known: dict = field(default_factory=dict)
-    gravity: dict = field(default_factory=dict)
-    laws: tuple = ((), {})
-
-    def laws_of(self, motions: tuple[Motion, ...]) -> dict:
-        """Decimated columns of laws on these logs."""
-        if self.laws[0] is not motions:
-            self.laws = (motions, {})
-        return self.laws[1]
-
-    def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
-        """The values per fold, if the joint's residuals (folds, T) are still what they were."""
-        old, values = self.known.get((term.effect, term.joint, term.other), (None, None))
-        if old is None or old.shape != residuals.shape:
-            return None
-        change = np.linalg.norm(residuals - old, axis=1)
-        return values if (change < _SAME * np.linalg.norm(old, axis=1)).all() else None
-
-    def keep(self, term: Term, residuals: np.ndarray, values: list[dict[str, float]]) -> None:
-        """Remember the values per fold of a term."""
-        self.known[term.effect, term.joint, term.other] = (residuals, values)
 
 
 class Stand:

@@ -11,7 +11,8 @@ from planted import DECLARED, blank, small_arm
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.background import make_background
 from jaxswarm.diagnose.lagging import lagging_candidate
-from jaxswarm.diagnose.stand import Memory, Stand
+from jaxswarm.diagnose.memory import Memory
+from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.diagnose.synthetic import fourier_motion
 from jaxswarm.identify import estimate

@@ -1,0 +1,53 @@
+"""What a round need not search again."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jaxswarm.diagnose.memory import Memory
+from jaxswarm.identify.terms import Term
+
+TERM = Term("stribeck_friction", 1)
+VALUES = [{"vs": 0.1, "delta": 2.0}]
+
+
+def memory_of(residual, share, least):
+    memory = Memory(least=least)
+    memory.keep(TERM, residual[None], VALUES)
+    memory.judged(TERM, share)
+    return memory
+
+
+@given(st.integers(0, 10**6), st.floats(0.0, 0.9), st.floats(0.01, 0.6))
+def test_what_is_not_searched_again_explains_less_than_is_of_interest(seed, moved, least):
+    """No direction that explained at most the share of the old residual explains more of the new one."""
+    rng = np.random.default_rng(seed)
+    old, law = rng.normal(size=(2, 40))
+    law /= np.linalg.norm(law)
+    share = (old @ law) ** 2 / (old @ old)
+    # The worst change there is: along the law.
+    new = old + moved * np.linalg.norm(old) * law * np.sign(old @ law)
+    if memory_of(old, share, least).recall(TERM, new[None]) is not None and moved >= 0.05:
+        assert (new @ law) ** 2 < least * (new @ new)
+
+
+@pytest.mark.parametrize(
+    ("share", "change", "known"),
+    [(0.9, 0.04, True), (0.01, 0.1, True), (0.3, 0.1, False), (0.01, 1.2, False)],
+)
+def test_a_small_change_or_a_small_share_needs_no_search(share, change, known):
+    old = np.random.default_rng(0).normal(size=200)
+    memory = memory_of(old, share, 0.2)
+    assert (memory.recall(TERM, (1.0 - change) * old[None]) is not None) == known
+    assert memory.recall(Term("stribeck_friction", 0), old[None]) is None
+    assert memory.recall(TERM, old[None, :100]) is None
+
+
+def test_only_the_first_judgment_counts():
+    """It was made on the residuals that are kept."""
+    old = np.ones(50)
+    memory = memory_of(old, 0.9, 0.2)
+    memory.judged(TERM, 0.0)
+    assert memory.recall(TERM, 0.9 * old[None]) is None
+    memory.judged(Term("hysteresis", 1), 0.5)
