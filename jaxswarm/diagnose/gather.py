@@ -14,7 +14,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates import Candidate
 from jaxswarm.diagnose.lagging import lagging_candidate
-from jaxswarm.diagnose.search import Stage, searching
+from jaxswarm.diagnose.search import searching
+from jaxswarm.diagnose.stage import Stage
 from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.warped import warped_candidate
 from jaxswarm.effects.warps import LAGGING

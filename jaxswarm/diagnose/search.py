@@ -19,6 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.diagnose.stage import Stage, decimate, explained
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Law, Sample
 from jaxswarm.effects.series import law_columns
@@ -38,53 +39,6 @@ _WORTH = 0.02
 _WORKERS = 2
 # Lengths are rounded up to multiples of these: samples, filter taps.
 _CHUNK, _TAPS = 1024, 32
-
-
-class Stage(NamedTuple):
-    """One joint on one fold, ready for a search: the rows of the joint only.
-
-    Attributes:
-        basis: Q of the joint's rows, (T', b), zero outside the training rows.
-        residual: Weighted residual of those rows, (T',), zero outside the training rows.
-        train: 1 on training rows, else 0, (T',).
-    """
-
-    basis: jax.Array
-    residual: jax.Array
-    train: jax.Array
-
-
-def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
-    """Decimate columns (T, k) like :class:`jaxswarm.logs.filtering.Decimator`, shape (T', k)."""
-    size = taps.shape[0]
-    kept = (x.shape[0] - size) // factor + 1
-    spans = -(-size // factor)
-    padded = jnp.pad(x, ((0, (kept + spans) * factor - x.shape[0]), (0, 0)))
-    frames = padded.reshape(kept + spans, factor, -1)
-    weights = jnp.pad(taps, (0, spans * factor - size)).reshape(spans, factor)
-    parts = jnp.einsum("sf,tfk->stk", weights, frames)
-    return sum(parts[s, s : s + kept] for s in range(spans))
-
-
-def explained(columns: jax.Array, stage: Stage, positive: bool | jax.Array) -> jax.Array:
-    """Sum of squares that free linear parameters of the columns (T', k) take off the residual.
-
-    Columns of zeros say nothing. ``positive`` refuses a negative coefficient of the first column.
-    """
-    columns = columns * stage.train[:, None]
-    inner = stage.basis.T @ columns
-    gram = columns.T @ columns - inner.T @ inner
-    size = jnp.sqrt(jnp.diag(columns.T @ columns)) + 1e-300
-    gram = gram / size / size[:, None] + 1e-9 * jnp.eye(columns.shape[1])
-    right = (columns.T @ stage.residual) / size
-    refused = jnp.logical_and(positive, right[0] <= 0)
-    gain = 0.0
-    # Column after column, each freed of those before: for one to three of them a solver has no part to do.
-    for k in range(columns.shape[1]):
-        share = gram[k] / gram[k, k]
-        gain += right[k] ** 2 / gram[k, k]
-        right, gram = right - right[k] * share, gram - share[:, None] * gram[k]
-    return jnp.where(refused, 0.0, gain)
 
 
 class _Task(NamedTuple):
@@ -143,8 +97,7 @@ def _refine(
 ):
     """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, 3)."""
 
-    def one_fold(fold):
-        stage, point, gain = fold
+    def one_fold(stage, point, gain):
         low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
 
         def cost(u, stage):
@@ -155,7 +108,7 @@ def _refine(
         swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
         return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
 
-    return jax.lax.map(one_fold, (task.stages, *survey))
+    return jax.vmap(one_fold)(task.stages, *survey)
 
 
 @contextmanager
@@ -169,7 +122,7 @@ def searching(
 ) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
     """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
 
-    The searches run in a thread of their own: programs started by one thread wait for each other.
+    The searches run in threads of their own: programs started by one thread wait for each other.
     What has not begun when the context ends is given up.
 
     Args:

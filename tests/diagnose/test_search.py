@@ -9,7 +9,8 @@ import pytest
 from planted import log_with, small_arm
 
 from jaxswarm.diagnose import search
-from jaxswarm.diagnose.search import Stage, decimate, explained, searching
+from jaxswarm.diagnose.search import searching
+from jaxswarm.diagnose.stage import Stage, decimate, explained
 from jaxswarm.effects import get_law
 from jaxswarm.identify.columns import Load, rigid_of, term_columns
 from jaxswarm.identify.terms import Term
