@@ -22,7 +22,7 @@ from jaxswarm.identify.estimate import Estimate
 
 # Residuals beyond this multiple of the torque sensor's noise are looked at for two laws in one.
 _LOUD = 1.25
-# A simpler law may leave this much more of a joint's squared error.
+# A law that was chosen anew may leave this much more of a joint's squared error.
 _PRICE = 1.02
 
 
@@ -103,17 +103,38 @@ def reconsider(
                 current, changed = rest, True
             continue
         chosen, near = choose(guilty, rules, background)
-        if key_of(chosen.candidate.term) == own:
-            done[place] = replace(step, rivals=tuple(near))
-            continue
-        after = refit_with(rest, chosen)
-        if after is None or _cost(after, chosen, rest) > _PRICE * _cost(current, chosen, rest):
-            continue
-        others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen)
-        added = find_term(after, chosen.candidate.term)
-        done[place] = replace(step, added=added, score=chosen, rivals=tuple(near), others=others)
-        current, changed = after, True
+        same = key_of(chosen.candidate.term) == own
+        for pick in _simpler(chosen, guilty) if same else [chosen]:
+            after = refit_with(rest, pick)
+            price = _price(pick, chosen, background) if same else _PRICE
+            if after is None or _cost(after, pick, rest) > price * _cost(current, pick, rest):
+                continue
+            others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
+            added = find_term(after, pick.candidate.term)
+            told = () if same else tuple(near)
+            done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
+            current, changed = after, True
+            break
+        else:
+            if same:
+                done[place] = replace(step, rivals=tuple(near))
     return (chain(done) if changed else done), current, changed
+
+
+def _simpler(chosen: Score, guilty: Sequence[Score]) -> list[Score]:
+    """Those with fewer parameters, the fewest first.
+
+    While a law is tried the others stay as they were fitted without it, and one with a free exponent
+    makes up for that. Fitted all together, the simpler law may do.
+    """
+    fewer = [s for s in guilty if s.candidate.size < chosen.candidate.size]
+    return sorted(fewer, key=lambda s: (s.candidate.size, -s.gain))
+
+
+def _price(simple: Score, full: Score, background: Background) -> float:
+    """How much of a joint's squared error a simpler law may leave more: two standard errors a parameter."""
+    saved = full.candidate.size - simple.candidate.size
+    return 1.0 + 4.0 * saved * background.weight.shape[1] / background.effective
 
 
 def _cost(found: Estimate, chosen: Score, weights: Estimate) -> float:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
+from jaxswarm.diagnose import reconsider as reconsider_module
 from jaxswarm.diagnose.background import make_background
 from jaxswarm.diagnose.decide import Rules, overlap
 from jaxswarm.diagnose.judge import judge
@@ -57,6 +58,28 @@ def test_competitors_say_the_same_on_the_same_joint(stage):
     assert chosen not in near and {s.joint for s in near} == {1}
     for one in near:
         assert overlap(chosen.candidate, one.candidate, background) > 0.7
+
+
+@pytest.mark.parametrize(
+    ("alpha", "kept"), [(2.0, "quadratic_drag"), (1.6, "nonlinear_viscous_friction")]
+)
+def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
+    """Even where the law with a free exponent was ahead while the others were not fitted with it."""
+    hidden = Term("nonlinear_viscous_friction", 1, values={"c": 1.5, "alpha": alpha})
+    before, background = declared_fit(log_with(hidden))
+    scores = judge(Stand(before, background), list_suspects(before.model, before.motions), 0)
+    there = before, {key_of(s.candidate.term): s for s in scores}
+    step = step_of(there, "nonlinear_viscous_friction", ["quadratic_drag"])
+
+    def ahead(guilty, rules, background):
+        assert "quadratic_drag" in {s.candidate.term.effect for s in guilty}
+        return next(s for s in guilty if s.candidate.term.effect == step.added.effect), []
+
+    monkeypatch.setattr(reconsider_module, "choose", ahead)
+    steps, found, changed = reconsider([step], step.after, 60, Rules())
+    assert [s.added.effect for s in steps] == [kept]
+    assert changed == (kept == "quadratic_drag")
+    assert kept in {t.effect for t in found.model.terms}
 
 
 def test_the_right_law_stays_and_nothing_is_fitted_anew(stage):
