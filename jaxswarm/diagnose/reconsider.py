@@ -106,8 +106,14 @@ def reconsider(
         same = key_of(chosen.candidate.term) == own
         for pick in _simpler(chosen, guilty) if same else [chosen]:
             after = refit_with(rest, pick)
-            price = _price(pick, chosen, background) if same else _PRICE
-            if after is None or _cost(after, pick, rest) > price * _cost(current, pick, rest):
+            if after is None:
+                continue
+            saved = chosen.candidate.size - pick.candidate.size
+            if same:
+                fits = _does_as_well(after, current, saved)
+            else:
+                fits = _costs_little(after, current, pick.joint, rest)
+            if not fits:
                 continue
             others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
             added = find_term(after, pick.candidate.term)
@@ -131,13 +137,18 @@ def _simpler(chosen: Score, guilty: Sequence[Score]) -> list[Score]:
     return sorted(fewer, key=lambda s: (s.candidate.size, -s.gain))
 
 
-def _price(simple: Score, full: Score, background: Background) -> float:
-    """How much of a joint's squared error a simpler law may leave more: two standard errors a parameter."""
-    saved = full.candidate.size - simple.candidate.size
-    return 1.0 + 4.0 * saved * background.weight.shape[1] / background.effective
+def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
+    """Whether a model that saves parameters leaves no more than two standard errors each, on all joints."""
+    price = 1.0 + 4.0 * saved / make_background(full).effective
+    return _cost(simple, slice(None), full) <= price * _cost(full, slice(None), full)
 
 
-def _cost(found: Estimate, chosen: Score, weights: Estimate) -> float:
-    """Squared error of the joint in question, rare large residuals bounded."""
+def _costs_little(new: Estimate, old: Estimate, joint: int, weights: Estimate) -> bool:
+    """Whether a law chosen anew leaves about what the former one left on its joint, or less."""
+    return _cost(new, joint, weights) <= _PRICE * _cost(old, joint, weights)
+
+
+def _cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:
+    """Squared error of a joint, or of several, in units of the noise; rare large residuals bounded."""
     weight = robust_weight(weights.fit.residual)
-    return float(np.square((found.fit.residual * weight)[:, chosen.joint]).sum())
+    return float(np.square((found.fit.residual * weight)[:, joint]).sum())
