@@ -14,10 +14,11 @@ import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background
 from jaxswarm.diagnose.candidates import Candidate
-from jaxswarm.diagnose.decide import Rules, Score, choose, passes
+from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.memory import Memory
+from jaxswarm.diagnose.rivals import choose
 from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.suspects import list_suspects
 from jaxswarm.effects.warps import LAGGING

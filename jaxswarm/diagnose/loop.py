@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background
-from jaxswarm.diagnose.decide import Rules, Score, choose, passes
+from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.journal import Journal
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.memory import Memory
 from jaxswarm.diagnose.reconsider import choose_again
 from jaxswarm.diagnose.refit import key_of, refit_with
+from jaxswarm.diagnose.rivals import choose
 from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, near_ones
 from jaxswarm.diagnose.suspects import list_suspects

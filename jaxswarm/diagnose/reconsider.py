@@ -11,10 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.background import Background, make_background, robust_weight
-from jaxswarm.diagnose.decide import Rules, Score, choose, passes
+from jaxswarm.diagnose.decide import Rules, Score, passes
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.refit import is_certain, key_of, refit, refit_with
+from jaxswarm.diagnose.rivals import choose
 from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, chain, competitors, find_term
 from jaxswarm.diagnose.unexplained import find_unexplained

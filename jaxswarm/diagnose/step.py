@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from jaxswarm.diagnose.background import Background
-from jaxswarm.diagnose.decide import OVERLAP, Score, overlap
+from jaxswarm.diagnose.decide import Score
 from jaxswarm.diagnose.refit import key_of, refit
+from jaxswarm.diagnose.rivals import OVERLAP, overlap
 from jaxswarm.identify.estimate import Estimate
 from jaxswarm.identify.terms import Term
 

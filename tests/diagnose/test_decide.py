@@ -8,17 +8,8 @@ from planted import declared_fit, log_with
 from scipy import signal, stats
 
 from jaxswarm.diagnose.candidates import Candidate
-from jaxswarm.diagnose.decide import (
-    Rules,
-    beats,
-    choose,
-    difference,
-    is_special_case,
-    overlap,
-    passes,
-    score,
-    slope_p_value,
-)
+from jaxswarm.diagnose.decide import Rules, passes, score, slope_p_value
+from jaxswarm.diagnose.rivals import beats, choose, difference, is_special_case, overlap
 from jaxswarm.identify.terms import Term
 
 

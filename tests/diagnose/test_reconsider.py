@@ -7,11 +7,12 @@ from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose import reconsider as reconsider_module
 from jaxswarm.diagnose.background import make_background
-from jaxswarm.diagnose.decide import Rules, overlap
+from jaxswarm.diagnose.decide import Rules
 from jaxswarm.diagnose.judge import judge
 from jaxswarm.diagnose.pair import pair
 from jaxswarm.diagnose.reconsider import reconsider
 from jaxswarm.diagnose.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.rivals import overlap
 from jaxswarm.diagnose.stand import Stand
 from jaxswarm.diagnose.step import Step, competitors, near_ones
 from jaxswarm.diagnose.suspects import list_suspects
