@@ -53,6 +53,9 @@ def _searched(
     stand: Stand, terms: list[Term], key: jax.Array
 ) -> Iterator[Callable[[], list[list[dict]]]]:
     """Find nonlinear parameters of laws per fold where they are unknown, in the background."""
+    if not terms:
+        yield list
+        return
     memory = stand.memory
     memory.round += 1
     found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}

@@ -105,27 +105,41 @@ def reconsider(
             continue
         chosen, near = choose(guilty, rules, background)
         same = key_of(chosen.candidate.term) == own
-        for pick in _simpler(chosen, guilty) if same else [chosen]:
-            after = refit_with(rest, pick)
-            if after is None:
-                continue
-            saved = chosen.candidate.size - pick.candidate.size
-            if same:
-                fits = _does_as_well(after, current, saved)
-            else:
-                fits = _costs_little(after, current, pick.joint, rest)
-            if not fits:
-                continue
-            others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
-            added = find_term(after, pick.candidate.term)
-            told = () if same else tuple(near)
-            done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
-            current, changed = after, True
-            break
-        else:
+        instead = _replacement(
+            _simpler(chosen, guilty) if same else [chosen], chosen, rest, current
+        )
+        if instead is None:
             if same:
                 done[place] = replace(step, rivals=tuple(near))
+            continue
+        pick, current = instead
+        others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
+        added = find_term(current, pick.candidate.term)
+        told = () if same else tuple(near)
+        done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
+        changed = True
     return (chain(done) if changed else done), current, changed
+
+
+def _replacement(
+    picks: Sequence[Score], chosen: Score, rest: Estimate, current: Estimate
+) -> tuple[Score, Estimate] | None:
+    """The first pick that may stand in the current model's place, with its fit; None if none may.
+
+    The chosen law itself may leave about what the former one left on its joint; one that is simpler has
+    to do as well as the chosen one.
+    """
+    for pick in picks:
+        after = refit_with(rest, pick)
+        if after is None:
+            continue
+        if pick is chosen:
+            fits = _cost(after, pick.joint, rest) <= _PRICE * _cost(current, pick.joint, rest)
+        else:
+            fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
+        if fits:
+            return pick, after
+    return None
 
 
 def _simpler(chosen: Score, guilty: Sequence[Score]) -> list[Score]:
@@ -142,11 +156,6 @@ def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
     """Whether a model that saves parameters leaves no more than two standard errors each, on all joints."""
     price = 1.0 + 4.0 * saved / make_background(full).effective
     return _cost(simple, slice(None), full) <= price * _cost(full, slice(None), full)
-
-
-def _costs_little(new: Estimate, old: Estimate, joint: int, weights: Estimate) -> bool:
-    """Whether a law chosen anew leaves about what the former one left on its joint, or less."""
-    return _cost(new, joint, weights) <= _PRICE * _cost(old, joint, weights)
 
 
 def _cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:

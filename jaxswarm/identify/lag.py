@@ -31,7 +31,12 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
 
 def blur_of(term: Term) -> float:
     """Time [s] over which a lag is averaged: by how much the moment of a strike is uncertain."""
-    return {**term.law.nominal(), **term.values}.get("blur", 0.0)
+    return _values(term).get("blur", 0.0)
+
+
+def _values(term: Term) -> dict[str, float]:
+    """Parameters of a term, nominal where it has no values."""
+    return {**term.law.nominal(), **term.values}
 
 
 def slope_terms(terms: tuple[Term, ...]) -> list[Term]:
@@ -55,7 +60,7 @@ def flank_compression(
 
 def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
     """Stiffness, damping and play of a joint whose link has this inertia (T,)."""
-    values = {n: jnp.asarray(x) for n, x in {**term.law.nominal(), **term.values}.items()}
+    values = {n: jnp.asarray(x) for n, x in _values(term).items()}
     return _gear(term.law.warp == "play", values, jnp.asarray(inertia))
 
 
@@ -99,8 +104,7 @@ def lag_slopes(
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
         loose, step = term.law.warp == "play", 1.0 / motion.rate
-        values = {**term.law.nominal(), **term.values}
-        lags = _lag_directions(loose, own @ pi, own[:, :, felt], values, step)
+        lags = _lag_directions(loose, own @ pi, own[:, :, felt], _values(term), step)
         for by, lag in zip(sensed.at(pi)[1:], lags, strict=True):
             total[:, :, felt] -= by[:, :, None] * np.asarray(lag)[:, None, :]
     return total

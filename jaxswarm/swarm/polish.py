@@ -115,10 +115,11 @@ def _polish(fn, space, starts, args, method, num_steps, learning_rate):
 _polish = jax.jit(_polish, static_argnames=("fn", "method", "num_steps"))
 
 
-def _optax(fn, z, num_steps, solver, with_value):
+def _optax(fn, z, num_steps, name, *numbers, with_value=False):
     """Run an optax solver; return the points visited (k, d) and their values (k,)."""
-    import optax
+    import optax  # here: a search that is not polished need not wait for the import
 
+    solver = getattr(optax, name)(*numbers)
     value_and_grad = optax.value_and_grad_from_state(fn) if with_value else jax.value_and_grad(fn)
 
     def step(carry, _):
@@ -137,15 +138,11 @@ def _optax(fn, z, num_steps, solver, with_value):
 
 
 def _lbfgs(fn, z, num_steps, learning_rate):
-    from optax import lbfgs  # here: a search that is not polished need not wait for the import
-
-    return _optax(fn, z, num_steps, lbfgs(), True)
+    return _optax(fn, z, num_steps, "lbfgs", with_value=True)
 
 
 def _adam(fn, z, num_steps, learning_rate):
-    from optax import adam
-
-    return _optax(fn, z, num_steps, adam(learning_rate), False)
+    return _optax(fn, z, num_steps, "adam", learning_rate)
 
 
 def _levenberg_marquardt(residual, z, num_steps, learning_rate):

@@ -214,16 +214,16 @@ def spso(num_particles: int = 40, **parts: Any) -> PSO:
     """Plain inertia-weight PSO with the coefficients of SPSO 2006/2007 and a global best.
 
     w = 1/(2 ln 2), c1 = c2 = 1/2 + ln 2, absorbing walls, starting velocities half the way to another
-    point. Reading of "SPSO" in the first paper:
-    plain inertia PSO. SPSO 2007 proper is ``spso(topology=random_informants(3))``.
+    point. Reading of "SPSO" in the first paper: plain inertia PSO. SPSO 2007 proper is
+    ``spso(topology=random_informants(3))``.
 
     Args:
       num_particles: n, at least 2.
       **parts: keyword arguments of :func:`pso`, which override the choices made here.
     """
     c = 0.5 + math.log(2.0)
-    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, boundary=absorb())
-    chosen |= dict(initial_velocity=0.5)
+    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c)
+    chosen |= dict(boundary=absorb(), initial_velocity=0.5)
     return pso(num_particles, **(chosen | parts))
 
 
