@@ -12,9 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 from scipy import signal
 
-from jaxswarm.diagnose.synthetic import Noise, fourier_motion, random_links, synthetic_log
-from jaxswarm.identify.assemble import assemble
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.measuring_chain import assemble
+from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Motion

@@ -11,10 +11,10 @@ import numpy as np
 
 from benchmarks.diagnosis_cases import NOISE, make_arm
 from benchmarks.diagnosis_practice import same
-from jaxswarm.diagnose.loop import diagnose
-from jaxswarm.diagnose.synthetic import Noise, synthetic_log
-from jaxswarm.diagnose.unexplained import find_unexplained
-from jaxswarm.identify.terms import Term
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.synthetic import Noise, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import rx60
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 from scipy import signal
 
-from jaxswarm.diagnose.loop import Diagnosis, diagnose
 from jaxswarm.diagnose.run import conclude
+from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
+from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, parse_terms
-from jaxswarm.identify.model import Model, model_torque
-from jaxswarm.identify.terms import Term
-from jaxswarm.identify.validate import log_errors
+from jaxswarm.identify.estimation.validate import log_errors
+from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs import read_log
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare

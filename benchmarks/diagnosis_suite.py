@@ -11,8 +11,8 @@ import numpy as np
 
 from benchmarks.diagnosis_cases import RATE, VISIBLE, Case, make_case
 from benchmarks.diagnosis_practice import explain, same
-from jaxswarm.diagnose.loop import diagnose
-from jaxswarm.diagnose.unexplained import find_unexplained
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import rx60
 

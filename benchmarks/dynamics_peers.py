@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from benchmarks.timing import interleaved
-from jaxswarm.identify.export import export_mjcf, export_urdf
+from jaxswarm.identify.physical.export import export_mjcf, export_urdf
 from jaxswarm.robot import Robot, forward_dynamics, inverse_dynamics
 
 Samples = tuple[jax.Array, jax.Array, jax.Array]

@@ -14,8 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.identify.export import export_mjcf
-from jaxswarm.identify.output_error import (
+from jaxswarm.identify.physical.export import export_mjcf
+from jaxswarm.identify.simulation_error.output_error import (
     Experiment,
     OutputProblem,
     output_fitness,

@@ -25,11 +25,11 @@ import jax
 import numpy as np
 
 from jaxswarm.identify import estimate, parse_terms
-from jaxswarm.identify.columns import rigid_columns
-from jaxswarm.identify.least_squares import fit
-from jaxswarm.identify.regression import Regression
-from jaxswarm.identify.swarm_fit import swarm_fit
-from jaxswarm.identify.validate import log_errors
+from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.swarm_fit import swarm_fit
+from jaxswarm.identify.estimation.validate import log_errors
+from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs import read_log, take
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.robot import (

@@ -71,7 +71,7 @@ def demo(
     _start()
     from jaxswarm.diagnose import print_diagnosis
     from jaxswarm.diagnose.demo import run_demo
-    from jaxswarm.diagnose.words import where
+    from jaxswarm.diagnose.report.text import where
 
     with console.status() as status:
         result, truth = run_demo(seed, out, status)

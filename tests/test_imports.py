@@ -35,6 +35,20 @@ SWARM_LEVEL = {
     **dict.fromkeys(("polish", "checkpoint", "sharding", "contract"), "tools"),
 }
 
+# Rooms of a wing and their floors: a room sees those below it; commands at the top of a wing see all.
+ROOMS = {
+    "identify": {
+        "forward": 0,
+        "estimation": 1,
+        "simulation_error": 2,
+        "physical": 2,
+        "excitation": 2,
+        "report": 2,
+    },
+    "diagnose": {"folds": 0, "candidates": 1, "decision": 2, "selection": 3, "report": 4},
+    "studies": {"rx60": 1, "sepso": 1},
+}
+
 
 def module_name(path: Path) -> str:
     parts = path.relative_to(ROOT).with_suffix("").parts
@@ -98,6 +112,26 @@ def test_layers_of_the_swarm_engine(name):
             continue
         other = SWARM_LEVEL[target.split(".")[2]]
         assert SWARM_ORDER.index(other) <= SWARM_ORDER.index(own), f"{name} imports {target}"
+
+
+@pytest.mark.parametrize("wing", sorted(ROOMS))
+def test_rooms_of_a_wing(wing):
+    def room(name: str) -> str | None:
+        pieces = name.split(".")
+        return pieces[2] if pieces[1:2] == [wing] and len(pieces) > 3 else None
+
+    inside = [name for name in MODULES if room(name)]
+    assert {room(name) for name in inside} == set(ROOMS[wing])
+    for name in inside:
+        for target in EDGES[name]:
+            other = room(target)
+            if other == room(name):
+                continue
+            if other:
+                assert ROOMS[wing][other] < ROOMS[wing][room(name)], f"{name} imports {target}"
+            elif wing != "studies":
+                top = target.split(".")[1:2] == [wing]
+                assert not top, f"{name} imports {target}, a command above its room"
 
 
 def test_no_cycles():

@@ -1,6 +1,6 @@
 """The loop: find the residual, trace it to the effect the model lacks, add it, show the error."""
 
-from jaxswarm.diagnose.console import print_diagnosis as print_diagnosis
-from jaxswarm.diagnose.decide import Rules as Rules
-from jaxswarm.diagnose.loop import Diagnosis as Diagnosis
-from jaxswarm.diagnose.loop import diagnose as diagnose
+from jaxswarm.diagnose.decision.score import Rules as Rules
+from jaxswarm.diagnose.report.console import print_diagnosis as print_diagnosis
+from jaxswarm.diagnose.selection.stepwise import Diagnosis as Diagnosis
+from jaxswarm.diagnose.selection.stepwise import diagnose as diagnose

@@ -5,9 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs
-from jaxswarm.diagnose.loop import diagnose
 from jaxswarm.diagnose.run import conclude, write_report
-from jaxswarm.diagnose.synthetic import demo_case, synthetic_log
+from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.identify.synthetic import demo_case, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import rx60
 

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm import outputs, plots
-from jaxswarm.diagnose import pictures
-from jaxswarm.diagnose.html import render
-from jaxswarm.diagnose.journal import Journal, fingerprint
-from jaxswarm.diagnose.loop import Diagnosis, diagnose
-from jaxswarm.diagnose.poor import resting_joints, too_short, undecidable
-from jaxswarm.diagnose.result import place, to_result
-from jaxswarm.diagnose.unexplained import Unexplained, find_unexplained, with_smooth_terms
-from jaxswarm.identify.model import model_torque, save_model
+from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
+from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
+from jaxswarm.diagnose.report import figures as pictures
+from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.result import place, to_result
+from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
+from jaxswarm.effects.term import parse_terms
+from jaxswarm.identify.forward.model import model_torque, save_model
+from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import Options, read_motions
-from jaxswarm.identify.summary import units
-from jaxswarm.identify.terms import parse_terms
 from jaxswarm.logs import read_log, summarize
 from jaxswarm.logs.motion import Filtering, Motion, prepare
 from jaxswarm.robot.load import load_robot

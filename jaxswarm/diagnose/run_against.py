@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm import outputs
-from jaxswarm.diagnose.against import Change, Comparison, compare
-from jaxswarm.diagnose.journal import Journal, fingerprint
-from jaxswarm.diagnose.loop import Diagnosis
-from jaxswarm.diagnose.result import place, to_result
+from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
-from jaxswarm.diagnose.step import Step
-from jaxswarm.diagnose.unexplained import find_unexplained
+from jaxswarm.diagnose.selection.changes import Change, Comparison, compare
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.errors import InputError
-from jaxswarm.identify.metrics import torque_errors
-from jaxswarm.identify.model import load_model
+from jaxswarm.identify.forward.metrics import torque_errors
+from jaxswarm.identify.forward.model import load_model
+from jaxswarm.identify.report.summary import term_parameters, with_intervals
 from jaxswarm.identify.run import Options
-from jaxswarm.identify.summary import term_parameters, with_intervals
 from jaxswarm.logs import read_log, summarize
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot.load import load_robot

@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import outputs, plots
+from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
-from jaxswarm.identify.excite import Excitation, excite
-from jaxswarm.identify.fourier import Fourier
-from jaxswarm.identify.limits import Limits, read_limits
-from jaxswarm.identify.planned import refuse_terms
-from jaxswarm.identify.terms import parse_terms
+from jaxswarm.identify.excitation.columns import refuse_terms
+from jaxswarm.identify.excitation.fourier import Fourier
+from jaxswarm.identify.excitation.limits import Limits, read_limits
+from jaxswarm.identify.excitation.search import Excitation, excite
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -35,7 +35,7 @@ def excite_file(
 
     Args:
         robot_spec: Built-in name, ``.urdf`` or ``.toml``.
-        limits_path: Limits file, see :mod:`jaxswarm.identify.limits`.
+        limits_path: Limits file, see :mod:`jaxswarm.identify.excitation.limits`.
         out: Folder to write to.
         effects: Effects to be identified beside the rigid body.
         duration: Length [s], filled with whole periods; None: one period.

@@ -6,8 +6,8 @@ import numpy as np
 
 from jaxswarm import outputs
 from jaxswarm.errors import InputError
-from jaxswarm.identify.model import Model, load_model, model_torque
-from jaxswarm.identify.validate import log_errors
+from jaxswarm.identify.estimation.validate import log_errors
+from jaxswarm.identify.forward.model import Model, load_model, model_torque
 from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.motion import Motion, prepare
 

@@ -7,12 +7,12 @@ import jax
 import numpy as np
 
 from jaxswarm import outputs
+from jaxswarm.effects.term import parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
-from jaxswarm.identify.estimate import Estimate, estimate
-from jaxswarm.identify.model import save_model, with_linear_values
-from jaxswarm.identify.report import pictures_of, report_of
-from jaxswarm.identify.swarm_fit import swarm_fit
-from jaxswarm.identify.terms import parameter_bounds, parse_terms
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.swarm_fit import swarm_fit
+from jaxswarm.identify.forward.model import save_model, with_linear_values
+from jaxswarm.identify.report.report import pictures_of, report_of
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.robot.load import load_robot

@@ -7,10 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose import Diagnosis, diagnose
-from jaxswarm.diagnose.background import make_background
-from jaxswarm.diagnose.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.terms import Term
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.robot import Robot, robot_from_dh
@@ -65,7 +65,7 @@ def diagnose_log(log: Log) -> Diagnosis:
 def declared_fit(log: Log):
     """Estimate and background of the declared model."""
     found = estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False)
-    return found, make_background(found)
+    return found, cross_fit(found)
 
 
 def added(found: Diagnosis) -> list[tuple]:

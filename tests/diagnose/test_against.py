@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, DURATION, NOISE, RATE, blank
 
-from jaxswarm.diagnose.against import compare
-from jaxswarm.diagnose.synthetic import random_links, synthetic_log
+from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import random_links, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import robot_from_dh
 

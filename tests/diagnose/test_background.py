@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
-from jaxswarm.diagnose.background import make_background, robust_weight
-from jaxswarm.identify.terms import Term
+from jaxswarm.diagnose.folds.partial_out import cross_fit, robust_weight
+from jaxswarm.effects.term import Term
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_halves_share_no_rows_and_cover_all(stage):
 
 def test_a_frozen_model_absorbs_nothing(stage):
     found, _ = stage
-    background = make_background(found, frozen=True)
+    background = cross_fit(found, frozen=True)
     suspect = np.ones((*background.weight.shape, 1))
     np.testing.assert_array_equal(background.whole.free_part(suspect), suspect)
     np.testing.assert_allclose(background.whole.residual, found.fit.residual * background.weight)

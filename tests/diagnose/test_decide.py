@@ -7,10 +7,10 @@ import pytest
 from planted import declared_fit, log_with
 from scipy import signal, stats
 
-from jaxswarm.diagnose.candidates import Candidate
-from jaxswarm.diagnose.decide import Rules, passes, score, slope_p_value
-from jaxswarm.diagnose.rivals import beats, choose, difference, is_special_case, overlap
-from jaxswarm.identify.terms import Term
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_special_case, overlap
+from jaxswarm.diagnose.decision.score import Rules, passes, score, slope_p_value
+from jaxswarm.effects.term import Term
 
 
 def test_slope_p_value_by_hand():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.cli import main
-from jaxswarm.diagnose.synthetic import demo_case, synthetic_log
+from jaxswarm.identify.synthetic import demo_case, synthetic_log
 from jaxswarm.robot import rx60
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
-from jaxswarm.diagnose.experiment import best_experiment
-from jaxswarm.identify.model import model_torque
-from jaxswarm.identify.terms import Term
+from jaxswarm.diagnose.report.experiment import best_experiment
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.model import model_torque
 
 
 def with_term(model, term):

@@ -6,11 +6,11 @@ import sys
 import numpy as np
 import pytest
 
-from jaxswarm.diagnose import gather
-from jaxswarm.diagnose.journal import FILE, Journal, fingerprint
+from jaxswarm.diagnose.candidates import propose as gather
+from jaxswarm.diagnose.candidates.journal import FILE, Journal, fingerprint
 from jaxswarm.diagnose.run import diagnose_files
-from jaxswarm.diagnose.synthetic import demo_case, synthetic_log
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.synthetic import demo_case, synthetic_log
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.robot import rx60
 

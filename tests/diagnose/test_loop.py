@@ -8,7 +8,7 @@ from planted import BAND, added, diagnose_log, log_with, small_arm
 from scipy import signal
 
 from jaxswarm.diagnose import diagnose
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import prepare
 
 PLANTED = [

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jaxswarm.diagnose.memory import Memory
-from jaxswarm.identify.terms import Term
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.effects.term import Term
 
 TERM = Term("stribeck_friction", 1)
 VALUES = [{"vs": 0.1, "delta": 2.0}]

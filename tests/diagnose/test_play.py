@@ -9,14 +9,14 @@ import pytest
 from planted import DECLARED, blank, small_arm
 
 from jaxswarm.diagnose import diagnose
-from jaxswarm.diagnose.background import make_background
-from jaxswarm.diagnose.lagging import lagging_candidate
-from jaxswarm.diagnose.memory import Memory
-from jaxswarm.diagnose.stand import Stand
-from jaxswarm.diagnose.suspects import list_suspects
-from jaxswarm.diagnose.synthetic import fourier_motion
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.transmission import lagging_candidate
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.terms import Term
+from jaxswarm.identify.synthetic import fourier_motion
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.simulate import PD, Reference, make_plant, rest, stable_substeps, track
@@ -50,10 +50,10 @@ def loose_log() -> Log:
 
 
 @cache
-def stand() -> Stand:
+def stand() -> Linearization:
     motion = prepare(loose_log(), BAND)
     found = estimate(small_arm(), blank(ROTORS), [motion], bounded=False)
-    return Stand(found, make_background(found), Memory())
+    return Linearization(found, cross_fit(found), Memory())
 
 
 def test_play_is_named_with_its_size_and_nothing_else():
@@ -98,7 +98,7 @@ def test_steady_fit_does_not_follow_a_few_large_residuals():
         )[0]
         fit = replace(calm.found.fit, residual=torque - columns @ values, values=values)
         found = replace(calm.found, regression=regression, fit=fit)
-        steady = Stand(found, calm.background, Memory()).steady
+        steady = Linearization(found, calm.background, Memory()).steady
         residuals.append((columns @ values - exact, steady))
     (_, (calm_pi, _)), (pulled, (pi, left)) = residuals
     rigid = calm.found.regression.columns[:, :, : len(pi)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.diagnose import diagnose
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
 from jaxswarm.logs import read_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import rx60

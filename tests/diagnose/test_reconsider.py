@@ -5,18 +5,18 @@ from dataclasses import replace
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
-from jaxswarm.diagnose import reconsider as reconsider_module
-from jaxswarm.diagnose.background import make_background
-from jaxswarm.diagnose.decide import Rules
-from jaxswarm.diagnose.judge import judge
-from jaxswarm.diagnose.pair import pair
-from jaxswarm.diagnose.reconsider import reconsider
-from jaxswarm.diagnose.refit import key_of, refit, refit_with
-from jaxswarm.diagnose.rivals import overlap
-from jaxswarm.diagnose.stand import Stand
-from jaxswarm.diagnose.step import Step, competitors, near_ones
-from jaxswarm.diagnose.suspects import list_suspects
-from jaxswarm.identify.terms import Term
+from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.competing import overlap
+from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection import reselect as reconsider_module
+from jaxswarm.diagnose.selection.pair import pair
+from jaxswarm.diagnose.selection.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.selection.reselect import reconsider
+from jaxswarm.diagnose.selection.step import Step, competitors, near_ones
+from jaxswarm.effects.term import Term
 
 DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
 
@@ -24,7 +24,9 @@ DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
 @pytest.fixture(scope="module")
 def stage():
     before, background = declared_fit(log_with(DRAG))
-    scores = judge(Stand(before, background), list_suspects(before.model, before.motions), 0)
+    scores = judge(
+        Linearization(before, background), list_suspects(before.model, before.motions), 0
+    )
     return before, {key_of(s.candidate.term): s for s in scores}
 
 
@@ -52,7 +54,7 @@ def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(stage):
 
 def test_competitors_say_the_same_on_the_same_joint(stage):
     before, scores = stage
-    background = make_background(before)
+    background = cross_fit(before)
     chosen = scores["nonlinear_viscous_friction", 1, None, None]
     near = near_ones(chosen, list(scores.values()), background)
     assert "quadratic_drag" in {s.candidate.term.effect for s in near}
@@ -68,7 +70,9 @@ def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
     """Even where the law with a free exponent was ahead while the others were not fitted with it."""
     hidden = Term("nonlinear_viscous_friction", 1, values={"c": 1.5, "alpha": alpha})
     before, background = declared_fit(log_with(hidden))
-    scores = judge(Stand(before, background), list_suspects(before.model, before.motions), 0)
+    scores = judge(
+        Linearization(before, background), list_suspects(before.model, before.motions), 0
+    )
     there = before, {key_of(s.candidate.term): s for s in scores}
     step = step_of(there, "nonlinear_viscous_friction", ["quadratic_drag"])
 

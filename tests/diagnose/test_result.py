@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from planted import BAND, diagnose_log, log_with
 
-from jaxswarm.diagnose import pictures
-from jaxswarm.diagnose.html import render
-from jaxswarm.diagnose.result import to_result, verdict
+from jaxswarm.diagnose.decision.unexplained import Unexplained
+from jaxswarm.diagnose.report import figures as pictures
+from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.result import to_result, verdict
+from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.run import conclude, write_report
-from jaxswarm.diagnose.unexplained import Unexplained
-from jaxswarm.diagnose.words import next_steps, verdict_sentence
-from jaxswarm.identify.model import load_model, model_torque
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.model import load_model, model_torque
 from jaxswarm.logs.motion import prepare
 from jaxswarm.outputs import to_json
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from planted import log_with, small_arm
 
-from jaxswarm.diagnose import search
-from jaxswarm.diagnose.search import searching
-from jaxswarm.diagnose.stage import Stage, decimate, explained
+from jaxswarm.diagnose.candidates import search
+from jaxswarm.diagnose.candidates.search import searching
+from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import get_law
-from jaxswarm.identify.columns import Load, rigid_of, term_columns
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.columns import Load, rigid_of, term_columns
 from jaxswarm.logs.filtering import Decimator, design_decimator
 from jaxswarm.logs.motion import Filtering, prepare
 
@@ -45,7 +45,7 @@ def stages_of(motion, residual, basis=None):
     basis = np.zeros((length, 1)) if basis is None else basis
     folds = []
     for train in (np.ones(length), (np.arange(length) // 20 % 2).astype(float)):
-        folds.append(Stage(*map(jnp.asarray, (basis * train[:, None], residual * train, train))))
+        folds.append(FoldData(*map(jnp.asarray, (basis * train[:, None], residual * train, train))))
     joint = jax.tree.map(lambda *x: jnp.stack(x), *folds)
     return jax.tree.map(lambda *x: jnp.stack(x), joint, joint)
 
@@ -118,7 +118,7 @@ def test_explained_is_the_fall_of_the_squared_error_by_a_refit():
     model, columns, y = rng.normal(size=(80, 4)), rng.normal(size=(80, 2)), rng.normal(size=80)
     basis = np.linalg.qr(model)[0]
     residual = y - basis @ (basis.T @ y)
-    stage = Stage(*map(jnp.asarray, (basis, residual, np.ones(80))))
+    stage = FoldData(*map(jnp.asarray, (basis, residual, np.ones(80))))
 
     def cost(a):
         return ((y - a @ np.linalg.lstsq(a, y, rcond=None)[0]) ** 2).sum()
@@ -129,7 +129,7 @@ def test_explained_is_the_fall_of_the_squared_error_by_a_refit():
 
 def test_a_coefficient_of_the_wrong_sign_explains_nothing():
     column = np.sin(np.arange(50.0))[:, None]
-    stage = Stage(*map(jnp.asarray, (np.zeros((50, 1)), -2.0 * column[:, 0], np.ones(50))))
+    stage = FoldData(*map(jnp.asarray, (np.zeros((50, 1)), -2.0 * column[:, 0], np.ones(50))))
     assert float(explained(jnp.asarray(column), stage, True)) == 0.0
     assert float(explained(jnp.asarray(column), stage, False)) > 1.0
 

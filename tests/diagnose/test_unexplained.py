@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
-from jaxswarm.diagnose.unexplained import find_unexplained, residual_variables, with_smooth_terms
+from jaxswarm.diagnose.decision.unexplained import (
+    find_unexplained,
+    residual_variables,
+    with_smooth_terms,
+)
 from jaxswarm.identify import load_model, model_torque, save_model
 from jaxswarm.logs.motion import prepare
 

@@ -7,7 +7,7 @@ import pytest
 from jaxswarm.effects import REGISTRY, Law, Parameter
 from jaxswarm.effects.contract import check_unit, draw_series
 from jaxswarm.effects.series import law_columns, law_torque
-from jaxswarm.identify.terms import physical_unit
+from jaxswarm.effects.term import physical_unit
 from jaxswarm.testing import check_effect
 
 LAWS = sorted(REGISTRY)

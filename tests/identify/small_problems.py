@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jaxswarm.identify.regression import Regression
+from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import inverse_dynamics, robot_from_dh

@@ -6,9 +6,14 @@ from small_problems import make_motion, planar_arm
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify import estimate, model_torque, parse_terms
-from jaxswarm.identify.metrics import is_moving, torque_errors
-from jaxswarm.identify.summary import base_parameter_table, correlation, unidentified
-from jaxswarm.identify.validate import held_out_errors, held_out_residual, log_errors, time_blocks
+from jaxswarm.identify.estimation.validate import (
+    held_out_errors,
+    held_out_residual,
+    log_errors,
+    time_blocks,
+)
+from jaxswarm.identify.forward.metrics import is_moving, torque_errors
+from jaxswarm.identify.report.summary import base_parameter_table, correlation, unidentified
 
 EFFECTS = "viscous_friction,coulomb_friction@joint1,torque_offset@joint2"
 B, FC, OFFSET, WIDTH = np.array([0.8, 0.3]), 0.6, -0.4, 0.05

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from jaxswarm.cli import main
+from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
-from jaxswarm.identify.columns import rigid_columns
-from jaxswarm.identify.excite import excite
+from jaxswarm.identify.excitation.columns import planned_columns
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.limits import Limits, parse_limits, read_limits
+from jaxswarm.identify.excitation.search import excite
 from jaxswarm.identify.excite_run import schedule
-from jaxswarm.identify.fourier import Fourier, num_coordinates, within_limits
-from jaxswarm.identify.limits import Limits, parse_limits, read_limits
-from jaxswarm.identify.planned import planned_columns
-from jaxswarm.identify.terms import parse_terms
+from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.robot import rx60
 
 LIMITS = Limits(

@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.export import export_mjcf, export_urdf, quaternion, roll_pitch_yaw
+from jaxswarm.identify.physical.export import export_mjcf, export_urdf, quaternion, roll_pitch_yaw
 from jaxswarm.robot import Joint, build_robot, inverse_dynamics, load_robot, rx60
 from jaxswarm.robot.placements import body_parameters, rotation_rpy
 from jaxswarm.simulate import Acting, make_plant, rest, simulate, stable_substeps

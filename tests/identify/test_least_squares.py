@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_problems import make_regression, waves
 
-from jaxswarm.identify.least_squares import (
+from jaxswarm.identify.estimation.least_squares import (
     compress,
     correlation_length,
     fit,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify import estimate, parse_terms
-from jaxswarm.identify.validate import log_errors
+from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.logs import read_log
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.robot import load_robot

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.physical import (
+from jaxswarm.identify.physical.consistency import (
     body_violations,
     check_physical,
     distance,
@@ -16,7 +16,7 @@ from jaxswarm.identify.physical import (
     to_log_cholesky,
     violations,
 )
-from jaxswarm.identify.project import nearest_physical, plain_prior
+from jaxswarm.identify.physical.projection import nearest_physical, plain_prior
 from jaxswarm.robot import kuka_kr300, kuka_kr300_cad_parameters, regressor, rx60
 from jaxswarm.robot.placements import body_parameters
 

@@ -5,12 +5,18 @@ import numpy as np
 import pytest
 from small_problems import make_motion, planar_arm
 
-from jaxswarm.identify.columns import rigid_columns, rigid_of
-from jaxswarm.identify.lag import flank_compression, lag_slopes, link_motion
-from jaxswarm.identify.newton import Problem
-from jaxswarm.identify.nonlinear import Place, knobs, read, tangents, write
-from jaxswarm.identify.sensitivity import sensitivity_of
-from jaxswarm.identify.terms import Term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.free_parameters import (
+    Place,
+    free_parameters,
+    read,
+    tangents,
+    write,
+)
+from jaxswarm.identify.estimation.gauss_newton import Problem
+from jaxswarm.identify.forward.columns import rigid_columns, rigid_of
+from jaxswarm.identify.forward.link_lag import flank_compression, lag_slopes, link_motion
+from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.robot import inverse_dynamics
 
 ARM = planar_arm()
@@ -90,7 +96,7 @@ def test_tangents_of_one_law_are_those_of_the_whole_model():
         Term("drive_gain", 1, values={"gain": 1.1}),
     )
     problem = Problem(ARM, (motion,), (rigid_of(ARM, motion),), False)
-    moving = knobs(terms, (0.005, 0.1))
+    moving = free_parameters(terms, (0.005, 0.1))
     theta = np.concatenate([PI, [2.0, 0.5, -0.2, 0.1]])
     place = Place(terms, 0.02)
     width = moving[-1]  # changes what every law may hang on: the whole model is made for it

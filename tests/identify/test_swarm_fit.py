@@ -6,8 +6,8 @@ import pytest
 from small_problems import make_regression, waves
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.least_squares import fit
-from jaxswarm.identify.swarm_fit import swarm_fit, torque_cost
+from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.swarm_fit import swarm_fit, torque_cost
 
 TRUTH = np.array([1.5, 0.7, 0.3])
 

@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jaxswarm.effects import REGISTRY
+from jaxswarm.effects.term import physical_unit
 from jaxswarm.errors import InputError
 from jaxswarm.identify import parse_terms
-from jaxswarm.identify.terms import physical_unit
 
 JOINTS = ("joint1", "joint2", "joint3")
 

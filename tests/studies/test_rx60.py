@@ -8,10 +8,12 @@ import pytest
 
 from jaxswarm.errors import InputError
 from jaxswarm.robot import inverse_dynamics, rx60
-from jaxswarm.studies import run_rx60, rx60_figures, rx60_loop
-from jaxswarm.studies import rx60_paper as paper
-from jaxswarm.studies.rx60_cause import stable_acceleration
-from jaxswarm.studies.rx60_data import (
+from jaxswarm.studies import run_rx60
+from jaxswarm.studies.rx60 import figures as rx60_figures
+from jaxswarm.studies.rx60 import loop as rx60_loop
+from jaxswarm.studies.rx60 import paper
+from jaxswarm.studies.rx60.cause import stable_acceleration
+from jaxswarm.studies.rx60.data import (
     READINGS,
     Experiment,
     averaged,
@@ -20,7 +22,7 @@ from jaxswarm.studies.rx60_data import (
     motion,
     relative_error,
 )
-from jaxswarm.studies.rx60_search import COORDINATES, base_of, scheme, search, view
+from jaxswarm.studies.rx60.search import COORDINATES, base_of, scheme, search, view
 
 
 @pytest.fixture(scope="module")

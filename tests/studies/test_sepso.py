@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from jaxswarm.studies import run_sepso, sepso_ours
-from jaxswarm.studies.sepso_claims import claims, sentences
-from jaxswarm.studies.sepso_plants import DT, PLANTS, make_data, outputs, torque_problem
-from jaxswarm.studies.sepso_search import comparisons, contest
+from jaxswarm.studies import run_sepso
+from jaxswarm.studies.sepso import ours as sepso_ours
+from jaxswarm.studies.sepso.claims import claims, sentences
+from jaxswarm.studies.sepso.plants import DT, PLANTS, make_data, outputs, torque_problem
+from jaxswarm.studies.sepso.search import comparisons, contest
 from jaxswarm.studies.statistics import compare, effect_size, holm
 from jaxswarm.swarm import sepso
 

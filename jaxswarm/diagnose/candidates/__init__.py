@@ -1,0 +1,1 @@
+"""Candidate terms: which are eligible, and the columns each would add to the model."""

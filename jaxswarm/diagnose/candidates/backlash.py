@@ -1,0 +1,105 @@
+r"""A loose joint whose strikes can be predicted one by one.
+
+Between two flanks the link flies freely; the moment and the force of a strike follow from the motion if
+the rigid parameters are good enough. Two things spoil those of the present fit. The strikes themselves,
+a few large residuals, pull them: they are fitted again without the rows beyond three times the noise.
+And while the link follows its motor, inertia of the rotor and of the link are one: where a rotor is
+declared, divisions of the joint's inertia between the two are tried with every gap.
+
+Where the best of these explains most of what the joint lacks, strikes are predictable; where it does
+not, :mod:`jaxswarm.diagnose.candidates.transmission` judges how the load shifts around a strike.
+"""
+
+from dataclasses import replace
+from itertools import groupby
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.link_lag import FLANK, GAPS, ROTOR_SHARES, lag_torque
+from jaxswarm.effects.term import Term
+from jaxswarm.effects.warps import SUBSTEPS, contact_stiffness
+
+# Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
+_MOST = 0.5
+# Second lattice about the best point: factors on the gap, changes of the rotor's share, flanks [Hz].
+_FINE_GAPS, _FINE_SHARES = np.geomspace(0.85, 1.18, 13), np.linspace(-0.075, 0.075, 5)
+_FLANKS = (20.0, 40.0, 80.0)
+
+
+class _Point(NamedTuple):
+    """A loose joint: play [rad], rotor's share of the inertia, frequency on the flank [Hz]."""
+
+    gap: float
+    share: float
+    flank: float
+
+
+def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
+    """The play of a joint with its strikes where they happen; None where those cannot be predicted."""
+    (pi, residual), j = stand.steady, term.joint
+    along = stand.rotor(j)
+    divided = bool(along.any())
+
+    def curves_at(points: list[_Point], substeps: int) -> np.ndarray:
+        parts = [
+            _curves(stand, j, list(group), pi - share * along, substeps)
+            for share, group in groupby(points, lambda p: p.share)
+        ]
+        return np.concatenate(parts)
+
+    coarse = [_Point(g, s, FLANK) for s in (ROTOR_SHARES if divided else (0.0,)) for g in GAPS]
+    shares_of = _explained(
+        curves_at(coarse, SUBSTEPS // 2), residual, np.ones(len(residual), dtype=bool), j
+    )
+    if shares_of.max() < 0.5 * _MOST:
+        return None
+    best = coarse[int(np.argmax(shares_of))]
+    shares = np.unique(np.clip(best.share + _FINE_SHARES, 0.0, 0.95)) if divided else (0.0,)
+    fine = [_Point(best.gap * g, s, f) for s in shares for f in _FLANKS for g in _FINE_GAPS]
+    curves = curves_at(fine, SUBSTEPS)
+    folds = stand.background.folds
+    picks = [int(np.argmax(_explained(curves, residual, f.train, j))) for f in folds]
+    unseen = [
+        _explained(curves[[pick]], residual, ~fold.train, j)[0]
+        for pick, fold in zip(picks[1:], folds[1:], strict=True)
+    ]
+    if min(unseen) < _MOST:
+        return None
+    best = fine[picks[0]]
+    return Candidate(
+        replace(term, values={"gap": float(best.gap), "flank": best.flank, "blur": 0.0}),
+        tuple(stand.background.weigh(curves[pick][:, :, None]) for pick in picks),
+        3,
+        start=pi - best.share * along,
+    )
+
+
+def _explained(
+    curves: np.ndarray, residual: np.ndarray, rows: np.ndarray, joint: int
+) -> np.ndarray:
+    """Share of the squares of a joint's residual that curves take off on some rows, (m,).
+
+    Curves are (m, T', n), the residual (T', n).
+    """
+    own, target = curves[:, rows, joint], residual[rows, joint]
+    size, inner = (own**2).sum(axis=1), np.maximum(own @ target, 0.0)
+    return inner**2 / np.maximum(size * (target @ target), 1e-300)
+
+
+def _curves(
+    stand: Linearization, joint: int, points: list[_Point], pi: np.ndarray, substeps: int
+) -> np.ndarray:
+    """Torque (m, T', n) that the link changes for each of the points, all logs."""
+    motions, sensed = stand.found.motions, stand.sensed(joint)
+    inertia = jnp.asarray(sensed[0].inertia(pi))
+    gap, _, flank = np.array(points).T
+    k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
+    parts = [
+        lag_torque(motion, own, pi[None], k, d, gap, substeps)
+        for motion, own in zip(motions, sensed, strict=True)
+    ]
+    return np.concatenate(parts, axis=1)

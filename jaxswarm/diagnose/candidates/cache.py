@@ -1,0 +1,80 @@
+"""What earlier rounds found, so that a round searches only what may have changed."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.journal import Journal
+from jaxswarm.effects.term import Term
+from jaxswarm.logs.motion import Motion
+
+# A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
+_SAME = 0.05
+# A search may have missed so much of what a law can explain.
+_UNSURE = 0.02
+
+
+@dataclass
+class _Known:
+    """Values per fold of a term, the residuals they were found on, and the share they explained of them."""
+
+    values: list[dict[str, float]]
+    residuals: np.ndarray
+    share: float | None = None
+
+
+@dataclass
+class Memory:
+    """Nonlinear parameters found in earlier rounds, with the residuals they were found on.
+
+    Attributes:
+        journal: Keeps what was searched on disk; None: nothing is kept.
+        least: Share of a joint's squared error below which no term is of interest.
+        round: Number of the present round, from zero.
+        known: What was found, by effect, joint and partner.
+        gravity: Columns of gravity along each base axis, by the logs they belong to.
+        laws: The logs, and decimated columns of laws on them, by term, values and width of the sign.
+    """
+
+    journal: Journal | None = None
+    least: float = 0.0
+    round: int = -1
+    known: dict = field(default_factory=dict)
+    gravity: dict = field(default_factory=dict)
+    laws: tuple = ((), {})
+
+    def laws_of(self, motions: tuple[Motion, ...]) -> dict:
+        """Decimated columns of laws on these logs."""
+        if self.laws[0] is not motions:
+            self.laws = (motions, {})
+        return self.laws[1]
+
+    def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
+        """The values per fold, if a new search would not change the decision; else None.
+
+        That is so where the joint's residuals r (folds, T) are still what they were, and where the
+        best values explained so little, a share s, that none can explain much now: by the triangle
+        inequality at most ((sqrt(s) + c) / (1 - c))^2 with c = |r - r_old| / |r_old|.
+        """
+        old = self.known.get(_place(term))
+        if old is None or old.residuals.shape != residuals.shape:
+            return None
+        change = np.linalg.norm(residuals - old.residuals, axis=1)
+        change = change / np.maximum(np.linalg.norm(old.residuals, axis=1), 1e-300)
+        share = 1.0 if old.share is None else max(old.share, _UNSURE)
+        slight = np.sqrt(share) + change < np.sqrt(self.least) * (1.0 - change)
+        return old.values if ((change < _SAME) | slight).all() else None
+
+    def keep(self, term: Term, residuals: np.ndarray, values: list[dict[str, float]]) -> None:
+        """Remember the values per fold of a term."""
+        self.known[_place(term)] = _Known(values, residuals)
+
+    def judged(self, term: Term, share: float) -> None:
+        """Remember what the values of a term explained of the residuals they were found on."""
+        known = self.known.get(_place(term))
+        if known is not None and known.share is None:
+            known.share = share
+
+
+def _place(term: Term) -> tuple:
+    return term.effect, term.joint, term.other

@@ -1,0 +1,134 @@
+"""Where the model stands when the suspects are asked."""
+
+from functools import cached_property
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.columns import Load, rigid_columns, term_columns
+from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, tilted
+from jaxswarm.identify.forward.model import linear_values
+from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
+
+# Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
+_REACH, _TURNS = 3.0, 9
+
+
+class Linearization:
+    """Where the model stands: its torque, motion and loads on every log, and how columns are weighed."""
+
+    def __init__(self, found: Estimate, background: CrossFit, memory: Memory | None = None):
+        self.found, self.background, self.memory = found, background, memory or Memory()
+        model = found.model
+        self.pi = np.asarray(model.robot.parameters).ravel()
+        theta = linear_values(model)
+        self.arm = tilted(model.robot, model.terms)
+        self.loads, self.outputs, self.moved = [], [], []
+        plain = not moves_links(model.terms)
+        for motion, rigid in zip(found.motions, found.rigids, strict=True):
+            if plain:
+                moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
+            else:
+                moved = link_motion(self.arm, model.terms, motion, self.pi, rigid)
+                full = rigid_columns(self.arm, *moved)
+                static = rigid_columns(self.arm, moved[0], moved[1], np.zeros_like(moved[2]))
+            self.loads.append(Load(full @ self.pi, static @ self.pi))
+            self.outputs.append(
+                assemble(model.robot, model.terms, motion, model.width, self.pi, rigid) @ theta
+            )
+            self.moved.append(moved)
+
+    def sensed(self, joint: int) -> list[Sensitivity]:
+        """What the rigid torque of every log does when a joint moves otherwise."""
+        return [
+            sensitivity_of(self.arm, motion, joint, rigid)
+            for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True)
+        ]
+
+    @cached_property
+    def steady(self) -> tuple[np.ndarray, np.ndarray]:
+        """The model fitted to the rows that are within reach of the noise.
+
+        Huber's weights first, then none beyond :data:`_REACH` times the noise, which is the median
+        absolute deviation.
+
+        Returns:
+            Rigid parameters (10 n,), and the residual of all rows over the noise (T', n).
+        """
+        regression, solution = self.found.regression, self.found.fit
+        columns = regression.columns[:, :, solution.base.kept]
+        residual, values = solution.residual, solution.values
+        for turn in range(_TURNS):
+            noise = np.maximum(1.4826 * np.median(np.abs(residual), axis=0), 1e-300)
+            far = np.abs(residual) / noise / _REACH
+            weight = np.where(far < 1, 1.0, 0.0) if turn > 2 else np.maximum(far, 1.0) ** -0.5
+            rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])
+            target = (regression.target * weight / noise).ravel()
+            scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+            gram = rows.T @ rows / scale / scale[:, None]
+            values = np.linalg.lstsq(gram, rows.T @ target / scale, rcond=1e-13)[0] / scale
+            residual = regression.target - columns @ values
+        return solution.base.expand(values)[: len(self.pi)], residual / noise
+
+    def rotor(self, joint: int) -> np.ndarray:
+        """What the rigid parameters (10 n,) hold if all of a joint's inertia is its rotor's.
+
+        While a link follows its motor the two inertias are one. The change of the rigid parameters that
+        does what the rotor does, as large as the least inertia of the joint; zeros where no rotor is
+        declared.
+        """
+        full = np.zeros_like(self.pi)
+        name = f"ia_{self.found.model.robot.joints[joint]}:rotor_inertia"
+        regression, solution = self.found.regression, self.found.fit
+        if name not in regression.names:
+            return full
+        inertia = min(float(own.inertia(self.pi).min()) for own in self.sensed(joint))
+        if inertia <= 0:
+            return full
+        rigid = [c for c in solution.base.kept if c < len(full)]
+        rows = regression.columns / solution.sigma[:, None]
+        matrix = rows[:, :, rigid].reshape(-1, len(rigid))
+        target = rows[:, :, regression.names.index(name)].ravel()
+        scale = np.linalg.norm(matrix, axis=0)
+        full[rigid] = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
+        return inertia * full
+
+    def low(self, build) -> np.ndarray:
+        """Decimate what ``build(log index)`` gives along its first axis, all logs one after the other."""
+        motions = self.found.motions
+        return np.concatenate([m.decimator.apply(build(k)) for k, m in enumerate(motions)])
+
+    def stack(self, build) -> np.ndarray:
+        """Decimate and weigh what ``build(log index)`` gives as (T, n, k), all logs."""
+        return self.background.weigh(self.low(build))
+
+    def on_joint(self, own: np.ndarray, joint: int) -> np.ndarray:
+        """Weigh decimated columns (T', k) of one joint as (T', n, k), all logs."""
+        block = np.zeros((len(own), self.found.model.robot.num_joints, own.shape[1]))
+        block[:, joint] = own
+        return self.background.weigh(block)
+
+    def law(self, term: Term) -> np.ndarray:
+        """Columns of a law with its nonlinear parameters in place."""
+        motions, width = self.found.motions, self.found.model.width
+
+        def build(k):
+            return term_columns(term, motions[k], width, self.loads[k])
+
+        if term.law.uses_load:
+            return self.on_joint(self.low(build), term.joint)
+        # They follow from the motion, and many from that alone: the next round finds them ready.
+        laws = self.memory.laws_of(motions)
+        place = (term, *term.values.items(), width if term.law.uses_direction else None)
+        if place not in laws:
+            laws[place] = self.low(build)
+        return self.on_joint(laws[place], term.joint)
+
+    def residuals(self, joint: int) -> np.ndarray:
+        """A joint's residual on every fold, (folds, T), zero outside the rows it was fitted to."""
+        folds = self.background.folds
+        return np.stack([np.where(f.train, f.residual[:, joint], 0.0) for f in folds])

@@ -1,0 +1,75 @@
+"""The torque that a link behind its motor changes, for many stiffnesses or gaps at once."""
+
+from dataclasses import replace
+
+import jax
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.folds.partial_out import Fold
+from jaxswarm.effects import get_law
+from jaxswarm.effects.term import Term
+from jaxswarm.effects.warps import deflection
+from jaxswarm.identify.forward.sensitivity import Sensitivity
+from jaxswarm.logs.motion import Motion
+
+# Gaps [rad] that are tried, and where nothing else is known the frequency on the flank [Hz] and the time
+# [s] over which the torque of a loose joint is averaged.
+GAPS = np.geomspace(2e-4, 0.06, 44)
+_PLAY = get_law("backlash").nominal()
+FLANK, BLUR = _PLAY["flank"], _PLAY["blur"]
+# Shares of a joint's inertia that its rotor may hold.
+ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
+_MOST_LAG = 1.0
+
+
+def lag_torque(
+    motion: Motion,
+    sensed: Sensitivity,
+    pis: np.ndarray,
+    k: np.ndarray,
+    d: np.ndarray,
+    gap: np.ndarray,
+    substeps: int = 2,
+) -> np.ndarray:
+    """Decimated torque (m, T', n) that a lagging link changes, for m options with their parameters.
+
+    Args:
+        motion: The log.
+        sensed: What the rigid torque does when the joint moves otherwise.
+        pis: Rigid parameters, (m, 10 n); one row serves all options.
+        k, d, gap: Stiffness, damping and play, each (m,).
+        substeps: Integration steps per sample.
+    """
+    torque, by_q, by_dq, by_ddq = (np.moveaxis(x, 2, 0) for x in sensed.at(pis))
+
+    def lag(tau, s, c, m, k, d, gap):
+        return deflection(m, c, s, tau, k, d, gap, 1.0 / motion.rate, substeps)
+
+    shape = (len(k), len(motion.t))
+    own = [np.broadcast_to(x[:, :, sensed.joint], shape) for x in (torque, by_q, by_dq, by_ddq)]
+    e, v, a = (np.asarray(x) for x in jax.vmap(lag)(*own, k, d, gap))
+    # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
+    alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < _MOST_LAG)
+    e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
+    change = -(e * by_q + v * by_dq + a * by_ddq)
+    return np.moveaxis(motion.decimator.apply(np.moveaxis(change, 0, 2)), 2, 0)
+
+
+def best_option(judge: Candidate, fold: Fold, curves: np.ndarray) -> int:
+    """The option whose torque, with a positive coefficient, explains most of a fold's rows.
+
+    ``curves`` are the weighted torques (m, T', n) of all options.
+    """
+    # All options at once, one column each.
+    free = fold.free_part(np.moveaxis(curves, 0, 2))
+    free = judge.view(free)[fold.train].reshape(-1, len(curves))
+    residual = judge.view(fold.residual)[fold.train].ravel()
+    size, inner = (free**2).sum(axis=0), free.T @ residual
+    gains = np.where((size > 0) & (inner > 0), inner**2 / np.maximum(size, 1e-300), 0.0)
+    return int(np.argmax(gains))
+
+
+def placed(term: Term, option: dict[str, float]) -> Term:
+    """The term with an option's values of its parameters."""
+    return replace(term, values={p.name: option[p.name] for p in term.law.parameters})

@@ -1,0 +1,125 @@
+r"""The columns a suspect would add to the model, for the whole log and for each half.
+
+A law's torque is linear in its linear parameters, so its columns are exact. An effect that moves the
+links, the clock or the scale is taken to first order about the current model: the difference it makes to
+the model's torque, or the derivative of that by its parameter. Once added, it is refitted exactly.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+import jax
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.search import searching
+from jaxswarm.diagnose.candidates.transmission import lagging_candidate
+from jaxswarm.diagnose.candidates.whole_model import warped_candidate
+from jaxswarm.diagnose.folds.fold_data import FoldData
+from jaxswarm.effects.term import Term
+from jaxswarm.effects.warps import LAGGING
+from jaxswarm.logs.motion import Motion
+
+# Basis columns are filled up to a multiple, so that a model that grows does not recompile the search.
+_MULTIPLE = 16
+
+
+def gather(stand: Linearization, suspects: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
+    """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
+    searched = [t for t in suspects if t.law.torque is not None and t.law.nonlinear]
+    done: dict[Term, Candidate | None] = {}
+    # The compiled searches run while the other candidates are built.
+    with _searched(stand, searched, key) as finish:
+        for term in suspects:
+            law = term.law
+            if law.torque is not None and not law.nonlinear:
+                done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
+            elif law.torque is None:
+                soft = law.warp in LAGGING
+                build = lagging_candidate if soft else warped_candidate
+                done[term] = build(stand, term)
+        found = finish()
+    for term, values in zip(searched, found, strict=True):
+        columns = tuple(stand.law(replace(term, values=v)) for v in values)
+        placed = replace(term, values=values[0])
+        done[term] = Candidate(placed, columns, len(term.law.parameters))
+    return [done[t] for t in suspects if done[t] is not None]
+
+
+@contextmanager
+def _searched(
+    stand: Linearization, terms: list[Term], key: jax.Array
+) -> Iterator[Callable[[], list[list[dict]]]]:
+    """Find nonlinear parameters of laws per fold where they are unknown, in the background."""
+    if not terms:
+        yield list
+        return
+    memory = stand.memory
+    memory.round += 1
+    found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
+    unknown = [t for t in terms if found[t] is None]
+    known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
+    if all(known.values()):
+        yield lambda: _keep(stand, terms, found, known)
+        return
+    motions = stand.found.motions
+    chosen = _comparable(motions)
+    search = searching(
+        [(t.law, t.joint, t.other) for t in unknown],
+        [motions[k] for k in chosen],
+        stand.found.model.width,
+        [stand.loads[k] for k in chosen],
+        [_stages(stand, stand.found.regression.log == k) for k in chosen],
+        key,
+    )
+
+    with search as finish:
+
+        def values() -> list[list[dict]]:
+            searched = dict(zip(unknown, finish(), strict=True))
+            if memory.journal:
+                memory.journal.keep(memory.round, searched)
+            return _keep(stand, terms, found, searched)
+
+        yield values
+
+
+def _comparable(motions: Sequence[Motion]) -> list[int]:
+    """The logs that are searched together: those decimated as the longest one."""
+    most = max(motions, key=lambda m: len(m.t)).decimator
+    return [
+        k
+        for k, m in enumerate(motions)
+        if m.decimator.factor == most.factor
+        and m.decimator.taps.shape == most.taps.shape
+        and np.allclose(m.decimator.taps, most.taps, atol=1e-4 * most.taps.max())
+    ]
+
+
+def _keep(stand: Linearization, terms: list[Term], found: dict, new: dict) -> list[list[dict]]:
+    """Values per fold of all terms; those that are new are remembered."""
+    for term, per_fold in new.items():
+        stand.memory.keep(term, stand.residuals(term.joint), per_fold)
+    return [{**found, **new}[t] for t in terms]
+
+
+def _stages(stand: Linearization, rows: np.ndarray) -> FoldData:
+    """The rows of one log as stages of the search, (joints, folds, ...)."""
+    folds = stand.background.folds
+    width = -(-max(f.basis.shape[2] for f in folds) // _MULTIPLE) * _MULTIPLE
+    basis = np.stack([_filled(f.basis[rows], width) for f in folds], axis=1)
+    train = np.stack([f.train[rows] for f in folds])
+    residual = np.stack([np.where(f.train[rows, None], f.residual[rows], 0.0) for f in folds])
+    joints = basis.shape[0]
+    return FoldData(
+        basis,
+        residual.transpose(2, 0, 1),
+        np.repeat(train[None].astype(float), joints, axis=0),
+    )
+
+
+def _filled(basis: np.ndarray, width: int) -> np.ndarray:
+    """Basis (T, n, b) as (n, T, width) with columns of zeros."""
+    return np.pad(basis.transpose(1, 0, 2), ((0, 0), (0, 0), (0, width - basis.shape[2])))

@@ -1,0 +1,230 @@
+r"""Nonlinear parameters of laws by swarms, for all laws, joints and folds through the same compiled programs.
+
+For a candidate :math:`\nu` the law's columns c on its joint are computed along the whole log, decimated,
+freed of what the model absorbs, and the linear parameters eliminated: the cost is minus the explained
+sum of squares, :math:`h^T G^{-1} h` with :math:`G = c_\perp^T c_\perp`, :math:`h = c_\perp^T r`.
+A coarse lattice over the cube finds the valley, which a torque ripple has one of per order, and a GPSO
+swarm in its cell finds the floor. The law is chosen inside the program and lengths are rounded up, so
+that neither another suspect nor a log of another length costs a compilation.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import partial
+from threading import Lock
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
+from jaxswarm.effects import REGISTRY
+from jaxswarm.effects.base import Law, Sample
+from jaxswarm.effects.series import law_columns
+from jaxswarm.identify.forward.columns import Load, joint_series
+from jaxswarm.logs.motion import Motion
+from jaxswarm.swarm import Space, gpso, minimize
+
+_PARTICLES, _STEPS = 12, 10
+# Lattice points, shared by the dimensions; the order of a ripple has a narrow valley.
+_POINTS, _MOST_POINTS, _MOST_DIMS = 128, 480, 3
+_FINE = {"torque_ripple": _MOST_POINTS}
+# Lattice points whose columns are held at a time.
+_BATCH = 32
+# What explains less of the residual than this share on every fold is not refined: it comes to nothing.
+_WORTH = 0.02
+# Threads that search: beside the one that builds other candidates, and when that has finished.
+_WORKERS = 2
+# Lengths are rounded up to multiples of these: samples, filter taps.
+_CHUNK, _TAPS = 1024, 32
+
+
+class _Task(NamedTuple):
+    """One law on one joint with its folds (S, ...): the law by its number among those of the program."""
+
+    law: jax.Array
+    positive: jax.Array
+    cell: jax.Array
+    series: Sample
+    stages: FoldData
+
+
+@partial(jax.jit, static_argnames=("laws", "factor"))
+def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array):
+    """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law."""
+    width = max(len(law.linear) for law in laws)
+
+    def columns_of(law, u):
+        columns = law_columns(law, _decode(law, u), task.series)
+        return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
+
+    full = jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
+    return decimate(full, taps, factor)
+
+
+@partial(jax.jit, static_argnames=("laws", "factor"))
+def _survey(
+    laws: tuple[Law, ...], factor: int, task: _Task, lattice: jax.Array, count, taps: jax.Array
+):
+    """The best of a lattice's first points and what it explains, one per fold: (S, 3), (S,).
+
+    ``count`` batches are looked at, so that a fine lattice is no program of its own.
+    """
+    at = partial(_columns_at, laws, factor, task, taps)
+
+    def look(k, best):
+        points = jax.lax.dynamic_slice_in_dim(lattice, k * _BATCH, _BATCH)
+        columns = jax.vmap(at)(points)
+
+        def one_fold(stage, point, most):
+            gains = jax.vmap(lambda c: explained(c, stage, task.positive))(columns)
+            pick = jnp.argmax(gains)
+            better = gains[pick] > most
+            return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
+
+        return jax.vmap(one_fold)(task.stages, *best)
+
+    folds, kind = task.stages.residual.shape[0], task.stages.residual.dtype
+    nowhere = jnp.full((folds, _MOST_DIMS), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
+    return jax.lax.fori_loop(0, count, look, nowhere)
+
+
+@partial(jax.jit, static_argnames=("laws", "factor"))
+def _refine(
+    laws: tuple[Law, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
+):
+    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, 3)."""
+
+    def one_fold(stage, point, gain):
+        low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
+
+        def cost(u, stage):
+            columns = _columns_at(laws, factor, task, taps, low + 2.0 * task.cell * u)
+            return -explained(columns, stage, task.positive)
+
+        unit = Space.vector(np.zeros(_MOST_DIMS), np.ones(_MOST_DIMS))
+        swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
+        return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
+
+    return jax.vmap(one_fold)(task.stages, *survey)
+
+
+@contextmanager
+def searching(
+    tasks: list[tuple[Law, int, int | None]],
+    motions: Sequence[Motion],
+    width: float,
+    loads: Sequence[Load],
+    stages: Sequence[FoldData],
+    key: jax.Array,
+) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
+    """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
+
+    The searches run in threads of their own: programs started by one thread wait for each other.
+    What has not begun when the context ends is given up.
+
+    Args:
+        tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
+            parameters.
+        motions: The logs, with equal decimators.
+        width: Width of the smooth sign.
+        loads: Rigid torque of the current model, of every log.
+        stages: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
+            them.
+        key: Random key.
+
+    Yields:
+        A function that waits for the end: values by name, for every task and every fold.
+    """
+    taps, factor = np.asarray(motions[0].decimator.taps), motions[0].decimator.factor
+    taps = np.pad(taps, (0, -len(taps) % _TAPS))
+    # One log after the other, each from a sample that is kept; rows that reach into the next are empty.
+    ends = [-len(m.t) % factor for m in motions[:-1]]
+    length = sum(len(m.t) for m in motions) + sum(ends)
+    ends.append(_TAPS - (length + _TAPS) % -_CHUNK)
+    rows = [(len(m.t) + end) // factor for m, end in zip(motions[:-1], ends, strict=False)]
+    rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
+    joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
+    whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
+    laws = _searched(law for law, _, _ in tasks)
+    precise, tracing = jax.config.jax_enable_x64, Lock()
+
+    def search(law: Law, joint: int, other: int | None) -> list[dict[str, float]]:
+        parts = [
+            _held(joint_series(motion, width, load, joint, other), end)
+            for motion, load, end in zip(motions, loads, ends, strict=True)
+        ]
+        series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
+        points = _FINE.get(law.name, _POINTS)
+        lattice, cell = _lattice(len(law.nonlinear), points)
+        task = _Task(
+            np.int32(laws.index(law)),
+            np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
+            cell,
+            series,
+            jax.tree.map(lambda x: x[joint], whole),
+        )
+        with jax.enable_x64(precise):  # a thread has settings of its own
+            with tracing:
+                best = _survey(laws, factor, task, lattice, points // _BATCH, taps)
+            positions, gains = map(np.asarray, best)
+            if (gains > _WORTH * (task.stages.residual**2).sum(axis=1)).any():
+                with tracing:
+                    refined = _refine(laws, factor, task, best, taps, key)
+                positions = np.asarray(refined)
+        return [{n: float(x) for n, x in _decode(law, u).items()} for u in positions]
+
+    pool = ThreadPoolExecutor(max_workers=_WORKERS)
+    try:
+        found = [pool.submit(search, *task) for task in tasks]
+        yield lambda: [one.result() for one in found]
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _held(series: Sample, count: int) -> Sample:
+    """A series whose last sample is repeated ``count`` times."""
+    return jax.tree.map(lambda x: np.pad(x, (0, count), mode="edge"), series)
+
+
+def _rows(stage: FoldData, count: int) -> FoldData:
+    """A stage with empty rows up to ``count``."""
+
+    def fill(x):
+        return np.pad(x, ((0, 0), (0, 0), (0, count - x.shape[2]), *((0, 0),) * (x.ndim - 3)))
+
+    return jax.tree.map(fill, stage)
+
+
+def _searched(laws: Iterable[Law]) -> tuple[Law, ...]:
+    """The laws that share compiled programs: all that are registered, and these."""
+    known = {one.name: one for one in (*REGISTRY.values(), *laws)}
+    return tuple(one for one in known.values() if one.torque is not None and one.nonlinear)
+
+
+def _lattice(dims: int, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lattice points in the unit cube, (points, 3), and half the width of a cell with its neighbors.
+
+    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most points of any law.
+    """
+    count = int(points ** (1 / dims) + 1e-9)
+    axis = (np.arange(count) + 0.5) / count
+    grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
+    lattice = np.full((_MOST_POINTS, _MOST_DIMS), 0.5)
+    lattice[:, :dims] = grid[np.minimum(np.arange(_MOST_POINTS), len(grid) - 1)]
+    return lattice, np.where(np.arange(_MOST_DIMS) < dims, 1.0 / count, 0.5)
+
+
+def _decode(law: Law, u) -> dict:
+    """Nonlinear parameters by name at a point of the unit cube."""
+    values = {}
+    for k, p in enumerate(sorted(law.nonlinear, key=lambda p: p.name)):
+        on_log = p.scale == "log"
+        values[p.name] = (
+            p.lower * (p.upper / p.lower) ** u[k]
+            if on_log
+            else p.lower + u[k] * (p.upper - p.lower)
+        )
+    return values

@@ -1,0 +1,35 @@
+"""Suspects put to a model: gathered with their columns and scored on unseen blocks."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import jax
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.propose import gather
+from jaxswarm.diagnose.decision.score import Score, score
+from jaxswarm.effects.term import Term
+
+
+def judge(
+    stand: Linearization,
+    suspects: Sequence[Term],
+    seed: int,
+    signed: Callable[[Term], bool] = lambda term: False,
+) -> list[Score]:
+    """Scores of suspects against a model.
+
+    Args:
+        stand: The model and its stage.
+        suspects: Terms to ask.
+        seed: Seed of the searches.
+        signed: Whether a term is a change of something known, of either sign.
+    """
+    interval = max(m.interval for m in stand.found.motions)
+    candidates = gather(stand, tuple(suspects), jax.random.key(seed))
+    scores = [
+        score(replace(c, signed=signed(c.term)), stand.background, interval) for c in candidates
+    ]
+    for one in scores:
+        stand.memory.judged(one.candidate.term, one.trained)
+    return scores

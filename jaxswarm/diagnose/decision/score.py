@@ -1,0 +1,179 @@
+r"""The decision: what a suspect is worth on time it was not fitted to, and whether that can be chance.
+
+Every block of time is predicted by the fit to the blocks of the other half, nonlinear parameters
+included. The gain of a block is how much the weighted squared error falls. A suspect passes if
+
+* what it predicts for unseen blocks is in the residual there: the slope of the residual on the prediction
+  is positive beyond chance. Its standard error is the jackknife over blocks, which are longer than the
+  residual's memory, so neither autocorrelation nor one lucky block can feign evidence; the level is
+  divided by the number of suspects asked;
+* it takes off at least a given share of its joints' squared error, beyond what it spends;
+* it helps in most blocks that carry a tenth of the mean gain or more; and its coefficients have the sign
+  physics wants, in both halves.
+
+Reference: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, J. Appl. Econometrics 38 (2023) for the cluster
+jackknife.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Thresholds of the decision.
+
+    Attributes:
+        significance: Chance that anything is added to a log without a missing effect.
+        share: Least share of a joint's held-out squared error that an effect has to take off.
+        repeat: Least share of blocks in which it has to help.
+        tie: Rivals whose gains differ by fewer standard errors than this are not told apart,
+        rival: unless one explains what another leaves with less than this chance of error.
+    """
+
+    significance: float = 0.01
+    share: float = 0.2
+    repeat: float = 0.6
+    tie: float = 2.0
+    rival: float = 0.001
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a candidate is worth on held-out time.
+
+    Attributes:
+        candidate: Who.
+        gain: Fall of the weighted squared error, all joints.
+        per_joint: The same per joint, shape (n,).
+        blocks: Per block, shape (B,).
+        share: Largest share of a joint's squared error taken off.
+        trained: The same on the rows it was fitted to, where it is largest.
+        joint: The joint where that is.
+        p_value: One-sided, that the prediction is not in the residual of unseen blocks.
+        repeats: Share of blocks in which it helps.
+        coefficients: Linear coefficients of the whole fit, (k,).
+        allowed: Whether signs agree with physics.
+    """
+
+    candidate: Candidate
+    gain: float
+    per_joint: np.ndarray
+    blocks: np.ndarray
+    share: float
+    trained: float
+    joint: int
+    p_value: float
+    repeats: float
+    coefficients: np.ndarray
+    allowed: bool
+
+
+def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = None) -> np.ndarray:
+    """Least-squares coefficients (k,) of free columns (T, n, k) on the training rows."""
+    residual = fold.residual if residual is None else residual
+    rows = free[fold.train].reshape(-1, free.shape[2])
+    scale = np.linalg.norm(rows, axis=0)
+    scale[scale == 0] = 1.0
+    return np.linalg.lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6)[0] / scale
+
+
+def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> Score:
+    """Fit a candidate on each half and score it on the other.
+
+    ``interval`` is the log's sampling interval [s]: a delay below half of it is no delay, since a
+    torque sampled and held is late by that much already.
+    """
+    count = int(background.block.max()) + 1
+    joints = background.weight.shape[1]
+    gains = np.zeros((count, joints))
+    before = np.zeros(joints)
+    inner, square = np.zeros(count), np.zeros(count)
+    signs, trained = [], 0.0
+    for fold, columns in zip(background.halves, candidate.columns[1:], strict=True):
+        free = fold.free_part(columns)
+        a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
+        signs.append(a)
+        out = ~fold.train
+        predicted, residual = candidate.view(free @ a), candidate.view(fold.residual)
+        trained = max(trained, _share_of(predicted[fold.train], residual[fold.train]))
+        predicted, residual = predicted[out], residual[out]
+        fall = residual**2 - (residual - predicted) ** 2
+        np.add.at(gains, background.block[out], fall)
+        np.add.at(inner, background.block[out], (predicted * residual).sum(axis=1))
+        np.add.at(square, background.block[out], (predicted**2).sum(axis=1))
+        before += (residual**2).sum(axis=0)
+    whole = coefficients(background.whole.free_part(candidate.columns[0]), background.whole)
+    per_joint = gains.sum(axis=0)
+    blocks = gains.sum(axis=1)
+    joint = candidate.term.joint
+    if joint is None:
+        joint = int(np.argmax(per_joint / before))
+    # A joint effect is a matter of its own joint; others may gain through shared parameters.
+    share = float(max(per_joint[joint] / before[joint], (per_joint / before).max()))
+    allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
+    if candidate.term.effect == "time_delay":
+        allowed = abs(whole[0]) > 0.5 * interval and max(map(abs, whole)) < 0.05
+    weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
+    return Score(
+        candidate=candidate,
+        gain=float(blocks.sum()),
+        per_joint=per_joint,
+        blocks=blocks,
+        share=share,
+        trained=trained,
+        joint=joint,
+        p_value=slope_p_value(inner, square),
+        repeats=float((blocks[weighty] > 0).mean()) if weighty.any() else 0.0,
+        coefficients=whole,
+        allowed=bool(allowed),
+    )
+
+
+def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
+    """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
+    before = np.maximum((residual**2).sum(axis=0), 1e-300)
+    return float(max(0.0, (1.0 - ((residual - predicted) ** 2).sum(axis=0) / before).max()))
+
+
+def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
+    """One-sided p-value of a positive slope from sums over blocks, by the jackknife.
+
+    Args:
+        inner: Sum of prediction times residual of every block, (B,).
+        square: Sum of squared predictions of every block, (B,).
+
+    >>> slope_p_value(np.array([1.0, 1.1, 0.9, 1.0]), np.ones(4)) < 1e-3
+    True
+    >>> slope_p_value(np.array([4.0, 0.0, 0.0, 0.0]), np.array([4.0, 0.1, 0.1, 0.1])) > 0.1
+    True
+    """
+    count, total = len(inner), square.sum()
+    rest = total - square
+    if total <= 0 or (rest <= 1e-9 * total).any():
+        return 1.0
+    slopes = (inner.sum() - inner) / rest
+    spread = np.sqrt((count - 1) / count * ((slopes - slopes.mean()) ** 2).sum())
+    return float(special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
+
+
+def passes(item: Score, asked: int, rules: Rules) -> bool:
+    """Whether a suspect is guilty, alone against the current model."""
+    # A touch happens once: it cannot repeat over blocks, so its window must explain far more.
+    once = item.candidate.term.effect == "contact"
+    significant = item.p_value * asked < rules.significance
+    if once:
+        spent = item.candidate.size
+        significant = item.gain > 40.0 * spent
+    return (
+        item.allowed
+        and item.gain > 0
+        and significant
+        and item.share >= rules.share
+        and (once or item.repeats >= rules.repeat)
+    )

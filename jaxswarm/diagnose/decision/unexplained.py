@@ -1,0 +1,204 @@
+r"""Structure that no law explains: what the residual depends on, and a smooth term for it.
+
+The residual of each joint is regressed on smooth random features of every single variable and pair of
+variables, by ridge regression fitted to one half of the time and scored on the other. Features are
+:math:`\cos(\omega^T x + \varphi)` with x standardized (A. Rahimi, B. Recht, NIPS 2007), freed of what the
+model absorbs, so that a share of the error is claimed only if the model cannot follow it by refitting.
+A second variable is named only if it raises the held-out share clearly over the first alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.score import slope_p_value
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
+from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
+
+_FEATURES = {1: 14, 2: 96}
+# Ridge, in units of the mean squared feature; less fits the noise of one half and fails on the other.
+_RIDGE = 0.03
+# Least share of a joint's held-out squared error to call structure, and to add a second variable.
+_LEAST, _SECOND = 0.2, 0.06
+_SIGNIFICANCE = 0.01
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """Structure left on one joint.
+
+    Attributes:
+        joint: Index.
+        depends_on: Names such as ``q_joint1``, most important first.
+        share: Share of the joint's held-out squared error that a smooth function of them takes off.
+        p_value: One-sided, over blocks.
+        smooth: The smooth function on the decimated clock, whole fit [N m], shape (T,).
+        variables: Values of the named variables, shape (T, m).
+        term: The same as a term that predicts other motion; None if it depends on time or temperature.
+        change: Change of the model's columns' values that goes with it, shape (p,).
+    """
+
+    joint: int
+    depends_on: tuple[str, ...]
+    share: float
+    p_value: float
+    smooth: np.ndarray
+    variables: np.ndarray
+    term: Smooth | None
+    change: np.ndarray
+
+
+def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
+    """Everything a residual may depend on, on the decimated clock: name to (T,)."""
+    joints = found.model.robot.joints
+    names: dict[str, list] = {}
+    for motion in found.motions:
+        low = motion.decimator
+        kept = low.kept(len(motion.t))
+        for j, joint in enumerate(joints):
+            names.setdefault(f"q_{joint}", []).append(motion.q[kept, j])
+            names.setdefault(f"dq_{joint}", []).append(motion.dq[kept, j])
+            names.setdefault(f"ddq_{joint}", []).append(motion.ddq[kept, j])
+            heat = motion.channels.get("temperature")
+            if heat is not None and heat.ndim == 2 and np.isfinite(heat[:, j]).all():
+                names.setdefault(f"temperature_{joint}", []).append(heat[kept, j])
+        names.setdefault("t", []).append(motion.t[kept])
+    return {name: np.concatenate(parts) for name, parts in names.items()}
+
+
+def find_unexplained(
+    found: Estimate, background: CrossFit, seed: int = 0, joints: Sequence[int] | None = None
+) -> list[Unexplained]:
+    """Joints (all, or those given) whose residual the motion predicts although no law passed."""
+    asked = range(background.weight.shape[1]) if joints is None else joints
+    known = background.structure
+    unknown = [j for j in asked if (seed, j) not in known]
+    if unknown:
+        table = _table(found)
+        known.update({(seed, j): _look(found, background, j, table, seed) for j in unknown})
+    return [known[seed, j] for j in asked if known[seed, j] is not None]
+
+
+def _table(found: Estimate) -> dict[str, "_Input"]:
+    """All variables that vary."""
+    width = found.model.width
+    variables = {n: x for n, x in residual_variables(found).items() if np.ptp(x) > 1e-9}
+    # A velocity also enters by its direction: friction jumps at zero.
+    return {n: _input(x, width if n.startswith("dq_") else None) for n, x in variables.items()}
+
+
+def _look(
+    found: Estimate, background: CrossFit, joint: int, table: dict[str, "_Input"], seed: int
+) -> Unexplained | None:
+    """The structure of one joint."""
+    singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in table]
+    singles.sort(key=lambda item: -item[0][0])
+    best, pick = singles[0]
+    # Pairs with each of the three most telling variables, and with the joint's own velocity.
+    own = f"dq_{found.model.robot.joints[joint]}"
+    leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
+    pairs = [
+        (_try(background, joint, [table[a], table[b]], seed), (a, b))
+        for a in leads
+        for b in table
+        if a in table and b != a
+    ]
+    asked = len(singles) + len(pairs)
+    pairs.sort(key=lambda item: -item[0][0])
+    if pairs and pairs[0][0][0] > best[0] + _SECOND:
+        best, pick = pairs[0]
+    share, p_value = best
+    if share < _LEAST or p_value * asked > _SIGNIFICANCE:
+        return None
+    return _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
+
+
+def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
+    """The model with a smooth term for all structure whose variables another log has too."""
+    kept = [item for item in left if item.term is not None]
+    change = sum((item.change for item in kept), np.zeros(len(found.fit.theta)))
+    model = with_linear_values(found.model, linear_values(found.model) + change)
+    return replace(model, smooth=(*model.smooth, *(item.term for item in kept)))
+
+
+def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplained:
+    """Fit the smooth function of the picked variables on all rows."""
+    inputs = [table[n] for n in pick]
+    weight, whole = background.weight[:, joint, None], background.whole
+    rows = _features(inputs, seed) * weight
+    a = _ridge(whole.free_rows(rows, joint), whole.residual[:, joint])
+    torque = np.zeros(background.weight.shape)
+    torque[:, joint] = rows @ a
+    change = np.zeros(len(found.fit.theta))
+    change[found.fit.base.kept] = -whole.absorbed(torque)
+    x = np.stack([one.raw for one in inputs], axis=1)
+    term = None
+    joints = found.model.robot.joints
+    places = [tuple(n.split("_", 1)) for n in pick]
+    if all(place[0] in QUANTITIES for place in places):
+        term = Smooth(
+            joint,
+            tuple((name, joints.index(own)) for name, own in places),
+            x.min(axis=0), x.max(axis=0), x.mean(axis=0), np.maximum(x.std(axis=0), 1e-12),
+            *_waves(len(pick), seed), found.model.width, a,
+        )  # fmt: skip
+    share, p_value = worth
+    smooth = _features(inputs, seed) @ a
+    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change)
+
+
+class _Input(NamedTuple):
+    """A variable as logged, standardized, and its smooth sign where a jump at zero is possible."""
+
+    raw: np.ndarray
+    standard: np.ndarray
+    side: np.ndarray | None
+
+
+def _input(x: np.ndarray, width: float | None) -> _Input:
+    standard = (x - x.mean()) / max(x.std(), 1e-12)
+    return _Input(x, standard, None if width is None else np.tanh(x / width))
+
+
+def _waves(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and phases of the features of so many variables."""
+    rng = np.random.default_rng(seed)
+    size = _FEATURES[count]
+    return rng.normal(size=(count, size)), rng.uniform(0, 2 * np.pi, size)
+
+
+def _features(inputs: list[_Input], seed: int) -> np.ndarray:
+    """Features (T, f) of one or two variables."""
+    x = np.stack([one.standard for one in inputs], axis=1)
+    sides = [one.side for one in inputs if one.side is not None]
+    return features(x, sides, *_waves(len(inputs), seed))
+
+
+def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    gram = free.T @ free
+    return np.linalg.solve(
+        gram + _RIDGE * np.trace(gram) / len(gram) * np.eye(len(gram)), free.T @ residual
+    )
+
+
+def _try(background: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:
+    """Held-out share of the joint's squared error, and its p-value over blocks."""
+    rows = _features(inputs, seed) * background.weight[:, joint, None]
+    count = int(background.block.max()) + 1
+    gains, before = np.zeros(count), 0.0
+    inner, square = np.zeros(count), np.zeros(count)
+    for fold in background.halves:
+        free = fold.free_rows(rows, joint)
+        a = _ridge(free[fold.train], fold.residual[fold.train, joint])
+        out = ~fold.train
+        r = fold.residual[out, joint]
+        said = free[out] @ a
+        np.add.at(gains, background.block[out], r**2 - (r - said) ** 2)
+        np.add.at(inner, background.block[out], said * r)
+        np.add.at(square, background.block[out], said**2)
+        before += float((r**2).sum())
+    return float(gains.sum() / before), slope_p_value(inner, square)

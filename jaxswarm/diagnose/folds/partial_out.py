@@ -1,0 +1,161 @@
+r"""What the current model can absorb, on every fold: the stage on which suspects are tried.
+
+A suspect may be credited only with what the model cannot do without it. With the weighted columns of the
+training rows factored as :math:`W_A = Q R` and :math:`P = W R^{-1}` on all rows, a suspect's column c
+keeps
+
+.. math:: c_\perp = c - P\,(Q^T c_A),
+
+its part that the refitted model cannot imitate, on the rows it was fitted to and on those it was not.
+Blocks of time alternate between two folds; each is scored by the fit to the other. Rows are weighted by
+the joint's noise (median absolute deviation, so that rare large residuals do not count as noise) and the
+few beyond four times it are bounded in their influence (P. J. Huber, Ann. Math. Stat. 35 (1964)): an
+impact or an outlier must not decide what a joint lacks.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy import linalg
+
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.least_squares import correlation_length
+from jaxswarm.identify.estimation.validate import time_blocks
+
+# Blocks per log, and the least number of rows in one.
+_BLOCKS, _LEAST_ROWS = 20, 8
+# Residuals beyond this multiple of the noise are bounded in their influence.
+_REACH = 4.0
+
+
+@dataclass(frozen=True)
+class Fold:
+    """The model fitted to a part of the rows.
+
+    Attributes:
+        train: Rows it was fitted to, shape (T,).
+        project: P, shape (T, n, b).
+        basis: Q on the training rows and zeros elsewhere, shape (T, n, b).
+        residual: Weighted residual of all rows, shape (T, n).
+        solve: From coordinates in the basis to base parameters, shape (b', b).
+    """
+
+    train: np.ndarray
+    project: np.ndarray
+    basis: np.ndarray
+    residual: np.ndarray
+    solve: np.ndarray
+
+    def absorbed(self, torque: np.ndarray) -> np.ndarray:
+        """Change of the base parameters (b',) by which the model takes up a weighted torque (T, n)."""
+        return self.solve @ np.einsum("tjb,tj->b", self.basis, torque)
+
+    def free_part(self, columns: np.ndarray) -> np.ndarray:
+        """c_perp of weighted columns (T, n, k)."""
+        rows = columns.reshape(-1, columns.shape[2])
+        inner = self.basis.reshape(len(rows), -1).T @ rows
+        return columns - (self.project.reshape(len(rows), -1) @ inner).reshape(columns.shape)
+
+    def free_rows(self, own: np.ndarray, joint: int) -> np.ndarray:
+        """The joint's rows (T, k) of c_perp, of weighted columns (T, k) that act on this joint alone."""
+        return own - self.project[:, joint] @ (self.basis[:, joint].T @ own)
+
+    def with_columns(self, columns: np.ndarray) -> "Fold":
+        """The same rows fitted by a model that has further weighted columns (T, n, k)."""
+        more = _fold(self.free_part(columns), self.residual, self.train)
+        return Fold(
+            self.train,
+            np.concatenate([self.project, more.project], axis=2),
+            np.concatenate([self.basis, more.basis], axis=2),
+            more.residual,
+            np.pad(self.solve, ((0, 0), (0, more.project.shape[2]))),
+        )
+
+
+@dataclass(frozen=True)
+class CrossFit:
+    """All folds of a model.
+
+    Attributes:
+        weight: What every row and joint is multiplied by, shape (T, n).
+        block: Block of every row, shape (T,).
+        whole: The fit to all rows.
+        halves: The two fits to alternating blocks.
+        effective: Independent residuals in the data.
+        structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
+    """
+
+    weight: np.ndarray
+    block: np.ndarray
+    whole: Fold
+    halves: tuple[Fold, Fold]
+    effective: float
+    structure: dict = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def folds(self) -> tuple[Fold, ...]:
+        """Whole, then the two halves."""
+        return (self.whole, *self.halves)
+
+    def with_columns(self, columns: tuple[np.ndarray, ...]) -> "CrossFit":
+        """The stage of a model that has further weighted columns, given for every fold."""
+        whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
+        return replace(self, whole=whole, halves=tuple(halves), structure={})
+
+    def weigh(self, columns: np.ndarray) -> np.ndarray:
+        """Columns (T, n, k) in units of the noise."""
+        return columns * self.weight[:, :, None]
+
+
+def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
+    """Factor the current model on all rows and on both halves.
+
+    Args:
+        found: The current model.
+        frozen: Whether the model is not refitted (diagnosis against an earlier model): then it
+            absorbs nothing.
+    """
+    regression, solution = found.regression, found.fit
+    weight = robust_weight(solution.residual)
+    columns = regression.columns[:, :, solution.base.kept] * weight[:, :, None]
+    if frozen:
+        columns = columns[:, :, :0]
+    error = solution.residual * weight
+    torque = error if frozen else regression.target * weight
+    length = correlation_length(error, regression.log)
+    per_log = min(_BLOCKS, np.bincount(regression.log).min() // _LEAST_ROWS)
+    block = time_blocks(regression.log, max(4, int(per_log)))
+    everything = np.ones(len(torque), dtype=bool)
+    odd = block % 2 == 1
+    whole, first, second = (_fold(columns, torque, rows) for rows in (everything, odd, ~odd))
+    return CrossFit(weight, block, whole, (first, second), error.size / length)
+
+
+def robust_weight(residual: np.ndarray) -> np.ndarray:
+    """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
+    size = np.abs(residual)
+    noise = 1.4826 * np.median(size, axis=0)
+    noise = np.maximum(noise, 1e-6 * size.max(axis=0) + 1e-300)
+    return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
+
+
+def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray) -> Fold:
+    joints, size = columns.shape[1:]
+    if size == 0:
+        return Fold(train, columns, columns, torque, np.zeros((0, 0)))
+    rows = columns[train].reshape(-1, size)
+    scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+    q, r, order = linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)
+    rank = int((np.abs(np.diag(r)) > 1e-7 * abs(r[0, 0])).sum())
+    pick = order[:rank]
+    project = linalg.solve_triangular(
+        r[:rank, :rank],
+        (columns[:, :, pick] / scale[pick]).reshape(-1, rank).T,
+        trans="T",
+        check_finite=False,
+    ).T.reshape(len(columns), joints, rank)
+    basis = np.where(train[:, None, None], project, 0.0)
+    solve = np.zeros((size, rank))
+    solve[pick] = linalg.solve_triangular(r[:rank, :rank], np.eye(rank)) / scale[pick, None]
+    left = torque - project @ np.einsum("tjb,tj->b", basis, torque)
+    return Fold(train, project, basis, left, solve)

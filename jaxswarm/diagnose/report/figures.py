@@ -1,0 +1,136 @@
+"""The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what remains."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from jaxswarm import plots
+from jaxswarm.diagnose.decision.unexplained import Unexplained
+from jaxswarm.diagnose.report.text import where
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.stepwise import Diagnosis
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.model import Model, model_torque
+from jaxswarm.identify.report.summary import units
+from jaxswarm.logs.motion import Motion
+
+
+def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.ndarray]:
+    """The variable against which an effect shows itself: label and values (T,)."""
+    j = 0 if term.joint is None else term.joint
+    name = motion.joints[j]
+    by_position = {"torque_ripple", "joint_spring", "hysteresis", "backlash"}
+    if term.effect in by_position:
+        return f"q of {name}", motion.q[:, j]
+    if term.effect == "load_dependent_friction":
+        own = Model(model.robot, (), model.width, model.filtering, model.sigma)
+        load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width)
+        return f"|load| sign(dq) of {name}", load
+    if term.effect in ("thermal_drift", "contact"):
+        return "time [s]", motion.t
+    if term.effect in ("rotor_inertia", "joint_elasticity"):
+        return f"ddq of {name}", motion.ddq[:, j]
+    if term.effect == "transmission_coupling":
+        return f"dq of {motion.joints[term.other]}", motion.dq[:, term.other]
+    if term.effect in ("drive_gain", "time_delay", "base_tilt", "torque_offset"):
+        return f"torque of the model on {name}", model_torque(model, motion)[:, j]
+    return f"dq of {name}", motion.dq[:, j]
+
+
+def evidence(step: Step, final: Model, motion: Motion) -> Figure:
+    """Partial residual of an effect: what the others leave, and what the effect says of it.
+
+    Left against the variable the law is about, right over time; the dots are measured minus the final
+    model without this effect, the line is the effect.
+    """
+    key = (step.added.effect, step.added.joint, step.added.other)
+    others = tuple(t for t in final.terms if (t.effect, t.joint, t.other) != key)
+    without = Model(final.robot, others, final.width, final.filtering, final.sigma)
+    low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
+    whole, rest = model_torque(final, motion), model_torque(without, motion)
+    contribution = low.apply(whole - rest)
+    partial = low.apply(motion.tau - rest)
+    j = step.added.joint
+    if j is None:
+        j = int(np.argmax(contribution.std(axis=0) / np.asarray(final.sigma)))
+    label, x = evidence_axis(step.added, final, motion)
+    x = x[kept]
+    figure, axes = plots.panels(1, 2, 9.5, 3.6, sharey=True)
+    order = np.argsort(x)
+    axes[0].plot(
+        x, partial[:, j], ".", ms=2, alpha=0.4, color=plots.MEASURED, label="measured - others"
+    )
+    axes[0].plot(x[order], contribution[order, j], ".", ms=2, color=plots.MODEL, label="effect")
+    axes[0].set_xlabel(label)
+    axes[0].set_ylabel(f"{motion.joints[j]} [{units(final.robot)[j]}]")
+    axes[0].legend(frameon=False, fontsize=8, markerscale=4)
+    axes[1].plot(motion.t[kept], partial[:, j], color=plots.MEASURED, lw=0.8)
+    axes[1].plot(motion.t[kept], contribution[:, j], color=plots.MODEL, lw=0.8)
+    axes[1].set_xlabel("time [s]")
+    figure.suptitle(step.added.label(motion.joints), fontsize=11)
+    return figure
+
+
+def ladder(result: dict) -> Figure:
+    """Error of every joint on unseen motion, before and after each added effect."""
+    stages = [("declared model", result["error"]["before"])]
+    for step in result["steps"]:
+        stages.append((f"+ {where(step['added'])}", step["after"]))
+    joints, labels = result["joints"], result["torque_units"]
+    height = 1.4 + 0.34 * len(stages)
+    figure, axes = plots.panels(1, len(joints), 3.0 + 2.3 * len(joints), height, sharey=True)
+    floor = result["error"]["noise_floor"]["rms"]
+    rows = np.arange(len(stages))
+    for j, axis in enumerate(axes):
+        rms = [errors["rms"][j] for _, errors in stages]
+        colors = [plots.MEASURED] + [plots.MODEL] * (len(stages) - 1)
+        axis.barh(rows, rms, color=colors, height=0.62)
+        for k, (_, errors) in enumerate(stages):
+            text = f" {rms[k]:.3g} ({100 * errors['relative'][j]:.1f} %)"
+            axis.text(rms[k], k, text, ha="left", va="center", fontsize=7)
+        axis.axvline(floor[j], color=plots.RESIDUAL, lw=1, ls="--")
+        axis.set_title(f"{joints[j]} [{labels[j]}]", fontsize=9)
+        axis.set_xlim(0, 1.6 * max(max(rms), floor[j]))
+    axes[0].set_yticks(rows, [name for name, _ in stages], fontsize=8)
+    axes[0].invert_yaxis()
+    figure.suptitle("error on unseen motion; dashed: noise of the torque sensor", fontsize=10)
+    return figure
+
+
+def remaining(diagnosis: Diagnosis, title: str) -> Figure:
+    """Final residual against position, velocity, acceleration, load and time."""
+    found = diagnosis.final
+    motion, regression = found.motions[0], found.regression
+    kept = motion.decimator.kept(len(motion.t))
+    rows = regression.log == 0
+    own = Model(found.model.robot, (), found.model.width, found.model.filtering, found.model.sigma)
+    load = model_torque(own, motion)[kept]
+    return plots.residual_dependence(
+        found.fit.residual[rows],
+        {
+            "q": motion.q[kept],
+            "dq": motion.dq[kept],
+            "ddq": motion.ddq[kept],
+            "load": load,
+            "time [s]": motion.t[kept],
+        },
+        found.model.robot.joints,
+        units(found.model.robot),
+        title,
+    )
+
+
+def structure(item: Unexplained, residual: np.ndarray, joint: str, unit: str) -> Figure:
+    """What an unexplained residual does along the variables it depends on."""
+    count = item.variables.shape[1]
+    figure, axes = plots.panels(1, count, 4.5 * count + 0.5, 3.4)
+    for axis, name, x in zip(axes, item.depends_on, item.variables.T, strict=True):
+        axis.plot(x, residual, ".", ms=2, alpha=0.3, color=plots.MEASURED, label="residual")
+        axis.plot(x, item.smooth, ".", ms=2, color=plots.MODEL, label="smooth function")
+        axis.set_xlabel(name)
+    axes[0].set_ylabel(f"{joint} [{unit}]")
+    axes[0].legend(frameon=False, fontsize=8, markerscale=4)
+    figure.suptitle(
+        f"no known law: {joint} depends on {', '.join(item.depends_on)} ({item.share:.0%})",
+        fontsize=11,
+    )
+    return figure

@@ -1,0 +1,1 @@
+"""Forward stepwise selection: add, refit, select again, drop."""

@@ -1,0 +1,83 @@
+"""Two laws where one was bent into their sum.
+
+A law with free exponents may bend itself into the sum of two. Where structure is left on its joint,
+each competitor is put in its place and it is asked for again beside it; the pair stays if it predicts
+unseen blocks clearly better than the bent law did.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy import special
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def pair(
+    steps: Sequence[Step],
+    current: Estimate,
+    joints: Sequence[int],
+    asked: int,
+    rules: Rules,
+    seed: int = 0,
+) -> tuple[list[Step], Estimate] | None:
+    """The first effect that is better told as two: the steps and the model with the pair; else None.
+
+    Args:
+        joints: Where structure is left.
+        steps, current, asked, rules, seed: As for :func:`reconsider`.
+    """
+    for number, step in enumerate(steps):
+        own, rivals = key_of(step.added), competitors(step)
+        there = {key_of(t) for t in current.model.terms}
+        if step.score.joint not in joints or step.removed or own not in there or not rivals:
+            continue
+        rest = refit(current, tuple(t for t in current.model.terms if key_of(t) != own))
+        for rival in rivals:
+            one = _ask(rest, rival, asked, rules, seed)
+            first = one and refit_with(rest, one)
+            two = first and _ask(first, step.added, asked, rules, seed)
+            both = two and refit_with(first, two)
+            if not both or not _predicts_better(both, current, step.score.joint, asked, rules):
+                continue
+            others = tuple(s for s in step.others if key_of(s.candidate.term) != key_of(rival))
+            found = [
+                Step(find_term(first, rival), one, (), others, step.before, first, ()),
+                Step(find_term(both, step.added), two, (), others, first, both, ()),
+            ]
+            return chain([*steps[:number], *found, *steps[number + 1 :]]), both
+    return None
+
+
+def _ask(found: Estimate, term: Term, asked: int, rules: Rules, seed: int) -> Score | None:
+    """The score of a term on a model if it passes."""
+    scores = judge(Linearization(found, cross_fit(found)), [replace(term, values={})], seed)
+    return next((s for s in scores if passes(s, asked, rules)), None)
+
+
+def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules: Rules) -> bool:
+    """Whether a model leaves clearly less on unseen blocks of a joint."""
+    stage = cross_fit(old)
+    count = int(stage.block.max()) + 1
+
+    def blocks(background: CrossFit) -> np.ndarray:
+        total = np.zeros(count)
+        for half in background.halves:
+            out = ~half.train
+            left = half.residual[out, joint] / background.weight[out, joint]
+            np.add.at(total, stage.block[out], (left * stage.weight[out, joint]) ** 2)
+        return total
+
+    before, after = blocks(stage), blocks(cross_fit(new))
+    fall = before - after
+    spread = fall.std(ddof=1) / np.sqrt(count)
+    chance = special.stdtr(count - 1, -fall.mean() / max(spread, 1e-300))
+    return bool(fall.sum() > rules.share * before.sum() and chance * asked < rules.significance)

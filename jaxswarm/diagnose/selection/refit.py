@@ -1,0 +1,112 @@
+"""Fitting a model with other terms from where the current one stands."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.eligible import CONTAINS
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.folds.partial_out import robust_weight
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.sign_width import best_width
+
+# The logarithm of the width's ratio below which a fit is trusted to have found it by itself.
+_NEAR = 0.3
+
+
+def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
+    """The estimate with one more term, without those it contains; None if the cost does not fall or a
+    coefficient leaves its physical bounds.
+    """
+    term = _with_start(chosen)
+    inner = CONTAINS.get(term.effect, ())
+    kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
+    after = refit(current, (*kept, term), chosen.candidate.start)
+    fitted, errors = next(
+        (t, e)
+        for t, e in zip(after.model.terms, after.std_errors, strict=True)
+        if key_of(t) == key_of(term)
+    )
+    linear = term.law.linear
+    physical = all(fitted.values[p.name] >= p.lower for p in linear)
+    weight = robust_weight(current.fit.residual)
+
+    def cost(one: Estimate) -> float:
+        return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
+
+    return (
+        after if physical and is_certain(fitted, errors) and cost(after) < cost(current) else None
+    )
+
+
+def is_certain(term: Term, errors: dict[str, float]) -> bool:
+    """Whether a linear coefficient is larger than twice its doubt: else it stands for something else."""
+    linear = term.law.linear
+    return not linear or any(
+        abs(term.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name]) for p in linear
+    )
+
+
+def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None = None) -> Estimate:
+    """Estimate with other terms, its sign width found anew.
+
+    It starts from the current rigid parameters where no others are given.
+    """
+    start = _rigid(current) if start is None else start
+    after = _fit_from(current, start, terms, current.model.width)
+    width = best_width(
+        after.model.robot,
+        after.model.terms,
+        current.motions,
+        current.rigids,
+        _rigid(after),
+    )
+    if abs(np.log(width / after.model.width)) < _NEAR:
+        return after
+    again = _fit_from(current, _rigid(after), after.model.terms, width)
+    return again if _cost(again, after) < _cost(after, after) else after
+
+
+def _rigid(one: Estimate) -> np.ndarray:
+    """Rigid parameters, (10 n,)."""
+    return np.asarray(one.model.robot.parameters).ravel()
+
+
+def _fit_from(
+    current: Estimate, start: np.ndarray, terms: tuple[Term, ...], width: float
+) -> Estimate:
+    """Fit terms to the current logs from rigid parameters (10 n,) and a width."""
+    return estimate(
+        current.model.robot,
+        terms,
+        current.motions,
+        width=width,
+        refine_width=True,
+        bounded=False,
+        rigids=current.rigids,
+        start=start,
+    )
+
+
+def _with_start(chosen: Score) -> Term:
+    """The term with a first-order start of what its linearization found."""
+    term, a = chosen.candidate.term, chosen.coefficients
+    values = dict(term.values)
+    if term.law.warp == "gain":
+        values["gain"] = float(np.clip(1.0 + a[0], 0.55, 1.9))
+    elif term.law.warp == "delay":
+        values["seconds"] = float(np.clip(a[0], -0.045, 0.045))
+    elif term.law.warp == "gravity":
+        values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a[:2])
+    return replace(term, values=values)
+
+
+def _cost(one: Estimate, weights: Estimate) -> float:
+    return float(((one.fit.residual / weights.fit.sigma) ** 2).sum())
+
+
+def key_of(term: Term) -> tuple:
+    """What a term is, whatever its values: effect, joint, partner, and the start of a touch."""
+    start = round(term.values.get("start", 0.0), 1) if term.effect == "contact" else None
+    return (term.effect, term.joint, term.other, start)

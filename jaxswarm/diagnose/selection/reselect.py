@@ -1,0 +1,164 @@
+"""Once everything is added, every choice is made again: what one law hid may have misled an earlier one.
+
+An effect was chosen among its competitors while others were still missing. With the others in place, the
+model is fitted without it, it and its competitors are asked again, and the winner stays. What nobody
+needs any more is dropped.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, robust_weight
+from jaxswarm.diagnose.selection.pair import pair
+from jaxswarm.diagnose.selection.refit import is_certain, key_of, refit, refit_with
+from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+# Residuals beyond this multiple of the torque sensor's noise are looked at for two laws in one.
+_LOUD = 1.25
+# A law that was chosen anew may leave this much more of a joint's squared error.
+_PRICE = 1.02
+
+
+def choose_again(
+    steps: Sequence[Step],
+    current: Estimate,
+    background: CrossFit,
+    asked: int,
+    rules: Rules,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[list[Step], Estimate, bool]:
+    """The steps and the model after every choice was made again, and whether one changed.
+
+    Args:
+        steps: What was added, in order.
+        current: The model with all of it, in which no further suspect passes.
+        background: Its stage.
+        asked: Suspects asked in the first round, for the level of the tests.
+        rules: Thresholds.
+        seed: Seed of the searches.
+        progress: Called with one line per effect.
+    """
+    if len(steps) > 1:
+        done, found, changed = reconsider(steps, current, asked, rules, seed, progress)
+        if changed:
+            return done, found, True
+        steps = done
+    noise = np.min([m.torque_noise for m in current.motions], axis=0)
+    loud = set(np.flatnonzero(current.fit.sigma > _LOUD * noise).tolist())
+    joints = sorted({step.score.joint for step in steps if step.score.joint in loud})
+    left = find_unexplained(current, background, seed, joints) if joints else []
+    if left:
+        progress("looking for two laws where one was bent")
+        told = pair(steps, current, [item.joint for item in left], asked, rules, seed)
+        if told:
+            return (*told, True)
+    return list(steps), current, False
+
+
+def reconsider(
+    steps: Sequence[Step],
+    current: Estimate,
+    asked: int,
+    rules: Rules,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[list[Step], Estimate, bool]:
+    """Choose every added effect anew among its competitors, the others in place.
+
+    Args:
+        steps, current, asked, rules, seed, progress: As for :func:`choose_again`.
+
+    Returns:
+        The steps, the model, and whether an effect was exchanged or dropped.
+    """
+    done, changed = list(steps), False
+    for step in steps:
+        rivals = competitors(step)
+        errors = {
+            key_of(t): (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
+        }
+        if step.removed or key_of(step.added) not in errors:
+            continue
+        if not rivals and is_certain(*errors[key_of(step.added)]):
+            continue
+        progress(f"choosing {step.added.label(current.model.robot.joints)} again")
+        own = key_of(step.added)
+        rest = refit(current, tuple(t for t in current.model.terms if key_of(t) != own))
+        background = cross_fit(rest)
+        suspects = [replace(t, values={}) for t in (step.added, *rivals)]
+        scores = judge(Linearization(rest, background), suspects, seed)
+        guilty = [s for s in scores if passes(s, asked, rules)]
+        place = done.index(step)
+        if not guilty:
+            if all(s.share < rules.share for s in scores):
+                del done[place]
+                current, changed = rest, True
+            continue
+        chosen, near = choose(guilty, rules, background)
+        same = key_of(chosen.candidate.term) == own
+        instead = _replacement(
+            _simpler(chosen, guilty) if same else [chosen], chosen, rest, current
+        )
+        if instead is None:
+            if same:
+                done[place] = replace(step, rivals=tuple(near))
+            continue
+        pick, current = instead
+        others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
+        added = find_term(current, pick.candidate.term)
+        told = () if same else tuple(near)
+        done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
+        changed = True
+    return (chain(done) if changed else done), current, changed
+
+
+def _replacement(
+    picks: Sequence[Score], chosen: Score, rest: Estimate, current: Estimate
+) -> tuple[Score, Estimate] | None:
+    """The first pick that may stand in the current model's place, with its fit; None if none may.
+
+    The chosen law itself may leave about what the former one left on its joint; one that is simpler has
+    to do as well as the chosen one.
+    """
+    for pick in picks:
+        after = refit_with(rest, pick)
+        if after is None:
+            continue
+        if pick is chosen:
+            fits = _cost(after, pick.joint, rest) <= _PRICE * _cost(current, pick.joint, rest)
+        else:
+            fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
+        if fits:
+            return pick, after
+    return None
+
+
+def _simpler(chosen: Score, guilty: Sequence[Score]) -> list[Score]:
+    """Those with fewer parameters, the fewest first.
+
+    While a law is tried the others stay as they were fitted without it, and one with a free exponent
+    makes up for that. Fitted all together, the simpler law may do.
+    """
+    fewer = [s for s in guilty if s.candidate.size < chosen.candidate.size]
+    return sorted(fewer, key=lambda s: (s.candidate.size, -s.gain))
+
+
+def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
+    """Whether a model that saves parameters leaves no more than two standard errors each, on all joints."""
+    price = 1.0 + 4.0 * saved / cross_fit(full).effective
+    return _cost(simple, slice(None), full) <= price * _cost(full, slice(None), full)
+
+
+def _cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:
+    """Squared error of a joint, or of several, in units of the noise; rare large residuals bounded."""
+    weight = robust_weight(weights.fit.residual)
+    return float(np.square((found.fit.residual * weight)[:, joint]).sum())

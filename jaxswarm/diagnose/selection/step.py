@@ -1,0 +1,74 @@
+"""The steps of the loop, and the chain of models they make."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from jaxswarm.diagnose.decision.competing import OVERLAP, overlap
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.refit import key_of, refit
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+# Competitors gained at least this part of what the chosen one gained; so many are asked again.
+_NEAR, _MOST = 0.6, 3
+
+
+@dataclass(frozen=True)
+class Step:
+    """An added effect with the evidence for it.
+
+    Attributes:
+        added: The term, with the values of the fit after it.
+        score: What it was worth.
+        rivals: Terms the data did not tell from it.
+        others: Scores of the runners-up.
+        near: Those of them that passed too and say much the same on the same joint.
+        before, after: The estimates around it.
+        removed: Terms that became superfluous.
+    """
+
+    added: Term
+    score: Score
+    rivals: tuple[Score, ...]
+    others: tuple[Score, ...]
+    before: Estimate
+    after: Estimate
+    removed: tuple[Term, ...]
+    near: tuple[Score, ...] = ()
+
+
+def near_ones(chosen: Score, guilty: Sequence[Score], background: CrossFit) -> tuple[Score, ...]:
+    """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first."""
+    return tuple(
+        s
+        for s in sorted(guilty, key=lambda s: -s.gain)
+        if s is not chosen
+        and s.joint == chosen.joint
+        and s.gain > _NEAR * chosen.gain
+        and s.candidate.term.effect != "contact"
+        and overlap(chosen.candidate, s.candidate, background) > OVERLAP
+    )[:_MOST]
+
+
+def competitors(step: Step) -> list[Term]:
+    """Terms that came near a chosen one when it was added."""
+    known = {key_of(s.candidate.term): s.candidate.term for s in (*step.rivals, *step.near)}
+    return list(known.values())
+
+
+def chain(steps: Sequence[Step]) -> list[Step]:
+    """The same steps with the estimates before and after each as the exchanged effects make them."""
+    done = []
+    for step in steps:
+        before = done[-1].after if done else step.before
+        gone = {key_of(t) for t in step.removed}
+        kept = tuple(t for t in before.model.terms if key_of(t) not in gone)
+        after = refit(before, (*kept, step.added))
+        done.append(replace(step, added=find_term(after, step.added), before=before, after=after))
+    return done
+
+
+def find_term(found: Estimate, term: Term) -> Term:
+    """A term of a model with its fitted values."""
+    return next(t for t in found.model.terms if key_of(t) == key_of(term))

@@ -1,0 +1,191 @@
+"""The loop: ask every suspect, add the guilty one, refit, ask again; drop what became superfluous."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.journal import Journal
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.refit import key_of, refit_with
+from jaxswarm.diagnose.selection.reselect import choose_again
+from jaxswarm.diagnose.selection.step import Step, near_ones
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.robot.model import Robot
+
+_MOST_STEPS, _MOST_SKEWS = 12, 3
+# A law below the first share of a joint's error is doubted where a smooth function reaches the second.
+_SMALL_PART, _NEARLY_ALL = 0.4, 0.7
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The outcome of the loop.
+
+    Attributes:
+        declared: The estimate of the declared model.
+        final: The estimate after the last step.
+        steps: What was added, in order.
+        last: Scores of all suspects in the final round, in which nobody passed.
+        background: The folds of the final model.
+        asked: Suspects asked in the first round.
+        withdrawn: What was added and later exchanged or dropped, with all effects in place.
+    """
+
+    declared: Estimate
+    final: Estimate
+    steps: tuple[Step, ...]
+    last: tuple[Score, ...]
+    background: CrossFit
+    asked: int
+    withdrawn: tuple[Term, ...] = ()
+
+    @property
+    def kept(self) -> tuple[Step, ...]:
+        """The steps whose effect was not removed again by a later one."""
+        gone = {key_of(t) for step in self.steps for t in step.removed}
+        return tuple(step for step in self.steps if key_of(step.added) not in gone)
+
+
+def diagnose(
+    robot: Robot,
+    declared: tuple[Term, ...],
+    motions: Sequence[Motion],
+    *,
+    rules: Rules | None = None,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+    journal: Journal | None = None,
+) -> Diagnosis:
+    """Find what a declared model lacks.
+
+    Args:
+        robot: Kinematics.
+        declared: Terms the user knows of.
+        motions: Prepared logs with torque.
+        rules: Thresholds of the decision.
+        seed: Seed of the searches.
+        progress: Called with one line per stage.
+        journal: Keeps the searches on disk, so that an interrupted diagnosis can go on.
+
+    Returns:
+        The :class:`Diagnosis`.
+    """
+    rules = rules or Rules()
+    progress("fitting the declared model")
+    current = estimate(robot, declared, motions, bounded=False)
+    first, steps, banned, asked, skews = current, [], set(), 0, []
+    memory, settled, withdrawn = Memory(journal, rules.share), False, ()
+    for round_number in range(_MOST_STEPS + 1):
+        progress(
+            f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
+        )
+        background = cross_fit(current)
+        stand = Linearization(current, background, memory)
+        suspects = [
+            t for t in list_suspects(current.model, current.motions) if key_of(t) not in banned
+        ]
+        late = clock_skew(stand, suspects, rules, seed) if len(skews) < _MOST_SKEWS else 0.0
+        if late:
+            skews.append(late)
+            current = with_skew(current, late)
+            first = current if not steps else first
+            continue
+        scores = judge(stand, suspects, seed)
+        asked = asked or len(scores)
+        guilty = [s for s in scores if passes(s, len(scores), rules)]
+        # A touch is believed only if nothing that lasts explains more.
+        most = max((s.gain for s in scores), default=0.0)
+        guilty = [s for s in guilty if s.candidate.term.effect != "contact" or s.gain >= most]
+        if round_number == _MOST_STEPS:
+            break
+        if not guilty:
+            if settled or not steps:
+                break
+            settled = True
+            former = steps
+            steps, current, changed = choose_again(
+                steps, current, background, asked, rules, seed, progress
+            )
+            if not changed:
+                break
+            held = {key_of(s.added) for s in steps}
+            withdrawn = tuple(s.added for s in former if key_of(s.added) not in held)
+            continue
+        chosen, rivals = choose(guilty, rules, background)
+        if stands_in(chosen, current, background, seed):
+            banned.add(key_of(chosen.candidate.term))
+            continue
+        progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
+        after, removed = add(current, chosen)
+        if after is None:
+            banned.add(key_of(chosen.candidate.term))
+            continue
+        added = next(t for t in after.model.terms if key_of(t) == key_of(chosen.candidate.term))
+        others = [
+            s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
+        ]
+        near = near_ones(chosen, guilty, background)
+        told = tuple(rivals), tuple(others[:8])
+        steps.append(Step(added, chosen, *told, current, after, removed, near))
+        current = after
+        # What was refused on this joint was refused without the new effect.
+        banned = {key for key in banned if key[1] != added.joint}
+    return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked, withdrawn)
+
+
+def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:
+    """Whether a law only stands in for one that no catalog holds.
+
+    That is so if it explains a small part of what a smooth function of one or two variables explains
+    nearly all of.
+    """
+    if chosen.share > _SMALL_PART or chosen.candidate.term.joint is None:
+        return False
+    smooth = find_unexplained(current, background, seed, [chosen.joint])
+    return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
+
+
+def clock_skew(stand: Linearization, suspects: Sequence[Term], rules: Rules, seed: int) -> float:
+    """The delay [s] that is real but below half a sample: a matter of the clock, not of the robot; else 0."""
+    for s in judge(stand, [t for t in suspects if t.effect == "time_delay"], seed):
+        if not s.allowed:
+            real = s.gain > 0 and s.p_value * len(suspects) < rules.significance
+            return float(s.coefficients[0]) if real and s.share > 0.02 else 0.0
+    return 0.0
+
+
+def with_skew(current: Estimate, seconds: float) -> Estimate:
+    """The same model fitted to logs whose motion is moved against the torque."""
+    motions = tuple(shift_motion(m, seconds) for m in current.motions)
+    return estimate(
+        current.model.robot,
+        current.model.terms,
+        motions,
+        bounded=False,
+        start=np.asarray(current.model.robot.parameters).ravel(),
+    )
+
+
+def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:
+    """Refit with the chosen term, without what it contains; None if the refit does not confirm it."""
+    after = refit_with(current, chosen)
+    if after is None:
+        return None, ()
+    kept = {key_of(t) for t in after.model.terms}
+    return after, tuple(t for t in current.model.terms if key_of(t) not in kept)
+
+
+def _error(one: Estimate) -> float:
+    """Relative error [%] of a fit, all joints."""
+    size = np.linalg.norm(one.regression.torque)
+    return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))

@@ -1,0 +1,1 @@
+"""From columns to parameters: base parameters, least squares, nonlinear parameters, doubt, validation."""

@@ -1,0 +1,182 @@
+r"""Gauss-Newton on what the columns depend on: nonlinear parameters and the width of the smooth sign.
+
+Linear parameters are eliminated at every step (variable projection, G. H. Golub, V. Pereyra, Inverse
+Problems 19 (2003)): the tangents :math:`\partial W(\nu)/\partial\nu\;\theta` are further columns beside W,
+and solving for both gives the step, and in the end the standard errors of all parameters together.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jaxswarm.effects.term import Term, parameter_bounds
+from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, read, tangents, write
+from jaxswarm.identify.estimation.least_squares import Fit, fit
+from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, term_block, uses_load
+from jaxswarm.identify.forward.regression import Regression, build_regression
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+# Rounds of refitting where the load or the lag of a soft joint depends on the fit itself.
+_ROUNDS, _STEPS = 6, 8
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What stays the same while a model is fitted."""
+
+    robot: Robot
+    motions: tuple[Motion, ...]
+    rigids: tuple[Rigid, ...]
+    bounded: bool
+
+    def build(self, place: Place, pi) -> Regression:
+        """The rows at a place."""
+        return build_regression(self.robot, place.terms, self.motions, place.width, pi, self.rigids)
+
+    def solve(self, terms: tuple[Term, ...], regression: Regression) -> Fit:
+        """The linear parameters."""
+        bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
+        return fit(regression, *bounds)
+
+    def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
+        """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
+        moved = None if free.term is None else place.terms[free.term]
+        alone = moved is not None and moved.law.torque is not None and not moves_links(place.terms)
+        if alone:
+            sizes = [len(t.columns(self.robot.joints)) for t in place.terms[: free.term + 1]]
+            end = len(pi) + sum(sizes)
+            theta = theta[end - sizes[-1] : end]
+        parts = []
+        for motion, rigid in zip(self.motions, self.rigids, strict=True):
+            given = (motion, place.width, pi, rigid)
+            if alone:
+                low = term_block(self.robot, place.terms, moved, *given)
+            else:
+                low = assemble(self.robot, place.terms, *given, decimate=True)
+            parts.append(low @ theta)
+        return np.concatenate(parts)
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A fit at a place, with the rigid parameters (10 n,) its columns were built with."""
+
+    place: Place
+    solution: Fit
+    regression: Regression
+    pi: np.ndarray
+
+
+def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
+    """Fit, and fit again where columns depend on the rigid parameters, until those stand still.
+
+    A step that makes the model itself worse, not its linearization, is shortened.
+    """
+    rigid = 10 * problem.robot.num_joints
+    regression = problem.build(place, pi)
+    solution = problem.solve(place.terms, regression)
+    theta = solution.theta
+    if not uses_load(place.terms) and not moves_links(place.terms):
+        return Settled(place, solution, regression, theta[:rigid])
+    small = 1e-6 * np.abs(regression.torque).max()
+    stand = np.concatenate([pi, theta[rigid:]])
+    for _ in range(_ROUNDS):
+        sigma, step = solution.sigma, theta - stand
+        if np.abs(regression.columns @ step).max() < small:
+            return Settled(place, solution, regression, theta[:rigid])
+        before = _true_cost(regression, stand, sigma)
+        for part in (1.0, 0.3, 0.1):
+            trial = stand + part * step
+            there = problem.build(place, trial[:rigid])
+            if _true_cost(there, trial, sigma) < before:
+                break
+        else:
+            break
+        regression, stand = there, trial
+        solution = problem.solve(place.terms, regression)
+        theta = solution.theta
+    # What the linearization promises further on is not what the model does.
+    residual = regression.target - regression.columns @ stand
+    return Settled(place, replace(solution, residual=residual), regression, stand[:rigid])
+
+
+def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> float:
+    """Weighted squares that a model leaves whose rigid parameters the columns were made with."""
+    residual = (regression.target - regression.columns @ theta) / sigma
+    return float((residual**2).sum())
+
+
+def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Settled:
+    """Gauss-Newton steps of the free parameters; a step that does not pay is shortened."""
+    cost = weighted_cost(here.solution, here.solution.sigma)
+    for _ in range(_STEPS):
+        sigma = here.solution.sigma
+        position = read(here.place, moving)
+        step = _step(problem, moving, here)
+        for shrink in (1.0, 0.3, 0.1):
+            trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
+            there = settle(problem, trial, here.pi)
+            new = weighted_cost(there.solution, sigma)
+            if new < cost * (1 - 1e-7):
+                break
+        else:
+            break
+        gain = 1 - new / cost
+        here = there
+        cost = weighted_cost(here.solution, here.solution.sigma)
+        if gain < 1e-5:
+            break
+    return here
+
+
+def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.ndarray:
+    """Change of the free parameters' positions, (m,)."""
+    solution, regression = here.solution, here.regression
+    slopes = tangents(
+        lambda place, free: problem.output(place, here.pi, solution.theta, free),
+        here.place,
+        moving,
+    )
+    columns = np.concatenate([regression.columns[:, :, solution.base.kept], slopes], axis=2)
+    weighted = (columns / solution.sigma[:, None]).reshape(-1, columns.shape[2])
+    scale = np.linalg.norm(weighted, axis=0)
+    scale[scale == 0] = 1.0
+    target = (solution.residual / solution.sigma).ravel()
+    step = np.linalg.lstsq(weighted / scale, target, rcond=1e-8)[0] / scale
+    return np.clip(step[-len(moving) :], -0.2, 0.2)
+
+
+def standard_errors(
+    problem: Problem, moving: list[FreeParameter], here: Settled, theta: np.ndarray
+):
+    """Standard errors of all columns (p,) and of the free parameters' positions (m,); NaN where inseparable."""
+    solution, regression = here.solution, here.regression
+    if moving:
+        pi = theta[: len(here.pi)]
+        slopes = tangents(
+            lambda place, free: problem.output(place, pi, theta, free),
+            here.place,
+            moving,
+            wide=True,
+        )
+        wide = Regression(
+            (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),
+            np.concatenate([regression.columns, slopes], axis=2),
+            solution.residual,
+            regression.moving,
+            regression.t,
+            regression.log,
+            regression.step,
+        )
+        solution = fit(wide, sigma=solution.sigma)
+    errors = np.full(len(solution.base.names), np.nan)
+    errors[solution.base.kept] = solution.std_error
+    count = len(regression.names)
+    return errors[:count], errors[count:]
+
+
+def weighted_cost(solution: Fit, sigma: np.ndarray) -> float:
+    """Sum of squares of a fit's residual in units of ``sigma`` (n,)."""
+    return float(((solution.residual / sigma) ** 2).sum())

@@ -1,0 +1,237 @@
+r"""Weighted least squares on base parameters, by orthogonal factors only, with honest standard errors.
+
+Rows of joint j are divided by its residual standard deviation, estimated from the residual and iterated.
+The data are compressed once to the triangular factor R and z of ``[W | tau]``; everything after works
+on those. Residuals of real robots are strongly autocorrelated, so the covariance of the estimate is the
+Newey-West sandwich
+
+.. math:: R^{-1} \Big(\sum_{|l| \le L} (1 - |l|/(L+1)) \sum_t u_t u_{t-l}^T\Big) R^{-T},
+   \qquad u_t = Q_t^T e_t / (1 - h_t),
+
+with the lag L from the residual's own correlation length and the leverage h of a row, without which a
+parameter that few rows decide looks too certain (J. G. MacKinnon, H. White, J. Econometrics 29 (1985),
+the jackknife form). References: M. Gautier, ICRA 1997 (weights);
+W. K. Newey, K. D. West, Econometrica 55 (1987); D. W. K. Andrews, Econometrica 59 (1991), eq. 6.4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg, optimize
+
+from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
+from jaxswarm.identify.forward.regression import Regression
+
+_BLOCK_ROWS = 512
+# Rows with more leverage than this are fitted whatever they hold.
+_MOST_LEVERAGE = 0.9
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A least-squares solution.
+
+    Attributes:
+        base: Which columns are independent, and how the others merge.
+        values: Base parameter values, shape (b,).
+        covariance: Their covariance, respecting autocorrelation, shape (b, b).
+        sigma: Residual standard deviation of every joint [N m or N], shape (n,).
+        factor: Triangular factor of the weighted base columns, shape (b, b).
+        target: z with ``||R theta - z||^2 + cost`` the weighted cost, shape (b,).
+        cost: Weighted sum of squares no theta removes.
+        residual: tau minus model, shape (T, n).
+        at_bound: Whether a base parameter sits on its physical bound, shape (b,).
+        effective_samples: Independent residuals the data amount to.
+    """
+
+    base: BaseParameters
+    values: np.ndarray
+    covariance: np.ndarray
+    sigma: np.ndarray
+    factor: np.ndarray
+    target: np.ndarray
+    cost: float
+    residual: np.ndarray
+    at_bound: np.ndarray
+    effective_samples: float
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Full parameter vector: base values, zeros for what merges into them."""
+        return self.base.expand(self.values)
+
+    @property
+    def std_error(self) -> np.ndarray:
+        """Standard errors of the base parameters, shape (b,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def condition(self) -> float:
+        """Condition number of the weighted base columns, each scaled to unit norm."""
+        return float(np.linalg.cond(self.factor / np.linalg.norm(self.factor, axis=0)))
+
+
+def compress(columns: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Triangular factor of ``[columns | torque]``: all that weighted quadratic costs need.
+
+    Args:
+        columns: Shape (m, p).
+        torque: Shape (m,).
+
+    Returns:
+        Upper triangle, shape (min(m, p + 1), p + 1).
+    """
+    return triangular_factor(np.column_stack([columns, torque]))
+
+
+def triangular_factor(matrix: np.ndarray) -> np.ndarray:
+    """Triangular factor (min(m, p), p) of a tall matrix (m, p), by blocks of rows that stay in the cache.
+
+    J. Demmel, L. Grigori, M. Hoemmen, J. Langou, SIAM J. Sci. Comput. 34 (2012), section 2. Rows may
+    differ in sign from those of one factorization.
+
+    >>> a = np.random.default_rng(0).normal(size=(5000, 3))
+    >>> r = triangular_factor(a)
+    >>> bool(np.allclose(r.T @ r, a.T @ a)), r.shape
+    (True, (3, 3))
+    """
+    width = matrix.shape[1]
+    rows = max(_BLOCK_ROWS, 2 * width)
+    whole = len(matrix) // rows * rows
+    if whole > rows:
+        blocks = np.linalg.qr(matrix[:whole].reshape(-1, rows, width), mode="r")
+        matrix = np.concatenate([blocks.reshape(-1, width), matrix[whole:]])
+    return np.linalg.qr(matrix, mode="r")
+
+
+def joint_factors(regression: Regression) -> list[np.ndarray]:
+    """One triangular factor of ``[W_j | tau_j]`` per joint, so that weights can change for nothing."""
+    return [
+        compress(regression.columns[:, j], regression.target[:, j])
+        for j in range(regression.torque.shape[1])
+    ]
+
+
+def weighted_factor(factors: list[np.ndarray], sigma: np.ndarray) -> np.ndarray:
+    """Triangular factor of all joints' rows, divided by their standard deviations."""
+    stacked = np.concatenate([f / s for f, s in zip(factors, sigma, strict=True)])
+    return linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
+
+
+def solve(
+    factor: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Minimize ``||R theta - z||`` for the triangle ``[R z; 0 rho]`` within bounds.
+
+    Returns:
+        The minimizer (b,) and whether each component sits on a bound (b,).
+    """
+    size = factor.shape[1] - 1
+    scale = np.linalg.norm(factor[:size, :size], axis=0)
+    matrix, target = factor[:size, :size] / scale, factor[:size, size]
+    theta = linalg.lstsq(matrix, target, check_finite=False)[0] / scale
+    outside = (theta < lower) | (theta > upper)
+    if not outside.any():
+        return theta, outside
+    bounded = optimize.lsq_linear(matrix, target, (lower * scale, upper * scale), method="bvls")
+    theta = np.clip(bounded.x / scale, lower, upper)
+    return theta, (theta == lower) | (theta == upper)
+
+
+def fit(
+    regression: Regression,
+    lower: np.ndarray | None = None,
+    upper: np.ndarray | None = None,
+    base: BaseParameters | None = None,
+    sigma: np.ndarray | None = None,
+) -> Fit:
+    """Fit a model's linear parameters to its regression.
+
+    Args:
+        regression: Columns and torque.
+        lower, upper: Bounds of the full parameters, shape (p,); a bound is used where its column is
+            kept and nothing merges into it. None: unbounded.
+        base: Basis to use; None: found from these data.
+        sigma: Weights to use, shape (n,); None: iterated from the residual.
+    """
+    joints = regression.torque.shape[1]
+    factors = joint_factors(regression)
+    fixed = sigma is not None
+    if sigma is None:
+        sigma = np.maximum(regression.torque.std(axis=0), 1e-12)
+    if base is None:
+        base = find_base(weighted_factor(factors, sigma)[:, :-1], regression.names)
+    low, high = base_bounds(base, lower, upper)
+    pick = np.append(base.kept, len(regression.names))
+    reduced = [f[:, pick] for f in factors]
+    # Parameters shared by the joints are counted where they act: equally among the rows.
+    freedom = max(1.0, len(regression.torque) - base.size / joints)
+    for _ in range(1 if fixed else 5):
+        triangle = weighted_factor(reduced, sigma)
+        values, at_bound = solve(triangle, low, high)
+        residual = regression.target - regression.columns[:, :, base.kept] @ values
+        new = np.sqrt((residual**2).sum(axis=0) / freedom)
+        if not fixed:
+            sigma = np.maximum(new, 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12))
+    size = base.size
+    factor, target = triangle[:size, :size], triangle[:size, size]
+    weighted = (regression.columns[:, :, base.kept] / sigma[:, None]).reshape(-1, size)
+    scores = linalg.solve_triangular(factor, weighted.T, trans="T", check_finite=False).T
+    scores = scores.reshape(len(residual), joints, size)
+    error = residual / sigma
+    covariance, effective = _sandwich(factor, scores, error, regression.log)
+    covariance[at_bound, :] = 0.0
+    covariance[:, at_bound] = 0.0
+    cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
+    return Fit(base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective)
+
+
+def base_bounds(base: BaseParameters, lower, upper) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of the base parameters: those of columns that stand for themselves alone."""
+    low, high = np.full(base.size, -np.inf), np.full(base.size, np.inf)
+    if lower is not None:
+        alone = ~(np.abs(base.merge) > 0).any(axis=1)
+        low[alone] = np.asarray(lower)[base.kept[alone]]
+        high[alone] = np.asarray(upper)[base.kept[alone]]
+    return low, high
+
+
+def correlation_length(error: np.ndarray, log: np.ndarray) -> float:
+    """Integrated autocorrelation 1 + 2 sum rho_l of residuals (T, n), pooled over joints and logs.
+
+    The sum stops at the first lag whose correlation is lost in its own noise.
+    """
+    length, total = len(error), 1.0
+    power = (error**2).sum()
+    for lag in range(1, max(2, length // 4)):
+        same = log[lag:] == log[:-lag]
+        rho = float((error[lag:][same] * error[:-lag][same]).sum() / max(power, 1e-300))
+        if rho < 2.0 / np.sqrt(error.size):
+            break
+        total += 2.0 * rho
+    return total
+
+
+def _sandwich(factor, scores, error, log) -> tuple[np.ndarray, float]:
+    """Newey-West covariance of the base parameters, and the effective number of samples."""
+    length, size = len(error), factor.shape[0]
+    inflation = correlation_length(error, log)
+    # A row that decides a parameter alone hides its own error: leave-one-out residuals.
+    leverage = np.minimum((scores**2).sum(axis=2), _MOST_LEVERAGE)
+    u = np.einsum("tjb,tj->tb", scores, error / (1.0 - leverage))
+    # Andrews' automatic lag for a first-order process of the measured correlation length.
+    rho = (inflation - 1.0) / (inflation + 1.0)
+    lag_limit = int(
+        min(length // 4, 1 + 1.1447 * (length * 4 * rho**2 / (1 - rho**2) ** 2) ** (1 / 3))
+    )
+    meat, power, tapered = u.T @ u, max(float((error**2).sum()), 1e-300), 1.0
+    for lag in range(1, lag_limit + 1):
+        same = (log[lag:] == log[:-lag])[:, None]
+        taper = 1.0 - lag / (lag_limit + 1.0)
+        gamma = (u[lag:] * same).T @ u[:-lag]
+        meat += taper * (gamma + gamma.T)
+        tapered += 2.0 * taper * float((error[lag:] * same * error[:-lag]).sum() / power)
+    # What the taper took off the pooled autocorrelation is given back.
+    meat *= max(1.0, inflation / tapered)
+    inverse = linalg.solve_triangular(factor, np.eye(size), check_finite=False)
+    return inverse @ meat @ inverse.T, error.size / inflation

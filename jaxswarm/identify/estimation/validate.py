@@ -1,0 +1,65 @@
+"""Errors on motion that was not fitted: another log, or blocks of time held out one after the other."""
+
+import numpy as np
+
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.forward.metrics import is_moving, torque_errors
+from jaxswarm.identify.forward.model import Model, model_torque
+from jaxswarm.logs.motion import Motion
+
+
+def log_errors(model: Model, motion: Motion) -> dict:
+    """Errors of a model on one log, in the band that is compared and over the whole signal.
+
+    Returns:
+        :func:`torque_errors` of the low-passed torque, with ``wideband`` the same of the torque as
+        measured, and ``torque_cutoff`` [Hz].
+    """
+    predicted = model_torque(model, motion)
+    low = motion.decimator
+    kept = low.kept(len(motion.t))
+    moving = is_moving(motion.dq)
+    errors = torque_errors(low.apply(motion.tau), low.apply(predicted), moving[kept])
+    errors["wideband"] = torque_errors(motion.tau, predicted, moving)
+    errors["torque_cutoff"] = motion.torque_cutoff
+    return errors
+
+
+def time_blocks(log: np.ndarray, count: int) -> np.ndarray:
+    """Number the rows by contiguous blocks of time, ``count`` of them per log.
+
+    >>> time_blocks(np.array([0, 0, 0, 0, 1, 1]), 2)
+    array([0, 0, 1, 1, 2, 3])
+    """
+    block = np.zeros(len(log), dtype=int)
+    start = 0
+    for k in np.unique(log):
+        rows = np.flatnonzero(log == k)
+        block[rows] = start + np.arange(len(rows)) * count // len(rows)
+        start += count
+    return block
+
+
+def held_out_residual(found: Estimate, count: int = 5) -> np.ndarray:
+    """Residual (T, n) where every block of time is predicted by a fit to the other blocks.
+
+    Nonlinear parameters, width and weights stay those of the whole fit; the linear parameters, by far
+    the most, are refitted.
+    """
+    regression, solution = found.regression, found.fit
+    block = time_blocks(regression.log, count)
+    residual = np.empty_like(solution.residual)
+    for b in np.unique(block):
+        out = block == b
+        part = fit(regression.rows(~out), base=solution.base, sigma=solution.sigma)
+        columns = regression.columns[out][:, :, solution.base.kept]
+        residual[out] = regression.target[out] - columns @ part.values
+    return residual
+
+
+def held_out_errors(found: Estimate, count: int = 5) -> dict:
+    """Errors on held-out blocks of time, as :func:`torque_errors`."""
+    measured = found.regression.torque
+    residual = held_out_residual(found, count)
+    return torque_errors(measured, measured - residual, found.regression.moving)

@@ -1,0 +1,1 @@
+"""Motions on which the parameters of a model can be told apart."""

@@ -1,0 +1,149 @@
+r"""Exciting trajectories: the motion on which the parameters of a model can be told apart best.
+
+With W the rows of the model along a motion, reduced to base columns and each column scaled to length
+one, the error of a parameter grows with the condition number of W. A swarm minimizes
+
+.. math:: \log \operatorname{cond}(W D), \qquad D = \operatorname{diag}(1/\|w_k\|)
+
+over periodic motions that keep their limits by construction
+(:mod:`jaxswarm.identify.excitation.fourier`). Columns are scaled because a condition number
+compares parameters of different units otherwise. What is optimized is information, not safety: collisions
+and torque limits are not known here.
+
+References: J. Swevers et al., IEEE Trans. Robotics and Automation 13 (1997); M. Gautier, W. Khalil, Int.
+J. Robotics Research 11 (1992); C. Presse, M. Gautier, ICRA 1993 (scaling).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import jax
+import numpy as np
+
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
+from jaxswarm.identify.excitation.columns import (
+    condition,
+    log_condition,
+    planned,
+    planned_columns,
+    refuse_terms,
+)
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.limits import Limits
+from jaxswarm.identify.forward.columns import column_names
+from jaxswarm.robot.model import Robot
+from jaxswarm.swarm import Space, cma_es, minimize_runs
+
+# Samples of a period for each harmonic: in the search, and where the result is judged.
+_COARSE, _FINE = 20, 100
+_RANDOM = 20
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """An exciting motion and what it is worth.
+
+    Attributes:
+        trajectory: The best motion found.
+        condition: Condition number of its scaled base columns.
+        random: The same for random motions within the limits, shape (20,).
+        base: The base parameters it was chosen for.
+        used: Largest position range, speed and acceleration as shares of their limits, (n, 3).
+        evaluations: Motions tried.
+    """
+
+    trajectory: Fourier
+    condition: float
+    random: np.ndarray
+    base: BaseParameters
+    used: np.ndarray
+    evaluations: int
+
+
+def excite(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    limits: Limits,
+    fundamental: float,
+    *,
+    seed: int = 0,
+    runs: int = 2,
+    num_steps: int = 250,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Excitation:
+    """Search the motion with the smallest condition number of the scaled base columns.
+
+    Args:
+        robot: Kinematics; its parameters are not used.
+        terms: Effects to be identified beside the rigid body; nonlinear parameters at nominal values.
+        limits: What the motion has to keep, for every joint of the robot.
+        fundamental: Frequency of the period [Hz].
+        seed: Seed of the search.
+        runs: Independent searches; the best one counts.
+        num_steps: Steps of each.
+        progress: Called with one line per stage.
+
+    Raises:
+        InputError: If a term has no columns that follow from the motion.
+
+    Reference: see the module text. Needs double precision: in single, condition numbers above a
+    thousand are lost in rounding.
+    """
+    refuse_terms(terms, robot.joints)
+    # Known numbers make a far smaller program than traced ones.
+    arm = jax.tree.map(np.asarray, robot)
+    size = num_coordinates(robot.num_joints, limits.harmonics)
+    build = partial(planned, limits=limits, fundamental=fundamental)
+    fine = _FINE * limits.harmonics
+    period = 1.0 / fundamental
+
+    @jax.jit
+    def judge(x: jax.Array) -> jax.Array:
+        return planned_columns(arm, terms, limits, *build(x, samples=fine), period)
+
+    progress("random motions")
+    starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
+    columns = [np.asarray(judge(x)) for x in starts]
+    base = find_base(
+        np.concatenate([x.T for x in columns[:4]]), column_names(robot, terms), tolerance=1e-7
+    )
+    kept = base.kept
+
+    def log_conditions(population: jax.Array, _: None) -> jax.Array:
+        def one(x: jax.Array) -> jax.Array:
+            moved = build(x, samples=_COARSE * limits.harmonics)
+            return log_condition(planned_columns(arm, terms, limits, *moved, period)[kept])
+
+        return jax.vmap(one)(population)
+
+    progress("searching")
+    found = minimize_runs(
+        log_conditions,
+        cma_es(),
+        Space.vector(-np.ones(size), np.ones(size)),
+        jax.random.split(jax.random.key(seed), runs),
+        num_steps=num_steps,
+    )
+    best = np.asarray(found.params)[int(np.argmin(np.asarray(found.value)))]
+    offset, sine, cosine = within_limits(best, limits, fundamental, fine)
+    trajectory = Fourier(*map(np.asarray, (offset, sine, cosine)), fundamental)
+    return Excitation(
+        trajectory=trajectory,
+        condition=condition(np.asarray(judge(best))[kept]),
+        random=np.array([condition(x[kept]) for x in columns]),
+        base=base,
+        used=used_shares(trajectory, limits),
+        evaluations=int(np.sum(np.asarray(found.num_evaluations))),
+    )
+
+
+def used_shares(trajectory: Fourier, limits: Limits) -> np.ndarray:
+    """Position range, speed and acceleration of a motion as shares of their limits, (n, 3)."""
+    size = trajectory.sine.shape[1]
+    t = np.arange(_FINE * size) / (_FINE * size * trajectory.fundamental)
+    q, dq, ddq = trajectory.motion(t)
+    reach = np.ptp(q, axis=0) / (limits.upper - limits.lower)
+    top = np.abs(dq).max(axis=0) / limits.velocity
+    return np.stack([reach, top, np.abs(ddq).max(axis=0) / limits.acceleration], axis=1)

@@ -1,0 +1,183 @@
+"""An identified model: what ``model.json`` holds and ``predict`` needs, and its torque along a log."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.effects.term import Term
+from jaxswarm.errors import InputError
+from jaxswarm.identify.forward.measuring_chain import assemble
+from jaxswarm.identify.forward.model_check import check_content
+from jaxswarm.identify.forward.smooth import Smooth, from_json, to_json
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.robot.model import Robot
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Model:
+    """A robot, its terms with values, and how a log has to be filtered for it.
+
+    Attributes:
+        robot: With the identified link parameters (base values, zeros for what merges into them).
+        terms: With values for all their parameters.
+        width: Width of the smooth sign [rad/s or m/s].
+        filtering: Frequencies the model was identified with.
+        sigma: Residual standard deviation per joint at identification [N m or N].
+        smooth: Fitted functions for what no law explains.
+    """
+
+    robot: Robot
+    terms: tuple[Term, ...]
+    width: float
+    filtering: Filtering
+    sigma: tuple[float, ...]
+    smooth: tuple[Smooth, ...] = ()
+
+    def __repr__(self) -> str:
+        terms = ", ".join(term.label(self.robot.joints) for term in self.terms)
+        further = f" + {len(self.smooth)} smooth" if self.smooth else ""
+        return f"Model({self.robot.name}: rigid body + [{terms}]{further})"
+
+
+def linear_values(model: Model) -> np.ndarray:
+    """The parameters the columns of :func:`assemble` multiply, shape (p,)."""
+    parts = [np.asarray(model.robot.parameters).ravel()]
+    for term in model.terms:
+        parts.append([term.values[name] for name in term.linear_names(model.robot.joints)])
+    return np.concatenate(parts)
+
+
+def model_torque(model: Model, motion: Motion) -> np.ndarray:
+    """Torque of the whole model on a log's working clock, shape (T, n)."""
+    pi = np.asarray(model.robot.parameters).ravel()
+    torque = assemble(model.robot, model.terms, motion, model.width, pi) @ linear_values(model)
+    return torque + smooth_torque(model, motion)
+
+
+def smooth_torque(model: Model, motion: Motion) -> np.ndarray:
+    """What the smooth terms of a model add along a log, shape (T, n)."""
+    torque = np.zeros((len(motion.t), model.robot.num_joints))
+    for term in model.smooth:
+        torque[:, term.joint] += term.torque(motion)
+    return torque
+
+
+def with_linear_values(model: Model, values: np.ndarray) -> Model:
+    """The model with other values for the columns of :func:`assemble`, shape (p,)."""
+    k = 10 * model.robot.num_joints
+    parameters = jnp.asarray(values[:k].reshape(-1, 10))
+    terms = []
+    for term in model.terms:
+        names = term.linear_names(model.robot.joints)
+        own = dict(zip(names, map(float, values[k : k + len(names)]), strict=True))
+        terms.append(replace(term, values={**term.values, **own}))
+        k += len(names)
+    return replace(model, robot=model.robot.replace(parameters=parameters), terms=tuple(terms))
+
+
+def save_model(model: Model, path: Path) -> None:
+    """Write ``model.json``: everything :func:`load_model` and ``predict`` need."""
+    robot = model.robot
+    content = {
+        "format": FORMAT,
+        "robot": {
+            "name": robot.name,
+            "joints": list(robot.joints),
+            "kinds": list(robot.kinds),
+            "parents": list(robot.parents),
+            **{
+                field: np.asarray(getattr(robot, field)).tolist()
+                for field in ("rotation", "translation", "axis", "gravity", "parameters")
+            },
+            "drive_gain": [None if np.isnan(g) else float(g) for g in np.asarray(robot.drive_gain)],
+        },
+        "terms": [
+            {
+                "effect": t.effect,
+                "joint": None if t.joint is None else robot.joints[t.joint],
+                "other": None if t.other is None else robot.joints[t.other],
+                "values": {k: float(v) for k, v in t.values.items()},
+            }
+            for t in model.terms
+        ],
+        "width": model.width,
+        "filtering": {
+            "motion_cutoff": model.filtering.motion_cutoff,
+            "torque_cutoff": model.filtering.torque_cutoff,
+            "use_logged_velocity": model.filtering.use_logged_velocity,
+            "skew": model.filtering.skew,
+        },
+        "sigma": list(map(float, model.sigma)),
+        "smooth": [to_json(term, robot.joints) for term in model.smooth],
+    }
+    Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def load_model(path: Path) -> Model:
+    """Read a ``model.json``.
+
+    Raises:
+        InputError: If the file is missing, not JSON, of another format or incomplete.
+    """
+    path = Path(path)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; identify writes it as DIR/model.json") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as JSON ({error}); pass a model.json") from None
+    if not isinstance(content, dict) or "format" not in content:
+        raise InputError(f"{path}: is no jaxswarm model; pass a model.json written by identify")
+    if content["format"] != FORMAT:
+        raise InputError(
+            f"{path}: format {content['format']!r}, this version reads {FORMAT}; identify it again"
+        )
+    try:
+        return _from_json(content)
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: incomplete or damaged ({error!r}); identify it again") from None
+
+
+def _from_json(content: dict) -> Model:
+    check_content(content)
+    part = content["robot"]
+    joints = tuple(part["joints"])
+    n = len(joints)
+    shapes = {
+        "rotation": (n, 3, 3),
+        "translation": (n, 3),
+        "axis": (n, 3),
+        "gravity": (3,),
+        "parameters": (n, 10),
+    }
+    arrays = {k: jnp.asarray(np.asarray(part[k], float).reshape(s)) for k, s in shapes.items()}
+    gains = [np.nan if g is None else float(g) for g in part["drive_gain"]]
+    robot = Robot(
+        name=part["name"],
+        joints=joints,
+        kinds=tuple(part["kinds"]),
+        parents=tuple(part["parents"]),
+        drive_gain=jnp.asarray(gains),
+        **arrays,
+    )
+    terms = []
+    for entry in content["terms"]:
+        joint = None if entry["joint"] is None else joints.index(entry["joint"])
+        other = None if entry["other"] is None else joints.index(entry["other"])
+        term = Term(entry["effect"], joint, other, dict(entry["values"]))
+        terms.append(term)
+    return Model(
+        robot,
+        tuple(terms),
+        float(content["width"]),
+        Filtering(**content["filtering"]),
+        tuple(content["sigma"]),
+        tuple(from_json(entry, joints) for entry in content.get("smooth", [])),
+    )

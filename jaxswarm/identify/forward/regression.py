@@ -1,0 +1,116 @@
+"""The linear problem of one model on one or several logs: decimated columns and torque, with their clock."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxswarm.effects.term import Term
+from jaxswarm.errors import InputError
+from jaxswarm.identify.forward.columns import Rigid, column_names
+from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms
+from jaxswarm.identify.forward.measuring_chain import assemble, report, tilted
+from jaxswarm.identify.forward.metrics import is_moving
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Rows of all logs on the decimated clock.
+
+    Attributes:
+        names: Column names, p of them.
+        columns: Shape (T, n, p): derivatives of the model's torque by the parameters.
+        torque: Measured torque through the same low-pass, shape (T, n).
+        moving: Whether the joint moves there, shape (T, n).
+        t: Time in its own log [s], shape (T,).
+        log: Index of the log each row comes from, shape (T,).
+        step: Sampling interval of the decimated clock [s], one per log.
+        shift: ``columns @ theta`` minus the model's torque where the columns were made, (T, n),
+            where a soft joint makes the torque nonlinear in the rigid parameters; None: zero.
+    """
+
+    names: tuple[str, ...]
+    columns: np.ndarray
+    torque: np.ndarray
+    moving: np.ndarray
+    t: np.ndarray
+    log: np.ndarray
+    step: tuple[float, ...]
+    shift: np.ndarray | None = None
+
+    @property
+    def target(self) -> np.ndarray:
+        """What ``columns @ theta`` has to meet, (T, n)."""
+        return self.torque if self.shift is None else self.torque + self.shift
+
+    def rows(self, selected: np.ndarray) -> "Regression":
+        """The same problem on the selected rows."""
+        return Regression(
+            self.names,
+            self.columns[selected],
+            self.torque[selected],
+            self.moving[selected],
+            self.t[selected],
+            self.log[selected],
+            self.step,
+            None if self.shift is None else self.shift[selected],
+        )
+
+
+def build_regression(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motions: Sequence[Motion],
+    width: float,
+    pi: np.ndarray | None = None,
+    rigids: Sequence[Rigid] | None = None,
+) -> Regression:
+    """Stack the decimated rows of all logs.
+
+    Args:
+        robot: Kinematics.
+        terms: With values of their nonlinear parameters.
+        motions: Prepared logs with torque.
+        width: Width of the smooth sign.
+        pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
+        rigids: Rigid columns of the logs where known.
+
+    Raises:
+        InputError: If there are fewer rows than columns to determine.
+    """
+    pi = np.zeros(10 * robot.num_joints) if pi is None else pi
+    columns, torque, moving, clock, log, shift = [], [], [], [], [], []
+    for k, motion in enumerate(motions):
+        rigid = None if rigids is None else rigids[k]
+        columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
+        low = motion.decimator
+        if slope_terms(terms):
+            slopes = lag_slopes(tilted(robot, terms), terms, motion, pi, rigid)
+            lag = low.apply(report(terms, motion, slopes))
+            columns[-1][:, :, : len(pi)] += lag
+            shift.append(lag @ pi)
+        kept = low.kept(len(motion.t))
+        torque.append(low.apply(motion.tau))
+        moving.append(is_moving(motion.dq)[kept])
+        clock.append(motion.t[kept])
+        log.append(np.full(len(kept), k))
+    names = column_names(robot, terms)
+    stacked = np.concatenate(columns)
+    if stacked.shape[0] * stacked.shape[1] < stacked.shape[2]:
+        raise InputError(
+            f"{motions[0].source}: {stacked.shape[0]} independent samples of {stacked.shape[1]} "
+            f"joints are fewer than the {stacked.shape[2]} parameters; log a longer motion or "
+            "declare fewer effects"
+        )
+    return Regression(
+        names,
+        stacked,
+        np.concatenate(torque),
+        np.concatenate(moving),
+        np.concatenate(clock),
+        np.concatenate(log),
+        tuple(float(m.decimator.factor / m.rate) for m in motions),
+        np.concatenate(shift) if shift else None,
+    )

@@ -1,0 +1,1 @@
+"""What an identification says: summary, pictures, terminal."""

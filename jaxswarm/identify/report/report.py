@@ -1,0 +1,132 @@
+"""An identification as plain data and as pictures."""
+
+from pathlib import Path
+
+import numpy as np
+
+from jaxswarm import plots
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.swarm_fit import SwarmFit
+from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
+from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.identify.report.summary import (
+    base_parameter_table,
+    correlation,
+    term_parameters,
+    unidentified,
+    units,
+)
+from jaxswarm.logs import summarize
+from jaxswarm.logs.motion import Motion
+
+
+def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None) -> dict:
+    """The content of ``identification.json``: values, uncertainty, what is inseparable, errors.
+
+    Args:
+        found: The fit.
+        logs: As read, for their summaries.
+        unseen: Prepared validation log, or None.
+        validation: Its path.
+        search: The swarm's search, where one was asked for.
+    """
+    model, solution = found.model, found.fit
+    robot = model.robot
+    train = [log_errors(model, motion) for motion in found.motions]
+    report = {
+        "robot": robot.name,
+        "joints": list(robot.joints),
+        "effects": [
+            {
+                "effect": t.effect,
+                "joint": None if t.joint is None else robot.joints[t.joint],
+                "other": None if t.other is None else robot.joints[t.other],
+                "parameters": term_parameters(
+                    t,
+                    "revolute" if t.joint is None else robot.kinds[t.joint],
+                    errors,
+                ),
+            }
+            for t, errors in zip(model.terms, found.std_errors, strict=True)
+        ],
+        "base_parameters": base_parameter_table(found),
+        "not_identifiable": unidentified(found),
+        "condition_number": solution.condition,
+        "correlation": correlation(found),
+        "effective_samples": solution.effective_samples,
+        "sign_width": model.width,
+        "filtering": {
+            "motion_cutoff_hz": found.motions[0].motion_cutoff,
+            "torque_cutoff_hz": found.motions[0].torque_cutoff,
+        },
+        "residual_std": solution.sigma,
+        "torque_units": units(robot),
+        "logs": [{**summarize(log).to_dict(), "notes": log.notes} for log in logs],
+        "error": {
+            "train": train[0] if len(train) == 1 else train,
+            "held_out_blocks": held_out_errors(found),
+            "validation": None if unseen is None else log_errors(model, unseen),
+            "validation_log": None if validation is None else str(validation),
+        },
+        "optimizer": {"name": "least_squares", "cost": solution.cost},
+    }
+    if search is not None:
+        report["optimizer"] = {
+            "name": search.optimizer,
+            "whiten": search.whiten,
+            "runs": len(search.costs),
+            "evaluations": search.evaluations,
+            "cost": {"best": search.costs.min(), "median": float(np.median(search.costs))},
+            "least_squares_cost": search.optimum,
+            "excess_over_least_squares": {
+                "best": search.excess.min(),
+                "median": float(np.median(search.excess)),
+            },
+            "optimum_outside_box": search.outside,
+        }
+    return report
+
+
+def pictures_of(found: Estimate, motion: Motion, search: SwarmFit | None) -> dict:
+    """Writers of the pictures by file name: torque, residual, and the swarm's convergence."""
+    robot = found.model.robot
+    low = motion.decimator
+    kept = low.kept(len(motion.t))
+    measured, predicted = low.apply(motion.tau), low.apply(model_torque(found.model, motion))
+    labels = units(robot)
+    pictures = {
+        "torque.png": plots.png(
+            plots.torque_overlay(
+                motion.t[kept],
+                measured,
+                predicted,
+                robot.joints,
+                labels,
+                f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz, {Path(motion.source).name}",
+            )
+        ),
+        "residual.png": plots.png(
+            plots.residual_dependence(
+                measured - predicted,
+                {
+                    "q": motion.q[kept],
+                    "dq": motion.dq[kept],
+                    "ddq": motion.ddq[kept],
+                    "torque": measured,
+                    "time [s]": motion.t[kept],
+                },
+                robot.joints,
+                labels,
+                f"{robot.name}: what the model leaves",
+            )
+        ),
+    }
+    if search is not None:
+        pictures["convergence.png"] = plots.png(
+            plots.convergence(
+                {search.optimizer: search.history},
+                search.optimum,
+                f"{search.optimizer}: {len(search.costs)} runs against least squares",
+            )
+        )
+    return pictures

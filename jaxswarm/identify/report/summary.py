@@ -1,0 +1,123 @@
+"""What an estimate says about every parameter: value, error, verdict; as plain data for JSON and tables."""
+
+import numpy as np
+
+from jaxswarm.effects.base import Law
+from jaxswarm.effects.term import Term, physical_unit
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.robot.names import PARAMETER_UNITS
+
+# Below this relative standard error, or this share of the torque, a parameter is called determined.
+_RELATIVE, _TORQUE_SHARE = 0.1, 0.005
+
+
+def units(robot) -> tuple[str, ...]:
+    """Torque unit of every joint: N m, or N for a prismatic one."""
+    return tuple("N" if kind == "prismatic" else "N m" for kind in robot.kinds)
+
+
+def base_parameter_table(found: Estimate) -> list[dict]:
+    """One row per base parameter: name, expression, value, std_error, relative error, verdict.
+
+    Verdicts: ``determined``; ``weak`` (standard error above 10 % of the value and worth more than
+    0.5 % of the torque); ``at bound`` (physics holds it there, the data would go beyond).
+    """
+    solution, regression = found.fit, found.regression
+    size = np.sqrt((regression.torque**2).mean())
+    effect = np.sqrt((regression.columns[:, :, solution.base.kept] ** 2).mean(axis=(0, 1)))
+    rows = []
+    for k, (column, text) in enumerate(
+        zip(solution.base.kept, solution.base.expressions(), strict=True)
+    ):
+        value, error = float(solution.values[k]), float(solution.std_error[k])
+        relative = error / abs(value) if value else np.inf
+        if solution.at_bound[k]:
+            verdict = "at bound"
+        elif relative <= _RELATIVE or error * effect[k] <= _TORQUE_SHARE * size:
+            verdict = "determined"
+        else:
+            verdict = "weak"
+        name, _, law = solution.base.names[column].partition(":")
+        rows.append(
+            {
+                "name": name,
+                "effect": law or "rigid_body",
+                "expression": text,
+                "value": value,
+                "std_error": error,
+                "relative_error": relative,
+                "unit": _unit(found, int(column)),
+                "verdict": verdict,
+            }
+        )
+    return rows
+
+
+def unidentified(found: Estimate) -> list[dict]:
+    """Parameters the data cannot give alone: merged into others, or never excited."""
+    base = found.fit.base
+    merged = []
+    for k, column in enumerate(base.dropped):
+        into = [base.names[base.kept[i]] for i in np.flatnonzero(np.abs(base.merge[:, k]) > 1e-6)]
+        merged.append(
+            {
+                "name": base.names[column],
+                "verdict": "not identifiable",
+                "reason": f"only together with {', '.join(n.split(':')[0] for n in into)}",
+            }
+        )
+    dead = [
+        {"name": base.names[c], "verdict": "not identifiable", "reason": "no torque in this motion"}
+        for c in base.dead
+    ]
+    return merged + dead
+
+
+def term_parameters(term: Term, kind: str, errors: dict[str, float] | None = None) -> dict:
+    """Parameters of a term with value, standard error and unit, derived ones included."""
+    law: Law = term.law
+    table = {
+        p.name: {
+            "value": float(term.values[p.name]),
+            "std_error": None if errors is None else errors.get(p.name),
+            "unit": physical_unit(p.unit, kind),
+        }
+        for p in law.parameters
+    }
+    if law.derived is not None:
+        for name, (value, unit) in law.derived(term.values).items():
+            table[name] = {
+                "value": float(value),
+                "std_error": None if errors is None else errors.get(name),
+                "unit": physical_unit(unit, kind),
+            }
+    return table
+
+
+def with_intervals(table: dict) -> dict:
+    """The table of :func:`term_parameters` with a 95 % interval wherever a standard error is known."""
+    for row in table.values():
+        error = row["std_error"]
+        if error is not None and np.isfinite(error):
+            row["interval_95"] = [row["value"] - 1.96 * error, row["value"] + 1.96 * error]
+    return table
+
+
+def correlation(found: Estimate) -> np.ndarray:
+    """Correlation matrix of the base parameters (zero rows where one is at its bound)."""
+    scale = np.where(found.fit.std_error > 0, found.fit.std_error, 1.0)
+    return found.fit.covariance / np.outer(scale, scale)
+
+
+def _unit(found: Estimate, column: int) -> str:
+    robot = found.model.robot
+    if column < 10 * robot.num_joints:
+        return PARAMETER_UNITS[column % 10]
+    k = column - 10 * robot.num_joints
+    for term in found.model.terms:
+        table = term.law.linear
+        if k < len(table):
+            kind = "revolute" if term.joint is None else robot.kinds[term.joint]
+            return physical_unit(table[k].unit, kind)
+        k -= len(table)
+    return ""

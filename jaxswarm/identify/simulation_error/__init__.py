@@ -1,0 +1,1 @@
+"""Estimators that do not need differentiated positions: output error, instrumental variables."""
