@@ -46,7 +46,7 @@ ROOMS = {
         "report": 2,
     },
     "diagnose": {"folds": 0, "candidates": 1, "decision": 2, "selection": 3, "report": 4},
-    "studies": {"rx60": 1, "sepso": 1},
+    "studies": {"rx60": 0, "sepso": 1},
 }
 
 
