@@ -22,7 +22,7 @@ def model():
     terms = parse_terms(EFFECTS, arm.joints)
     for term in terms:
         term.values.update(term.law.nominal())
-    return Model(arm, terms, 0.02, Filtering(12.0, 6.0, True), (0.1, 0.2))
+    return Model(arm, terms, (0.02, 0.02), Filtering(12.0, 6.0, True), (0.1, 0.2))
 
 
 @pytest.fixture(scope="module")
