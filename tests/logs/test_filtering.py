@@ -172,8 +172,8 @@ def test_smooth_is_the_dense_solution_with_and_without_a_velocity():
 
 def test_the_found_cutoff_is_near_the_one_that_estimates_acceleration_best():
     rng = np.random.default_rng(8)
-    # A motion whose fourth difference is white up to where it is not seen any more.
-    sections = signal.butter(4, 6.0, fs=RATE, output="sos")
+    # Above half a hertz a motion whose fourth derivative is white.
+    sections = signal.butter(4, 0.5, fs=RATE, output="sos")
     motion = signal.sosfilt(sections, rng.normal(size=(6000, 2)), axis=0)
     noisy = motion + np.array([1e-3, 1e-4]) * rng.normal(size=motion.shape)
     found = find_cutoffs(noisy, RATE)
