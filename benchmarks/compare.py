@@ -103,7 +103,7 @@ def _distinct(rows: list[Row], by: list[str]) -> int:
 
 
 def _key(row: Row, by: Sequence[str]) -> tuple:
-    return tuple(row.get(name) for name in by)
+    return tuple(str(row.get(name)) for name in by)
 
 
 def _by_key(path: Path, rows: list[Row], by: Sequence[str]) -> dict[tuple, Row]:

@@ -74,6 +74,12 @@ def test_lists_and_records_are_measured(tmp_path):
     assert re.search(r"time.first +4 +0 +0\.000", text)
 
 
+def test_rows_may_be_known_by_a_list(tmp_path):
+    rows = [{"joints": [1, 2], "s": 1.0}, {"joints": [3], "s": 2.0}]
+    path = write(tmp_path / "a", rows)
+    assert "[1, 2]" in compare(path, path, ["joints"])
+
+
 @pytest.mark.parametrize(
     "content, by, message",
     [
