@@ -21,6 +21,9 @@ import numpy as np
 
 from benchmarks.timing import RESULTS, write_lines
 
+NEEDS = ("data",)
+TAKES = "practice 5 minutes, real 5, pairs 30, suite 90 on one core; --fast minutes"
+
 
 def practice(only: set[str]) -> None:
     from benchmarks.diagnosis_practice import data_root, practice_case, practice_table

@@ -41,6 +41,8 @@ from jaxswarm.robot import (
     standard_parameter_names,
 )
 
+NEEDS = ("data",)
+TAKES = "5 minutes; one of --only a minute"
 FRICTION = "viscous_friction,coulomb_friction"
 FULL = f"{FRICTION},torque_offset,rotor_inertia"
 WRIST = "transmission_coupling@joint5:joint6,transmission_coupling@joint6:joint5"

@@ -29,7 +29,7 @@ ALLOWED = {
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
-    **dict.fromkeys(("space", "schedules", "random", "pytree"), "leaves"),
+    **dict.fromkeys(("space", "schedules", "random", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "loop", "stopping", "result"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "sharding", "contract"), "tools"),
