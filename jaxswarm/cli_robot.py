@@ -33,18 +33,18 @@ _OPTIONS = {
     "lock": Annotated[
         str | None,
         typer.Option(
-            "--lock", help="A[=POSITION],...: joints held still [rad, m], by default at 0."
+            "--lock", help="A[=POSITION],...: joints held still (rad, m), by default at 0."
         ),
     ],
     "tool": Annotated[
         str | None,
         typer.Option(
             "--tool",
-            help="MASS,X,Y,Z[,IXX,IXY,IYY,IXZ,IYZ,IZZ]: a body on the last link, in its frame [kg, m].",
+            help="MASS,X,Y,Z[,IXX,IXY,IYY,IXZ,IYZ,IZZ]: a body on the last link, in its frame (kg, m).",
         ),
     ],
     "gravity": Annotated[
-        str | None, typer.Option("--gravity", help="X,Y,Z: free fall in base axes [m/s^2].")
+        str | None, typer.Option("--gravity", help="X,Y,Z: free fall in base axes (m/s^2).")
     ],
 }
 

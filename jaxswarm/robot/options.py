@@ -139,9 +139,7 @@ def _locked(description: Description, options: RobotOptions) -> tuple[dict[str, 
         for name, joint in moving.items()
         if joint.mimic is not None and name not in options.joints and name not in wanted
     }
-    notes = [
-        f"joint {name!r} is locked at {q:g}" for name, q in places.items() if name not in mimics
-    ]
+    notes = _locked_notes({name: q for name, q in places.items() if name not in mimics})
     for name, mimic in mimics.items():
         places[name] = _follow(description.name, name, places, mimics, moving)
         where = f"joint {name!r} follows {mimic.joint!r} and is locked at {places[name]:g}"

@@ -76,16 +76,20 @@ def _limits(choice: RobotChoice) -> dict[str, Limits]:
 
 def print_robot(result: dict[str, Any]) -> None:
     """Print what :func:`summary` returned as a table."""
+    from rich.box import SIMPLE
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
-    grid = Table("joint", "kind", "parent", "axis", "lower", "upper", r"mass \[kg]")
+    grid = Table(box=SIMPLE)
+    for column in ("joint", "kind", "parent", "axis", "limits", r"mass \[kg]"):
+        grid.add_column(column, overflow="fold")
     for row in result["joints"]:
-        axis = " ".join(f"{x:.3g}" for x in row["axis"])
-        bounds = ("" if np.isnan(row[key]) else f"{row[key]:.4g}" for key in ("lower", "upper"))
+        axis = " ".join(f"{round(x, 2):g}" for x in row["axis"])
+        bounds = [row["lower"], row["upper"]]
+        limits = "" if np.isnan(bounds).any() else ":".join(f"{x:.4g}" for x in bounds)
         names = (escape(row["joint"]), row["kind"], escape(row["parent"]))
-        grid.add_row(*names, axis, *bounds, f"{row['mass']:.4g}")
+        grid.add_row(*names, axis, limits, f"{row['mass']:.4g}")
     gravity = " ".join(f"{g:g}" for g in result["gravity"])
     console = Console()
     console.print(grid)
@@ -119,6 +123,7 @@ def draw(choice: RobotChoice, path: Path) -> None:
     center[heavy] += np.einsum("nij,nj->ni", rotation[heavy], first)
     points = np.concatenate([np.zeros((1, 3)), origin, center])
     middle, half = (points.max(0) + points.min(0)) / 2, np.ptp(points, axis=0).max() / 2 or 1.0
+    axes.computed_zorder = False
     _skeleton(axes, robot, rotation, origin, 0.28 * half)
     if heavy.any():
         sizes = 20.0 + 130.0 * mass[heavy] / mass.max()
@@ -148,10 +153,15 @@ def _skeleton(axes, robot: Robot, rotation: np.ndarray, origin: np.ndarray, leng
         axis = rotation[i] @ np.asarray(robot.axis[i]) * length
         marker = "o" if robot.kinds[i] == "revolute" else "D"
         axes.scatter(*origin[i], s=28, marker=marker, color=_BONE)
-        axes.quiver(*origin[i], *axis, color=_AXIS, linewidth=1.4, arrow_length_ratio=0.25)
+        axes.quiver(
+            *origin[i], *axis, color=_AXIS, linewidth=1.6, arrow_length_ratio=0.25, zorder=5
+        )
         # Joints that share an origin have their numbers at different distances.
         shared = sum(np.allclose(origin[i], origin[k], atol=0.2 * length) for k in range(i))
-        axes.text(*(origin[i] + axis * (1.15 + 0.22 * shared)), str(i + 1), color=_AXIS, fontsize=9)
+        tip = origin[i] + axis * (1.15 + 0.22 * shared)
+        # On a patch of its own a number is read even where the axis runs along a bone.
+        patch = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+        axes.text(*tip, str(i + 1), color=_AXIS, fontsize=9, bbox=patch, zorder=10)
 
 
 def _legend(figure, robot: Robot, q: np.ndarray, heavy: bool, most: int = 30) -> None:
