@@ -14,6 +14,7 @@ ALLOWED = {
     "errors": set(),
     "outputs": set(),
     "console": {"outputs"},
+    "catalog": set(),
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -24,7 +25,8 @@ ALLOWED = {
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console"},
+    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console", "cli_robot"},
+    "cli_robot": {"robot", "console", "catalog"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
