@@ -42,22 +42,25 @@ def write_world(world: World, folder: Path) -> dict:
         log, hidden = world.log(name, world.runs[name])
         np.savez_compressed(folder / f"{name}.npz", **log, **hidden)
     (folder / "test.npz").write_bytes((folder / "test_ptp.npz").read_bytes())
-    edited = write_edit(world, folder) if world.effects else None
+    edited = write_edit(world, folder)
     truth = {**world_truth(world), "robot_file": robot.name, "edited": edited}
     (folder / "truth.json").write_text(json.dumps(truth, indent=1) + "\n")
     return truth
 
 
 def write_edit(world: World, folder: Path) -> str | None:
-    """The point-to-point test without the last effect; its label, or None where it cannot be run."""
-    kept = world.effects[:-1]
+    """The point-to-point test without the last effect; its label, or None where there is no such run."""
+    present = world.present("test_ptp")
+    if not present:
+        return None
+    kept = present[:-1]
     try:
         run = world.run("test_ptp", kept)
     except DivergedError:
         return None
     log, hidden = world.log("test_ptp", run, kept)
     np.savez_compressed(folder / "edit_ptp.npz", **log, **hidden)
-    return label(world.effects[-1])
+    return label(present[-1])
 
 
 def label(effect: Effect) -> str:

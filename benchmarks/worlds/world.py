@@ -52,15 +52,19 @@ class World:
     def compliance(self) -> np.ndarray:
         return joint_scales(self.arm)[0] - self.arm.rotor
 
+    def present(self, name: str) -> tuple[Effect, ...]:
+        """The effects in a run: a touch happens in the training run alone."""
+        return tuple(e for e in self.effects if name == "train" or e.kind != "contact")
+
     def run(self, name: str, effects: tuple[Effect, ...] | None = None) -> Run:
         """A run of one of the motions, with these effects in place of all."""
-        effects = self.effects if effects is None else effects
+        effects = self.present(name) if effects is None else effects
         step = quantum(self.logging, self.arm)
         return simulate(self.arm, effects, self.control, self.motions[name], step, self.compliance)
 
     def log(self, name: str, run: Run, effects: tuple[Effect, ...] | None = None):
         """A run as logged, and its hidden channels; training logs with all defects of the logger."""
-        effects = self.effects if effects is None else effects
+        effects = self.present(name) if effects is None else effects
         torque = effect_torques(self.arm, run, effects).sum(axis=0)
         rng = np.random.default_rng([SEED, self.number, len(effects), *name.encode()])
         plain = name != "train"
