@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
-from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, free_parameters
 from jaxswarm.identify.estimation.gauss_newton import (
     Problem,
@@ -18,6 +17,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
 )
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.estimation.sign_width import best_width, width_range
+from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.measuring_chain import tilted
@@ -73,13 +73,10 @@ def estimate(
         start: Rigid parameters to start from, (10 n,), where loads or soft joints need some.
 
     Raises:
-        InputError: If a log lacks torque or there are too few samples.
+        InputError: If the logs cannot be used for these terms, or there are too few samples.
+        Diverged: If the model's torque is not finite along a log, as where a link runs away.
     """
-    for motion in motions:
-        if motion.tau is None:
-            raise InputError(
-                f"{motion.source}: has no torque to identify from; add tau_<joint> or current_<joint>"
-            )
+    check_usable(terms, motions)
     terms = tuple(
         replace(t, values={**{p.name: p.nominal for p in t.law.nonlinear}, **t.values})
         for t in terms
