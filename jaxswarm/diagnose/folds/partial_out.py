@@ -19,7 +19,7 @@ import numpy as np
 from scipy import linalg
 
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import correlation_length
+from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.validate import time_blocks
 
 # Blocks per log, and the least number of rows in one.
