@@ -87,6 +87,6 @@ def test_a_fit_turns_away_from_places_where_the_link_runs_away(motion, monkeypat
 
 def test_a_spring_without_stiffness_has_no_position_of_rest():
     slack = Term("joint_spring", 0, values={"k": 0.0, "tau0": 0.3})
-    assert set(term_parameters(slack, "revolute")) == {"k", "tau0"}
-    tight = term_parameters(Term("joint_spring", 0, values={"k": 2.0, "tau0": 3.0}), "revolute")
+    assert set(term_parameters(slack, planar_arm())) == {"k", "tau0"}
+    tight = term_parameters(Term("joint_spring", 0, values={"k": 2.0, "tau0": 3.0}), planar_arm())
     assert tight["q0"]["value"] == -1.5

@@ -23,6 +23,7 @@ from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
+from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
 
@@ -99,6 +100,12 @@ def estimate(
     return _finish(problem, here, moving)
 
 
+def _uncertainty(solution: Fit) -> Uncertainty:
+    """The covariance of a fit by the names of its columns."""
+    base = solution.base
+    return Uncertainty(tuple(base.names[k] for k in base.kept), solution.covariance)
+
+
 def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Estimate:
     """The estimate with values and standard errors by name."""
     robot, theta = problem.robot, here.solution.theta
@@ -117,6 +124,7 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         here.place.width,
         filtering,
         tuple(map(float, here.solution.sigma)),
+        uncertainty=_uncertainty(here.solution),
     )
     placed = replace(here, place=Place(terms, here.place.width))
     columns, positions = standard_errors(problem, moving, placed, linear_values(model))
