@@ -18,7 +18,7 @@ from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model
 
-# A value may be beyond its bound, and must be beyond zero, by this many standard errors.
+# A value may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
 _DOUBT = 2.0
 
 
@@ -75,7 +75,7 @@ def doubt_of(change: Change) -> str | None:
     spread = {**errors, **change.now_errors}
     for p in term.law.parameters:
         slack = _DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
-        if not p.lower - slack <= values[p.name] <= p.upper + slack:
+        if not p.lower - slack <= values[p.name] <= p.upper:
             return (
                 f"{p.name} would be {values[p.name]:.3g} {p.unit}, outside "
                 f"[{p.lower:g}, {p.upper:g}]: no value that it can have"
