@@ -9,20 +9,28 @@ from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import robust_weight
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
+<<<<<<< HEAD
 from jaxswarm.identify.estimation.sign_width import best_widths
+=======
+from jaxswarm.identify.estimation.sign_width import best_width
+from jaxswarm.identify.forward.regression import Diverged
+>>>>>>> core
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
 
 
 def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
-    """The estimate with one more term, without those it contains; None if the cost does not fall or a
-    coefficient leaves its physical bounds.
+    """The estimate with one more term, without those it contains; None if the cost does not fall, a
+    coefficient leaves its physical bounds or the torque leaves the finite numbers.
     """
     term = _with_start(chosen)
     inner = CONTAINS.get(term.effect, ())
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
-    after = refit(current, (*kept, term), chosen.candidate.start)
+    try:
+        after = refit(current, (*kept, term), chosen.candidate.start)
+    except Diverged:  # what was found to first order cannot be: a link that runs away
+        return None
     fitted, errors = next(
         (t, e)
         for t, e in zip(after.model.terms, after.std_errors, strict=True)

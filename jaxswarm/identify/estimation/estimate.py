@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
+<<<<<<< HEAD
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
@@ -14,6 +15,9 @@ from jaxswarm.identify.estimation.free_parameters import (
     free_parameters,
     width_parameter,
 )
+=======
+from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, free_parameters
+>>>>>>> core
 from jaxswarm.identify.estimation.gauss_newton import (
     Problem,
     Settled,
@@ -23,13 +27,23 @@ from jaxswarm.identify.estimation.gauss_newton import (
     widths_apart,
 )
 from jaxswarm.identify.estimation.least_squares import Fit
+<<<<<<< HEAD
 from jaxswarm.identify.estimation.sign_width import best_widths, width_groups, width_range
+=======
+from jaxswarm.identify.estimation.sign_width import best_width, width_range
+from jaxswarm.identify.estimation.usable import check_usable
+>>>>>>> core
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
+<<<<<<< HEAD
 from jaxswarm.logs.motion import Motion
+=======
+from jaxswarm.identify.forward.uncertainty import Uncertainty
+from jaxswarm.logs.motion import Filtering, Motion
+>>>>>>> core
 from jaxswarm.robot.model import Robot
 
 # A joint gets a width of its own where its logarithm is apart by this much, and by so many standard errors:
@@ -85,13 +99,10 @@ def estimate(
         start: Rigid parameters to start from, (10 n,), where loads or soft joints need some.
 
     Raises:
-        InputError: If a log lacks torque or there are too few samples.
+        InputError: If the logs cannot be used for these terms, or there are too few samples.
+        Diverged: If the model's torque is not finite along a log, as where a link runs away.
     """
-    for motion in motions:
-        if motion.tau is None:
-            raise InputError(
-                f"{motion.source}: has no torque to identify from; add tau_<joint> or current_<joint>"
-            )
+    check_usable(terms, motions)
     terms = tuple(
         replace(t, values={**{p.name: p.nominal for p in t.law.nonlinear}, **t.values})
         for t in terms
@@ -117,6 +128,7 @@ def estimate(
     return _finish(problem, here, moving)
 
 
+<<<<<<< HEAD
 def _free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
     """The widths to fit; a sign that is sharper than any sample shows has none."""
     ranges = [width_range(motions, group) for group in groups]
@@ -146,6 +158,12 @@ def _own_widths(problem: Problem, here: Settled, groups) -> list[tuple[int, ...]
     }
     rest = [tuple(j for j in group if j not in own) for group in groups]
     return [*(group for group in rest if group), *((j,) for j in sorted(own))]
+=======
+def _uncertainty(solution: Fit) -> Uncertainty:
+    """The covariance of a fit by the names of its columns."""
+    base = solution.base
+    return Uncertainty(tuple(base.names[k] for k in base.kept), solution.covariance)
+>>>>>>> core
 
 
 def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Estimate:
@@ -165,6 +183,7 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         here.place.width,
         first.filtering,
         tuple(map(float, here.solution.sigma)),
+        uncertainty=_uncertainty(here.solution),
     )
     placed = replace(here, place=Place(terms, here.place.width))
     columns, positions = standard_errors(problem, moving, placed, linear_values(model))

@@ -113,7 +113,7 @@ def tangents(
 ) -> np.ndarray:
     """Central differences of a model's output (T, n) by its free parameters, shape (T, n, m).
 
-    ``output`` may leave out what the given parameter does not change.
+    ``output`` may leave out what the given parameter does not change. Zero where it is not finite.
     ``wide`` looks beyond the steps of a stepwise parameter: for its doubt, not for the way to the minimum.
     """
     here = read(place, moving)
@@ -123,5 +123,6 @@ def tangents(
         change = _WIDE if wide and free.stepwise else _DIFFERENCE
         high[k], low[k] = min(1.0, here[k] + change), max(0.0, here[k] - change)
         rise = output(write(place, moving, high), free) - output(write(place, moving, low), free)
-        slopes.append(rise / (high[k] - low[k]))
+        # Beside a place where the model leaves the finite numbers nothing is known of the slope.
+        slopes.append(rise / (high[k] - low[k]) if np.isfinite(rise).all() else np.zeros_like(rise))
     return np.stack(slopes, axis=2)

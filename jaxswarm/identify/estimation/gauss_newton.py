@@ -14,7 +14,7 @@ from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, r
 from jaxswarm.identify.estimation.least_squares import Fit, fit
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, term_block, uses_load
-from jaxswarm.identify.forward.regression import Regression, build_regression
+from jaxswarm.identify.forward.regression import Diverged, Regression, build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -102,8 +102,8 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
         before = _true_cost(regression, stand, sigma)
         for part in (1.0, 0.3, 0.1):
             trial = stand + part * step
-            there = problem.build(place, trial[:rigid])
-            if _true_cost(there, trial, sigma) < before:
+            there = _attempt(problem.build, place, trial[:rigid])
+            if there is not None and _true_cost(there, trial, sigma) < before:
                 break
         else:
             break
@@ -113,6 +113,14 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
     # What the linearization promises further on is not what the model does.
     residual = regression.target - regression.columns @ stand
     return Settled(place, replace(solution, residual=residual), regression, stand[:rigid])
+
+
+def _attempt(build, *at):
+    """What ``build(*at)`` gives; None where the model leaves the finite numbers: no place to go to."""
+    try:
+        return build(*at)
+    except Diverged:
+        return None
 
 
 def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> float:
@@ -130,8 +138,8 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
         step = _step(problem, moving, here)
         for shrink in (1.0, 0.3, 0.1):
             trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
-            there = settle(problem, trial, here.pi)
-            new = weighted_cost(there.solution, sigma)
+            there = _attempt(settle, problem, trial, here.pi)
+            new = np.inf if there is None else weighted_cost(there.solution, sigma)
             if new < cost * (1 - 1e-7):
                 break
         else:

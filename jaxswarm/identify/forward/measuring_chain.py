@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects.base import Sample
 from jaxswarm.effects.term import Term, warped
 from jaxswarm.effects.warps import LAGGING, shift
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
@@ -108,6 +109,21 @@ def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.nda
     for term in warped(terms, "delay"):
         block = np.asarray(_shift(block, term.values["seconds"], 1.0 / motion.rate))
     return block
+
+
+def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
+    """Columns (T, k) that act on one joint as its drive reports them."""
+    scale = np.prod([t.values["gain"] for t in warped(terms, "gain") if t.joint == joint])
+    for term in warped(terms, "delay"):
+        own = np.asarray(_shift(own, term.values["seconds"], 1.0 / motion.rate))
+    return own * scale
+
+
+def late(series: Sample, seconds: float, motion: Motion) -> Sample:
+    """What a law sees, so much later: its torque is then what a late clock reports of it."""
+    if not seconds:
+        return series
+    return Sample(*(np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in series))
 
 
 def term_block(

@@ -1,7 +1,7 @@
 """An identified model: what ``model.json`` holds and ``predict`` needs, and its torque along a log."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -9,9 +9,11 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
+from jaxswarm.identify.forward import uncertainty
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model_check import check_content
 from jaxswarm.identify.forward.smooth import Smooth, from_json, to_json
+from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
 
@@ -29,6 +31,7 @@ class Model:
         filtering: Frequencies the model was identified with.
         sigma: Residual standard deviation per joint at identification [N m or N].
         smooth: Fitted functions for what no law explains.
+        uncertainty: Covariance of the linear parameters; None where it is not known.
     """
 
     robot: Robot
@@ -37,6 +40,7 @@ class Model:
     filtering: Filtering
     sigma: tuple[float, ...]
     smooth: tuple[Smooth, ...] = ()
+    uncertainty: Uncertainty | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         terms = ", ".join(term.label(self.robot.joints) for term in self.terms)
@@ -114,6 +118,7 @@ def save_model(model: Model, path: Path) -> None:
         },
         "sigma": list(map(float, model.sigma)),
         "smooth": [to_json(term, robot.joints) for term in model.smooth],
+        "uncertainty": uncertainty.to_json(model.uncertainty),
     }
     Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
@@ -185,4 +190,5 @@ def _from_json(content: dict) -> Model:
         Filtering(**content["filtering"]),
         tuple(content["sigma"]),
         tuple(from_json(entry, joints) for entry in content.get("smooth", [])),
+        uncertainty.from_json(content.get("uncertainty")),
     )
