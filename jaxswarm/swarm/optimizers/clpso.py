@@ -83,6 +83,9 @@ class Gap:
     def __call__(self):
         return jnp.minimum(7.0, jnp.floor(self.num_steps / 500.0))
 
+    def __float__(self):
+        return float(self())
+
 
 @pytree
 class Exemplars:
