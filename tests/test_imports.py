@@ -13,7 +13,10 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "outputs": set(),
+    "claim": set(),
+    "terminal": set(),
     "console": {"outputs"},
+    "work": {"claim", "console", "terminal"},
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -24,7 +27,7 @@ ALLOWED = {
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console"},
+    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console", "work", "terminal"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")

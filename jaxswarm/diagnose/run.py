@@ -62,7 +62,7 @@ def diagnose_files(
     if short:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*short, *reasons])
-        outputs.write_files(out, {"diagnosis.json": outputs.to_json(result)})
+        outputs.write_results(out, {"diagnosis.json": outputs.to_json(result)})
         return result
     gains = np.asarray(robot.drive_gain)
     further = [read_log(path, robot.joints, gains) for path in validation or ()]
@@ -132,7 +132,7 @@ def write_report(
     )
     figures["residual.png"] = pictures.remaining(diagnosis, "what the final model leaves")
     images = {name: plots.png_bytes(figure) for name, figure in figures.items()}
-    outputs.write_files(
+    outputs.write_results(
         out,
         {
             "diagnosis.json": outputs.to_json(result),

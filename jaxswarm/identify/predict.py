@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm import outputs
-from jaxswarm.errors import InputError
 from jaxswarm.identify.model import Model, load_model, model_torque
 from jaxswarm.identify.validate import log_errors
 from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.motion import Motion, prepare
+from jaxswarm.logs.write import write_table
 
 
 def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
@@ -19,21 +19,18 @@ def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
         InputError: If the model or the log cannot be used, or the file not be written.
     """
     model = load_model(model_path)
-    out = Path(out)
-    outputs.check_folder(out.parent)
-    if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; name a file such as {out / 'pred.csv'}")
+    out = outputs.check_file(out)
     robot = model.robot
     log = read_log(log_path, robot.joints, np.asarray(robot.drive_gain), require_torque=False)
     t, tau, motion = predict_log(model, log)
-    header = ",".join(["t", *(f"tau_{j}" for j in robot.joints)])
+    header = ["t", *(f"tau_{j}" for j in robot.joints)]
     table = np.column_stack([t, tau])
 
     def write(path: Path) -> None:
-        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.10g")
+        write_table(path, header, table, "%.10g")
 
     outputs.write_files(out.parent, {out.name: write})
-    result = {"log": str(log_path), "samples": len(t), "out": str(out)}
+    result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": log.notes}
     if motion.tau is not None:
         result["error"] = log_errors(model, motion)
     return result

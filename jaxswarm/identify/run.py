@@ -120,7 +120,7 @@ def identify_files(
     progress("scoring")
     report = report_of(found, logs, unseen, validation, search)
     progress("writing")
-    outputs.write_files(
+    outputs.write_results(
         out,
         {
             "model.json": lambda path: save_model(found.model, path),
