@@ -165,7 +165,7 @@ def identify(
     inputs = (*logs, validation, Path(robot))
     with work(out, inputs, _IDENTIFIED) as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
-    console.notes(report["logs"])
+    console.notes([*report["logs"], *report["validation_logs"]])
     console.show(
         report, json, lambda: print_identification(console.safe(report), console.safe(out))
     )
@@ -209,7 +209,7 @@ def diagnose(
         else:
             declare = declare or "none"
             result = diagnose_files(logs, robot, declare, out, validation, options, status)
-    console.notes(result.get("logs", ()))
+    console.notes([*result["logs"], *result.get("validation_logs", ())])
     console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))
 
 

@@ -69,6 +69,7 @@ register(
         summary="ten inertial parameters added to the last link, against an earlier model",
         reference="Khalil, Gautier, Lemoine 2007, ICRA",
         warp="payload",
+        reference_only=True,
     )
 )
 
@@ -83,5 +84,6 @@ register(
         summary="external torque in a time window, constant on each joint",
         reference="Haddadin, De Luca, Albu-Schaeffer 2017, IEEE T-RO 33(6)",
         warp="window",
+        reference_only=True,
     )
 )

@@ -22,6 +22,7 @@ from jaxswarm.logs.filtering import (
     white_noise,
 )
 from jaxswarm.logs.log import Log
+from jaxswarm.logs.sampling import usual_period
 
 # Working rate per band of the motion: friction jumps where a joint reverses, and a jump between samples
 # folds back into the band, which moves the sign's width and every delay.
@@ -32,6 +33,17 @@ _MOTION_BAND = 1.3
 _TORQUE_ENERGY = 0.9999
 # The torque is compared over this share of the band in which the motion is known.
 _TORQUE_BAND = 0.6
+
+
+# Samples that a spline of fifth order and the smoothing of a motion need at the working rate.
+_LEAST_SAMPLES = 20
+_LEAST_WORKING = 10
+# The low-pass before thinning looks three filter lengths beyond either end.
+_LEAST_THINNED = 28
+
+
+class TooShort(InputError):
+    """A log, or a stretch of one, with too few samples to filter."""
 
 
 @dataclass(frozen=True)
@@ -97,8 +109,8 @@ class Motion:
 
 
 def _uniform(log: Log) -> tuple[np.ndarray, float]:
-    """A uniform clock at the log's median rate, over the log's time."""
-    step = float(np.median(np.diff(log.t)))
+    """A uniform clock at the log's usual rate, over the log's time."""
+    step = usual_period(log.t)
     count = int(round((log.t[-1] - log.t[0]) / step)) + 1
     rate = (count - 1) / (log.t[-1] - log.t[0])
     return log.t[0] + np.arange(count) / rate, rate
@@ -123,9 +135,10 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         InputError: If the log is too short to filter.
     """
     filtering = filtering or Filtering()
-    if len(log.t) < 20:
-        raise InputError(
-            f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least 20"
+    if len(log.t) < _LEAST_SAMPLES:
+        raise TooShort(
+            f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least "
+            f"{_LEAST_SAMPLES}"
         )
     full_clock, rate = _uniform(log)
     q = _resample(log.t, log.q, full_clock, cubic=True)
@@ -140,6 +153,13 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     if use_velocity is None:
         use_velocity = logged is not None and _velocity_is_cleaner(q, logged, rate, motion_cutoff)
     stride = max(1, int(rate / (_RATE * motion_cutoff)))
+    thinned_away = stride > 1 and len(full_clock) < _LEAST_THINNED
+    if thinned_away or len(full_clock[::stride]) < _LEAST_WORKING:
+        least = max(_LEAST_THINNED, _LEAST_WORKING * stride) / rate
+        raise TooShort(
+            f"{log.source}: {log.t[-1] - log.t[0]:.3g} s are too short for motion below "
+            f"{motion_cutoff:.3g} Hz; log at least {least:.2g} s, or raise --motion-cutoff"
+        )
     working = rate / stride
     clock = full_clock[::stride]
     q = smooth(_thin(q, rate, stride), working, motion_cutoff)

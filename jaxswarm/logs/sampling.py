@@ -1,7 +1,7 @@
 """The clock of a log: its rate, its jitter, and where it stops or jumps.
 
-A period of more than five usual ones is a gap. If the joints moved across it no further than in a
-few usual periods, nothing is missing and the clock itself jumped.
+A period of more than five usual ones is a gap, unless such periods are common. If the joints moved
+across it no further than in a few usual periods, nothing is missing and the clock itself jumped.
 """
 
 from dataclasses import dataclass
@@ -9,6 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 _GAP_PERIODS = 5.0
+# Where samples come in bursts, or many are lost, the longest of the common periods are no gaps.
+_COMMON, _COMMON_PERIODS = 0.98, 3.0
+# Nothing beyond this many usual periods is common.
+_MOST_PERIODS = 100.0
 # Motion across a gap, in steps of its neighborhood, up to which the samples follow on each other.
 _ADJACENT_STEPS = 3.0
 
@@ -48,6 +52,25 @@ class Sampling:
     gaps: tuple[Gap, ...]
 
 
+def usual_period(time: np.ndarray) -> float:
+    """The period of a clock [s]: the median, or the mean where the stamps come in bursts.
+
+    Half the stamps of a log may follow others by microseconds, while the samples were taken regularly:
+    the median is then no period of anything. The longest periods, which may be gaps, do not count.
+
+    Args:
+        time: Time stamps [s], shape (T,), increasing, T > 1.
+
+    >>> bursts = (np.arange(100)[:, None] * 0.01 + np.arange(5) * 1e-6).ravel()
+    >>> round(usual_period(np.arange(100) * 0.01), 6), 0.001 < usual_period(bursts) < 0.003
+    (0.01, True)
+    """
+    period = np.diff(time)
+    median = float(np.median(period))
+    mean = float(np.mean(period[period <= np.quantile(period, _COMMON)]))
+    return median if median > 0.5 * mean else mean
+
+
 def sampling(time: np.ndarray, q: np.ndarray) -> Sampling:
     """Describe the clock of a log.
 
@@ -61,8 +84,9 @@ def sampling(time: np.ndarray, q: np.ndarray) -> Sampling:
     (100, 49, False)
     """
     period = np.diff(time)
-    usual = float(np.median(period))
-    long = period > _GAP_PERIODS * usual
+    usual = usual_period(time)
+    common = float(np.quantile(period, _COMMON))
+    long = period > max(_GAP_PERIODS * usual, min(_COMMON_PERIODS * common, _MOST_PERIODS * usual))
     kept = period[~long]
     mean = float(np.mean(kept))
     gaps = tuple(
