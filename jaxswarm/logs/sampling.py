@@ -1,6 +1,6 @@
 """The clock of a log: its rate, its jitter, and where it stops or jumps.
 
-A period of more than five usual ones is a gap, unless such periods are common. If the joints moved
+A period of more than five usual ones is a gap, unless stamps come in bursts. If the joints moved
 across it no further than in a few usual periods, nothing is missing and the clock itself jumped.
 """
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 _GAP_PERIODS = 5.0
-# Where samples come in bursts, or many are lost, the longest of the common periods are no gaps.
+# Stamps come in bursts where most follow another within a millisecond, but so many do not that they
+# cannot be pauses. Three of the longest common periods are a gap then.
+_BURST_PERIOD = 1e-3
 _COMMON, _COMMON_PERIODS = 0.98, 3.0
-# Nothing beyond this many usual periods is common.
-_MOST_PERIODS = 100.0
 # Motion across a gap, in steps of its neighborhood, up to which the samples follow on each other.
 _ADJACENT_STEPS = 3.0
 
@@ -66,9 +66,16 @@ def usual_period(time: np.ndarray) -> float:
     (0.01, True)
     """
     period = np.diff(time)
+    return _common_mean(period) if _in_bursts(period) else float(np.median(period))
+
+
+def _common_mean(period: np.ndarray) -> float:
+    return float(np.mean(period[period <= np.quantile(period, _COMMON)]))
+
+
+def _in_bursts(period: np.ndarray) -> bool:
     median = float(np.median(period))
-    mean = float(np.mean(period[period <= np.quantile(period, _COMMON)]))
-    return median if median > 0.5 * mean else mean
+    return median < _BURST_PERIOD and median < 0.5 * _common_mean(period)
 
 
 def sampling(time: np.ndarray, q: np.ndarray) -> Sampling:
@@ -85,8 +92,8 @@ def sampling(time: np.ndarray, q: np.ndarray) -> Sampling:
     """
     period = np.diff(time)
     usual = usual_period(time)
-    common = float(np.quantile(period, _COMMON))
-    long = period > max(_GAP_PERIODS * usual, min(_COMMON_PERIODS * common, _MOST_PERIODS * usual))
+    bursts = _COMMON_PERIODS * float(np.quantile(period, _COMMON)) if _in_bursts(period) else 0.0
+    long = period > max(_GAP_PERIODS * usual, bursts)
     kept = period[~long]
     mean = float(np.mean(kept))
     gaps = tuple(
