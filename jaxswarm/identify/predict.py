@@ -26,7 +26,8 @@ def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
     robot = model.robot
     log = read_log(log_path, robot.joints, np.asarray(robot.drive_gain), require_torque=False)
     refuse_missing_channels(model.terms, [log])
-    t, tau, motions = predict_log(model, log)
+    noted, tau, motions = predict_log(model, log)
+    t = log.t
     header = ["t", *(f"tau_{j}" for j in robot.joints)]
     table = np.column_stack([t, tau])
 
@@ -34,19 +35,22 @@ def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
         write_table(path, header, table, "%.10g")
 
     outputs.write_files(out.parent, {out.name: write})
-    result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": list(log.notes)}
+    result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": list(noted.notes)}
     if log.tau is not None:
         result["error"] = log_errors(model, *motions)
     return result
 
 
-def predict_log(model: Model, log: Log) -> tuple[np.ndarray, np.ndarray, list[Motion]]:
-    """Torque of a model at a log's own time stamps: times (T,), torque (T, n), and the motions used.
+def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
+    """Torque of a model at a log's own time stamps.
+
+    Returns:
+        The log with notes on what was done, torque (T, n), and the motions used.
 
     Raises:
         InputError: If no stretch of the log is long enough to differentiate.
     """
-    _, motions = prepare_segments(log, model.filtering)
+    noted, motions = prepare_segments(log, model.filtering)
     own = log.t - log.t[0]
     torque = np.empty((len(own), len(log.joints)))
     rows = np.split(np.arange(len(own)), np.cumsum([len(p.t) for p in split_at_gaps(log)])[:-1])
@@ -58,4 +62,4 @@ def predict_log(model: Model, log: Log) -> tuple[np.ndarray, np.ndarray, list[Mo
         predicted = model_torque(model, motion)
         for j, column in enumerate(predicted.T):
             torque[part, j] = np.interp(own[part], motion.t, column)
-    return log.t, torque, motions
+    return noted, torque, motions

@@ -15,6 +15,7 @@ from jaxswarm.identify.report import pictures_of, report_of
 from jaxswarm.identify.swarm_fit import swarm_fit
 from jaxswarm.identify.terms import Term, parameter_bounds, parse_terms
 from jaxswarm.logs import Log, read_log, summarize
+from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot.load import load_robot
@@ -53,7 +54,9 @@ def read_motions(
     gains = np.asarray(robot.drive_gain if drive_gain is None else drive_gain)
     logs, motions = [], []
     for path in paths:
-        log, parts = prepare_segments(read_log(path, robot.joints, gains), filtering)
+        log = read_log(path, robot.joints, gains)
+        refuse_dead_torque(log)
+        log, parts = prepare_segments(log, filtering)
         filtering = replace(
             filtering, motion_cutoff=parts[0].motion_cutoff, torque_cutoff=parts[0].torque_cutoff
         )

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.consistency import drop_contradictions
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log, take
 from jaxswarm.logs.motion import Filtering, Motion, TooShort, prepare
@@ -94,7 +95,7 @@ def prepare_segments(log: Log, filtering: Filtering | None = None) -> tuple[Log,
         InputError: If not even the longest stretch can be filtered.
     """
     filtering = filtering or Filtering()
-    log = merge_bursts(log)
+    log = drop_contradictions(merge_bursts(log))
     parts = split_at_gaps(log)
     longest = max(range(len(parts)), key=lambda k: len(parts[k].t))
     try:
