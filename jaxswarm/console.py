@@ -47,7 +47,7 @@ def working(inputs: Sequence[Path]) -> Iterator[Callable[[str], None]]:
         stage = text
         tell(text)
 
-    named = ", ".join(map(str, inputs)) or "no log"
+    named = ", ".join(map(str, inputs)) or "a log made by this command"
     try:
         with status() as tell:
             yield progress

@@ -75,7 +75,8 @@ def work(
         resumable: Whether the same command goes on where this one was interrupted.
     """
     try:
-        with claim(out, inputs, names), console.working([p for p in inputs if p]) as progress:
+        files = [path for path in inputs if path is not None and Path(path).is_file()]
+        with claim(out, inputs, names), console.working(files) as progress:
             yield progress
     except KeyboardInterrupt:
         if resumable:

@@ -105,3 +105,34 @@ def test_a_declared_spring_without_stiffness(folder, tmp_path):
     )
     assert code == 0, err
     assert "Infinity" not in out
+
+
+def test_every_command_prints_the_notes_of_its_logs(folder, tmp_path):
+    # Less than two seconds: a diagnosis says at once that it cannot decide.
+    table = [[*row, 1.0 if k % 2 else -1.0] for k, row in enumerate(rows(190))]
+    log = write(tmp_path / "odd.csv", table, "t,q_slide,tau_slide,dq_slide")
+    given = ("--robot", "emps", "--out", tmp_path / "out")
+    commands = [
+        ("identify", log, "--effects", EFFECTS, *given),
+        ("diagnose", log, "--declare", EFFECTS, *given),
+        ("predict", folder / "out" / "model.json", log, "--out", tmp_path / "p.csv"),
+    ]
+    for command in commands:
+        code, out, err = run(*command)
+        assert code == 0, err
+        assert "note: " in err and "odd.csv: The logged velocity contradicts" in err
+        assert "contradicts" not in out
+        code, out, err = run(*command, "--json")
+        assert code == 0 and json.loads(out)
+        assert "contradicts" in out and "contradicts" in err
+
+
+def test_a_dead_torque_is_refused_by_every_fit(folder, tmp_path):
+    log = write(tmp_path / "dead.csv", [[t, q, 0.0] for t, q, _ in rows(1000)])
+    given = ("--robot", "emps", "--out", tmp_path / "out")
+    assert_refused(identify(log, tmp_path / "out"), "dead.csv", "torque of slide", "dead")
+    assert_refused(run("diagnose", log, *given), "torque of slide", "dead")
+    model = ("--model", folder / "out" / "model.json")
+    assert_refused(run("diagnose", log, *model, *given), "torque of slide", "dead")
+    assert_refused(identify(folder / "log.csv", tmp_path / "out", "--validation", log), "dead")
+    assert run("predict", model[1], log, "--out", tmp_path / "p.csv")[0] == 0

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,6 +50,18 @@ def test_every_command_takes_any_name(tmp_path, name):
         rows = list(csv.reader(file))
     assert rows[0] == ["t", f"tau_{name}"]
     assert {len(row) for row in rows} == {2}
+
+
+def test_a_diagnosis_takes_the_worst_of_names(tmp_path):
+    name = "".join(NAMES[:4]) + "<script>"
+    robot, log, out = arm(tmp_path / "arm.toml", name), tmp_path / "log.csv", tmp_path / "out"
+    clean = motion(name)
+    write_log(replace(clean, tau=clean.tau + 3 * np.sin(2.3 * clean.q**2)), log)
+    code, text, err = run("diagnose", log, "--robot", robot, "--out", out)
+    assert code == 0, err
+    assert name in text.replace("\n", "")
+    assert {path.parent for path in out.iterdir()} == {out}
+    assert "<script>" not in (out / "report.html").read_text(encoding="utf-8")
 
 
 def test_formulas_in_names_are_drawn_as_they_are():

@@ -39,11 +39,10 @@ def finish(process):
     return process.returncode, (out or b"").decode("utf-8", "backslashreplace"), err
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-def test_a_terminal_without_greek_letters(tmp_path, encoding):
+def test_a_terminal_without_greek_letters(tmp_path):
     log = tmp_path / "φ.csv"
     log.write_text("\n".join(slide_log()) + "\n")
-    narrow = {"PYTHONIOENCODING": encoding, "LANG": "C"}
+    narrow = {"PYTHONIOENCODING": "ascii", "LANG": "C"}
     arguments = ("identify", log, "--robot", "emps", "--effects", EFFECTS, "--out", tmp_path / "ψ")
     code, out, err = finish(start(*arguments, env={**narrow, "COLUMNS": "200"}))
     assert code == 0, err

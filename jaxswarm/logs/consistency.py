@@ -2,8 +2,8 @@
 
 What is logged twice, as a position and as its derivative, can be checked: over windows of a few tenths of
 a second the change of one is the integral of the other. The position is believed, because the model is a
-function of it; a derivative that contradicts it is left out with a note. A torque that never changes while
-its joint moves is a dead channel.
+function of it; a derivative that contradicts it is left out with a note. A torque that never changes is
+a dead channel.
 """
 
 from dataclasses import replace
@@ -50,17 +50,16 @@ def drop_contradictions(log: Log) -> Log:
 
 
 def refuse_dead_torque(log: Log) -> None:
-    """Refuse a torque that keeps one value while its joint moves: its weight would be infinite.
+    """Refuse a torque of one value: nothing measured is without noise, and its weight would be infinite.
 
     Raises:
         InputError: Naming the joint.
     """
-    for joint in summarize(log).joints:
-        if joint.moves and joint.torque_min is not None and joint.torque_min == joint.torque_max:
+    for joint, torque in zip(log.joints, () if log.tau is None else log.tau.T, strict=False):
+        if len(torque) > 1 and np.ptp(torque) == 0.0:
             raise InputError(
-                f"{log.source}: the torque of {joint.name} is {joint.torque_min:g} in every sample "
-                "while the joint moves: the channel is dead. Log it again, or use a robot without "
-                "this joint"
+                f"{log.source}: the torque of {joint} is {torque[0]:g} in every sample: the channel is "
+                "dead. Log it again, or use a robot without this joint"
             )
 
 

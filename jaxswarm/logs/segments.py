@@ -114,7 +114,10 @@ def prepare_segments(log: Log, filtering: Filtering | None = None) -> tuple[Log,
             motions.append(replace(motion, t=motion.t + (part.t[0] - log.t[0])))
     notes = []
     if len(parts) > 1:
-        notes.append(f"Split at {len(parts) - 1} gaps: {len(motions)} parts are used.")
+        cuts = len(parts) - 1
+        notes.append(
+            f"Split at {cuts} gap{'s' * (cuts > 1)}: {len(motions)} of {len(parts)} parts used."
+        )
     if dropped:
         shown = ", ".join(dropped[:3]) + (f" and {len(dropped) - 3} more" * (len(dropped) > 3))
         notes.append(f"Left out, too short to filter between two gaps: {shown}.")

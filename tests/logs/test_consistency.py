@@ -88,8 +88,9 @@ def test_a_dead_torque_is_refused_with_its_joint(value):
         prepared(tau=tau)
 
 
-def test_a_joint_at_rest_may_have_a_constant_torque():
+def test_a_dead_torque_of_a_joint_at_rest_is_refused_too():
     log = made()
     q, tau = log.q.copy(), log.tau.copy()
     q[:, 1], tau[:, 1] = 0.3, 0.0
-    assert prepared(q=q, tau=tau, dq=None, ddq=None).tau is not None
+    with pytest.raises(InputError, match="torque of joint2 is 0 in every sample"):
+        prepared(q=q, tau=tau, dq=None, ddq=None)
