@@ -8,11 +8,15 @@ import sys
 import tempfile
 import threading
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from jaxswarm.errors import Notice, printable
 
 INTERRUPTED, TERMINATED, PIPE_CLOSED = 130, 143, 141  # 128 and the number of the signal
+
+_AGAIN = 3.0  # seconds after which a termination that was not heeded is repeated
 
 
 class Terminated(KeyboardInterrupt):
@@ -43,14 +47,27 @@ def show_notices() -> None:
     warnings.showwarning = show
 
 
-def catch_termination() -> None:
-    """Turn SIGTERM into :class:`Terminated`, where signals can be caught at all."""
+@contextmanager
+def catch_termination() -> Iterator[None]:
+    """Turn SIGTERM into :class:`Terminated` for as long as a command runs, where signals can be caught."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    timer = hasattr(signal, "setitimer")
 
     def terminate(number, frame) -> None:
+        if timer:  # an exception within a callback of compiled code may be lost: raise it again
+            signal.signal(signal.SIGALRM, terminate)
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN)
         raise Terminated
 
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, terminate)
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        if timer:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGTERM, before)
 
 
 def find_home() -> Path | None:

@@ -19,12 +19,12 @@ def run(command: Callable[[], None]) -> None:
     """
     terminal.prepare_streams()
     terminal.show_notices()
-    terminal.catch_termination()
     try:
-        try:
-            command()
-        finally:
-            sys.stdout.flush()
+        with terminal.catch_termination():
+            try:
+                command()
+            finally:
+                sys.stdout.flush()
     except InputError as error:
         print(f"error: {printable(str(error))}", file=sys.stderr)
         raise SystemExit(2) from None
