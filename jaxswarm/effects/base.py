@@ -113,6 +113,8 @@ class Law:
         uses_direction: Whether the torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
+        reference_only: Whether it shows only against an earlier model or on part of a log, so that
+            one fit to whole logs cannot hold it.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
         requires: Channels of the log it needs beside motion and torque, by name.
     """
@@ -128,6 +130,7 @@ class Law:
     uses_direction: bool = False
     uses_load: bool = False
     dissipative: bool = False
+    reference_only: bool = False
     derived: Callable[[dict], dict] | None = None
     requires: tuple[str, ...] = ()
 

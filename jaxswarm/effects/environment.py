@@ -72,6 +72,7 @@ register(
         derived=lambda p: (
             {f"c{a}": (p[f"mc{a}"] / p["m"], "m") for a in "xyz"} if p["m"] > 0 else {}
         ),
+        reference_only=True,
     )
 )
 
@@ -86,5 +87,6 @@ register(
         summary="external torque in a time window, constant on each joint",
         reference="Haddadin, De Luca, Albu-Schaeffer 2017, IEEE T-RO 33(6)",
         warp="window",
+        reference_only=True,
     )
 )
