@@ -169,7 +169,8 @@ def fit(
     pick = np.append(base.kept, len(regression.names))
     reduced = [f[:, pick] for f in factors]
     # Parameters shared by the joints are counted where they act: equally among the rows.
-    freedom = max(1.0, len(regression.torque) - base.size / joints)
+    used = len(regression.torque) if regression.used is None else int(regression.used.sum())
+    freedom = max(1.0, used - base.size / joints)
     for _ in range(1 if fixed else 5):
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
@@ -188,7 +189,18 @@ def fit(
     covariance[:, at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
     return Fit(
-        base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective, low, high
+        base,
+        values,
+        covariance,
+        sigma,
+        factor,
+        target,
+        cost,
+        residual,
+        at_bound,
+        effective,
+        low,
+        high,
     )
 
 

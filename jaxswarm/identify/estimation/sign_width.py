@@ -46,6 +46,8 @@ def best_width(robot, terms, motions, rigids, pi=None) -> float:
                     ]
                 )
             k += size
+        if regression.used is not None:
+            columns[~regression.used] = 0.0
         solution = fit(replace(regression, columns=columns), sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(float(((solution.residual / sigma) ** 2).sum()))
