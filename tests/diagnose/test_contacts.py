@@ -42,11 +42,13 @@ def test_several_short_touches_are_found_with_their_torques_and_nothing_else(fou
         told = entry["parameters"]
         assert told["start"]["value"] == pytest.approx(start, abs=0.15)
         assert told["end"]["value"] == pytest.approx(end, abs=0.15)
+        assert 0.0 < told["start"]["std_error"] < 0.05
         for joint, true in zip(("joint1", "joint2"), torque, strict=True):
             row = told[f"tau_{joint}"]
             assert row["unit"] == "N m" and row["interval_95"][0] < row["value"]
             # Begin and end are known to a decimated sample, which is a share of a short touch.
-            assert row["value"] == pytest.approx(true, abs=0.25 * abs(true) + 0.3)
+            assert abs(row["value"] - true) < 3.0 * row["std_error"]
+            assert row["std_error"] < 0.06 * abs(true) + 0.3
 
 
 def test_a_known_touch_leaves_the_parameters_as_they_are_without_it():
@@ -59,7 +61,7 @@ def test_a_known_touch_leaves_the_parameters_as_they_are_without_it():
     torque = found.model.terms[-1].values
     errors = found.std_errors[-1]
     for joint, true in (("tau_joint1", 6.0), ("tau_joint2", -4.0)):
-        assert abs(torque[joint] - true) < 4.0 * errors[joint] and errors[joint] < 0.3
+        assert abs(torque[joint] - true) < 4.0 * errors[joint] and errors[joint] < 0.5
 
 
 def test_a_touch_belongs_to_its_log_alone(tmp_path):

@@ -25,7 +25,7 @@ def with_event_torques(
     """The model with the torque of every event on every joint, and the standard errors of its terms.
 
     An event's samples were left out of the fit, so that its torque is the mean of what the fit leaves
-    there, through the same low-pass; it is as uncertain as that and as the model.
+    there, through the same low-pass; it is as uncertain as that, as the model, and as begin and end.
     """
     names, terms, told = regression.names, [], []
     covariance = np.zeros((len(names), len(names)))
@@ -49,7 +49,12 @@ def with_event_torques(
             lasting = [k for k, name in enumerate(names) if name not in _own_columns(model)]
             doubt = covariance[np.ix_(lasting, lasting)]
             values, spread = _mean(window, left, columns, doubt, solution.sigma, memory)
+            # Begin and end lie anywhere within a step; a window too short holds too large a torque.
+            edge = regression.step[number] / np.sqrt(12.0)
+            length = max(term.values["end"] - term.values["start"], regression.step[number])
+            spread = np.hypot(spread, np.sqrt(2.0) * edge / length * np.asarray(values)).tolist()
             joints = term.linear_names(model.robot.joints)
+            own = {**own, "start": float(edge), "end": float(edge)}
             term = replace(term, values={**term.values, **dict(zip(joints, values, strict=True))})
             own = {**own, **dict(zip(joints, spread, strict=True))}
         terms.append(term)
