@@ -117,6 +117,8 @@ class Law:
             one fit to whole logs cannot hold it.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
         requires: Channels of the log it needs beside motion and torque, by name.
+        recurring: Whether it is an event of one log with a start and an end, of which there may be
+            several, and not a property of the robot.
     """
 
     name: str
@@ -133,6 +135,7 @@ class Law:
     reference_only: bool = False
     derived: Callable[[dict], dict] | None = None
     requires: tuple[str, ...] = ()
+    recurring: bool = False
 
     @property
     def linear(self) -> tuple[Parameter, ...]:
