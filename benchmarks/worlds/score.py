@@ -127,8 +127,7 @@ def _predicted(model: Path, log: Path, folder: Path) -> tuple[np.ndarray, np.nda
 def _errors(world: World, folder: Path, truth: dict) -> dict:
     """Errors per joint of declared, final and oracle models, on the fitted and the unseen logs."""
     logs = {name: _load(folder, name) for name in ("train", *TESTS)}
-    train = plain.prepare(world, *logs["train"])
-    floor = plain.oracle_error(world, train, logs)
+    floor = plain.oracle_error(world, logs)
     noise, rate = plain.band_noise(world), world.logging.rate
     models = {k: folder / k / "model.json" for k in ("declared", "final")}
     if not models["final"].exists():  # refused to judge: the declared model stands
