@@ -1,5 +1,6 @@
 """Torques of effects along a finished run: of a law, of the declared model, and what a structure does."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -41,8 +42,12 @@ def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarra
     parts = run.parts.copy()
     structural = [i for i, e in enumerate(effects) if e.kind in STRUCTURAL]
     if structural:
-        rest = measured_torque(run, effects) - declared_torque(arm, run) - parts.sum(axis=0)
-        parts[structural[0]] = rest
+        # Torque is held over a tick, so what acts about an instant is the mean of two ticks. The state
+        # is differentiated as coarsely: a motor before a soft gear jumps at every tick.
+        tau = measured_torque(run, effects)
+        tau[1:] = 0.5 * (tau[1:] + tau[:-1])
+        smooth = replace(run, ddq=np.gradient(run.dq, run.t, axis=0))
+        parts[structural[0]] = tau - declared_torque(arm, smooth) - parts.sum(axis=0)
     return parts
 
 

@@ -53,7 +53,7 @@ def band_noise(world) -> np.ndarray:
 
 
 def prepare(world, log: dict, hidden: dict, cutoff: float) -> Prepared:
-    """Filter a log; the known lag of its torque channel is taken away."""
+    """Filter a log; the lag of its torque channel and the hold of the torque over a tick are undone."""
     rate = float(world.logging.rate)
     t = np.arange(log["t"][0], log["t"][-1] + 1e-9, 1.0 / rate)
     lag = world.logging.lag - 0.5 / world.control.rate
@@ -68,7 +68,7 @@ def prepare(world, log: dict, hidden: dict, cutoff: float) -> Prepared:
     q = low_pass(on(log["q"]), rate, cutoff)
     dq = np.gradient(q, 1.0 / rate, axis=0)
     ddq = np.gradient(dq, 1.0 / rate, axis=0)
-    tau, effect = on(tau, lag), on(hidden["tau_effect"], lag)
+    tau, effect = on(tau, lag), on(hidden["tau_effect"])
     return Prepared(t, q, dq, ddq, tau, effect, rate)
 
 

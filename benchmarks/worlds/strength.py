@@ -44,8 +44,13 @@ class Ground:
     unit: np.ndarray
 
 
+def step(run: Run) -> int:
+    """Ticks from one row of a thinned run to the next."""
+    return max(1, len(run.t) // ROWS)
+
+
 def thin(run: Run) -> Run:
-    every = max(1, len(run.t) // ROWS)
+    every = step(run)
     q, dq, ddq, tau = (x[::every] for x in (run.q, run.dq, run.ddq, run.tau))
     return Run(run.t[::every], q, dq, ddq, tau, run.parts[:, ::every])
 
@@ -154,7 +159,8 @@ def strengths(world, run: Run, unit: np.ndarray) -> list[dict]:
     columns = declared_columns(arm, world.declared, slim.q, slim.dq, slim.ddq)
     absorber = Absorber(columns, noise)
     rows = []
-    for effect, part in zip(effects, effect_torques(arm, slim, effects), strict=True):
+    parts = effect_torques(arm, run, effects)[:, :: step(run)]
+    for effect, part in zip(effects, parts, strict=True):
         left = absorber.left(part)
         inside = slice(None)
         if effect.kind == "contact":
