@@ -23,8 +23,11 @@ ALLOWED = {
     "identify": {*PHYSICS, "swarm", "outputs", "plots"},
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
+    "tables": set(),
+    "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
+    "commands": {"tasks", "outputs", "console", "tables"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console"},
+    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "commands", "outputs", "console"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
