@@ -46,7 +46,7 @@ class Table:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result(Mapping):
     """What a task found: reads as the dictionary of its JSON, shows as sentences and tables.
 

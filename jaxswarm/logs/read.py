@@ -57,7 +57,7 @@ def read_log(
             file, row and column, and says what to do.
     """
     path, joints = Path(path), tuple(joints)
-    return log_of_table(_table(path, joints), joints, drive_gain, require_torque=require_torque)
+    return log_of_table(read_table(path, joints), joints, drive_gain, require_torque=require_torque)
 
 
 def log_of_table(
@@ -93,7 +93,7 @@ def log_of_table(
     return replace(log, notes=(*notes, *describe(summarize(log))))
 
 
-def _table(path: Path, joints: tuple[str, ...]) -> Table:
+def read_table(path: Path, joints: tuple[str, ...] | None) -> Table:
     """Read any supported format; whatever goes wrong inside a parser is an :class:`InputError`."""
     try:
         found = path.exists()
@@ -102,6 +102,10 @@ def _table(path: Path, joints: tuple[str, ...]) -> Table:
     if not found:
         raise InputError(f"{path}: no such file.{_neighbors(path)}")
     recording = path.suffix.lower() in _RECORDINGS or (path / "metadata.yaml").is_file()
+    if recording and joints is None:
+        raise InputError(
+            f"{path}: a recording holds many topics; give the robot whose joints it has"
+        )
     if path.is_dir() and not recording:
         raise InputError(
             f"{path}: is a folder without a rosbag2 metadata.yaml. Give the log file itself."

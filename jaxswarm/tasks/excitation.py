@@ -19,7 +19,7 @@ from jaxswarm.tasks.inputs import as_robot, in_double
 from jaxswarm.tasks.words import number
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Planned(Result):
     """A planned motion; ``log`` has t, q, dq and ddq at the rate of the limits."""
 

@@ -22,7 +22,7 @@ from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
 from jaxswarm.tasks.words import effect_table, error_table, number
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fitted(Result):
     """A result with a model.
 

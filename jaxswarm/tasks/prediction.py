@@ -16,7 +16,7 @@ from jaxswarm.tasks.inputs import as_logs, as_model, in_double
 from jaxswarm.tasks.words import error_table
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Predicted(Result):
     """Predicted torques.
 

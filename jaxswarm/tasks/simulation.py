@@ -43,7 +43,7 @@ _PLACES = 5
 _MOST_STEPS = 20_000_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Simulated(Result):
     """A simulated motion.
 

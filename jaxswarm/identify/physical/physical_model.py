@@ -9,19 +9,18 @@ set of bodies, the torque does not move; where it moves, no rigid bodies have th
 
 from dataclasses import dataclass, replace
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.estimation.least_squares import triangular_factor
+from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.physical.consistency import violations
 from jaxswarm.identify.physical.projection import Further, nearest_physical, plain_prior
 from jaxswarm.robot.model import Robot
 from jaxswarm.robot.names import standard_parameter_names
-from jaxswarm.robot.regressor import regressor
 
 # What the prior costs for a coordinate that is off by 1, in residual standard deviations of one sample:
 # far below what a log of hundreds of samples knows, far above rounding.
@@ -54,8 +53,7 @@ def random_columns(robot: Robot, seed: int = 0) -> np.ndarray:
     draw = np.random.default_rng(seed).uniform(-1.0, 1.0, (3, _STATES, robot.num_joints))
     reach = np.where([kind == "revolute" for kind in robot.kinds], np.pi, _REACH)
     states = draw[0] * reach, draw[1] * _SPEED, draw[2] * _ACCELERATION
-    build = jax.jit(jax.vmap(lambda q, dq, ddq: regressor(robot, q, dq, ddq)))
-    return np.asarray(build(*map(jnp.asarray, states)))
+    return np.asarray(rigid_columns(robot, *states))
 
 
 def prior_bodies(robot: Robot, prior: Robot | None) -> np.ndarray:
