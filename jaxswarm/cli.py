@@ -9,13 +9,13 @@ from typing import Annotated
 import typer
 
 from jaxswarm import console
+from jaxswarm.commands import register
 from jaxswarm.errors import InputError
 
 app = typer.Typer(
     name="jaxswarm",
     help="Finds the physical effect a robot model lacks, adds it, and shows the error before and after.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -35,13 +35,26 @@ TorqueCutoff = Annotated[
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
     try:
-        app(standalone_mode=True)
+        app(console.modes_first(sys.argv[1:]), standalone_mode=True)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         raise SystemExit(130) from None
+
+
+@app.callback()
+def modes(
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Print nothing but errors, and the result of --json.")
+    ] = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="ASCII without colors, for logs and other programs.")
+    ] = False,
+) -> None:
+    """Finds the physical effect a robot model lacks, adds it, and shows the error before and after."""
+    console.set_modes(quiet, plain)
 
 
 def _start() -> None:
@@ -61,7 +74,7 @@ def _start() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm demo --seed 3")
 def demo(
     seed: Annotated[int, typer.Option(min=0, help="Draws the arm, its motion and the effect.")] = 0,
     out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path("out/demo"),
@@ -84,7 +97,7 @@ def demo(
     console.show({**result, "truth": truth}, json, text)
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm study rx60 --out rx60 --fast")
 def study(
     name: Annotated[str, typer.Argument(help="rx60 or sepso.")],
     out: Out,
@@ -108,7 +121,9 @@ def study(
     console.show(result, json, lambda: print(f"report: {out / 'report.html'}"))
 
 
-@app.command()
+@app.command(
+    epilog="Example: jaxswarm identify arm.csv --robot arm.urdf --effects viscous_friction,coulomb_friction --out out"
+)
 def identify(
     logs: Logs,
     robot: RobotName,
@@ -144,7 +159,9 @@ def identify(
     console.show(report, json, lambda: print_identification(report, out))
 
 
-@app.command()
+@app.command(
+    epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
+)
 def diagnose(
     logs: Logs,
     robot: RobotName,
@@ -188,7 +205,7 @@ def diagnose(
     console.show(result, json, lambda: print_diagnosis(result, out))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm predict out/model.json other.csv --out torque.csv")
 def predict(
     model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
     log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],
@@ -205,7 +222,7 @@ def predict(
     )
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm excite --robot rx60 --limits limits.toml --out plan")
 def excite(
     robot: RobotName,
     limits: Annotated[Path, typer.Option(help="TOML file: what every joint may do.")],
@@ -228,7 +245,7 @@ def excite(
     console.show(result, json, lambda: print_excitation(result, out))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm effects --json")
 def effects(json: Json = False) -> None:
     """List the effects: what can be declared and what is asked of a residual."""
     _start()
@@ -250,7 +267,7 @@ def effects(json: Json = False) -> None:
     console.table(rows, json, ("effect", "scope", "law", "reference"))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm robots --json")
 def robots(json: Json = False) -> None:
     """List the built-in robots."""
     _start()
@@ -264,7 +281,7 @@ def robots(json: Json = False) -> None:
     console.table(rows, json, ("robot", "joints", "about"))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm optimizers --json")
 def optimizers(json: Json = False) -> None:
     """List the optimizers and the papers they come from."""
     _start()
@@ -280,3 +297,6 @@ def optimizers(json: Json = False) -> None:
         for name, entry in OPTIMIZERS.items()
     ]
     console.table(rows, json, ("optimizer", "about", "reference"))
+
+
+register(app, _start)
