@@ -122,7 +122,7 @@ def study(
 
 
 @app.command(
-    epilog="Example: jaxswarm identify arm.csv --robot arm.urdf --effects viscous_friction,coulomb_friction --out out"
+    epilog="Example: jaxswarm identify arm.csv --robot arm.urdf --effects viscous_friction --out out"
 )
 def identify(
     logs: Logs,

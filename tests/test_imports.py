@@ -25,7 +25,7 @@ ALLOWED = {
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
-    "commands": {"tasks", "outputs", "console", "tables"},
+    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables"},
     "testing": {"effects", "swarm"},
     "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "commands", "outputs", "console"},
     "__main__": {"cli"},

@@ -1,11 +1,12 @@
 """Options that several commands share, and how a result is shown."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jaxswarm import console
+from jaxswarm import console as screen
 from jaxswarm.errors import InputError
 
 if TYPE_CHECKING:
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
 ModelFile = Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")]
 
+_PIPED = 200
+
 
 def show(result: "Result", json: bool, *more: str) -> None:
     """Print a result as JSON, or its sentences and tables and then ``more`` sentences."""
@@ -21,11 +24,16 @@ def show(result: "Result", json: bool, *more: str) -> None:
     def text() -> None:
         from rich.console import Console
 
-        Console().print(result)
+        console = Console()
+        if not console.is_terminal and "COLUMNS" not in os.environ:
+            console.width = (
+                _PIPED  # nobody reads a file by the width of a terminal: no broken names
+            )
+        console.print(result)
         for line in more:
             print(line)
 
-    console.show(result.content, json, text)
+    screen.show(result.content, json, text)
 
 
 def numbers(text: str | None, name: str) -> list[float] | None:

@@ -9,7 +9,7 @@ from jaxswarm import outputs
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.model import Model
-from jaxswarm.identify.physical.consistency import violations
+from jaxswarm.identify.physical.consistency import are_bodies
 from jaxswarm.identify.physical.export import export_mjcf, export_urdf
 from jaxswarm.identify.physical.export_c import c_text
 from jaxswarm.identify.physical.export_yaml import yaml_text
@@ -77,7 +77,7 @@ def export(
         raise InputError(f"prior weight {prior_weight}: give a number above zero")
     outputs.check_folder(path.parent)
     found = None
-    if bodies and (prior is not None or violations(model.robot)):
+    if bodies and (prior is not None or not are_bodies(model.robot)):
         progress("finding the nearest rigid bodies")
         columns, where = _columns(model, log)
         start = None if prior is None else as_robot(prior)

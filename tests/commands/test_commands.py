@@ -1,7 +1,8 @@
-"""The commands on models, data and the installation: files in, files and JSON out, one message for bad input."""
+"""The commands on models, data and the installation: files in, files and JSON out, bad input told."""
 
 import ast
 import json
+import os
 import re
 import subprocess
 import sys
@@ -38,8 +39,6 @@ def run(*arguments):
 @pytest.fixture(scope="module", autouse=True)
 def quiet_cache(tmp_path_factory):
     """Compiled programs of these commands stay out of the user's cache."""
-    import os
-
     import jax
 
     with pytest.MonkeyPatch.context() as patch:
@@ -73,6 +72,7 @@ def test_export_and_what_it_costs(folder, tmp_path):
     code, out, err = run("export", folder / "out" / "model.json", "--out", tmp_path / "slide.urdf",
                          "--json")  # fmt: skip
     assert code == 0, err
+    # A mass without extent is no body: it is given some, which a slide does not feel.
     assert json.loads(out)["moved"]["rms"][0] < 0.01
     assert (tmp_path / "slide.urdf").exists() and (tmp_path / "slide.urdf.json").exists()
     code, out, _ = run("export", folder / "out" / "model.json", "--out", tmp_path / "slide.c")
@@ -198,7 +198,7 @@ def test_plain_output_is_ascii_without_escapes(folder):
     path = folder / "out" / "identification.json"
     done = subprocess.run(
         [sys.executable, "-m", "jaxswarm", "compare", str(path), str(path), "--plain"],
-        capture_output=True, check=True, env={**__import__("os").environ, "FORCE_COLOR": "1"},
+        capture_output=True, check=True, env={**os.environ, "FORCE_COLOR": "1"},
     )  # fmt: skip
     text = done.stdout.decode("ascii")
     assert "\x1b" not in text and "+-" in text and "viscous_friction" in text
