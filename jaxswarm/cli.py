@@ -144,6 +144,19 @@ def identify(
         bool,
         typer.Option("--free-base", help="The base may stand tilted: fit gravity's direction."),
     ] = False,
+    estimator: Annotated[
+        str, typer.Option(help="least_squares, instrumental (needs q_ref) or output_error.")
+    ] = "least_squares",
+    physical: Annotated[
+        bool, typer.Option("--physical", help="Rigid bodies for links: the nearest ones.")
+    ] = False,
+    prior: Annotated[
+        str | None, typer.Option(help="Robot whose bodies to stay near: name, .urdf or .toml.")
+    ] = None,
+    prior_weight: Annotated[
+        float,
+        typer.Option(min=1e-9, help="Residual standard deviations a mass off by e^2 costs."),
+    ] = 0.03,
     json: Json = False,
 ) -> None:
     """Identify a declared model from logs and score it on motion it was not fitted to."""
@@ -153,7 +166,10 @@ def identify(
 
     if free_base and "base_tilt" not in effects:
         effects = "base_tilt" if effects.strip() == "none" else f"{effects},base_tilt"
-    options = Options(optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff)
+    options = Options(
+        optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
+        estimator, physical, prior, prior_weight,
+    )  # fmt: skip
     with console.status() as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
     console.show(report, json, lambda: print_identification(report, out))
