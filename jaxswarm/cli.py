@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from jaxswarm import console
+from jaxswarm.cli_robot import RobotName, robot_commands, with_robot_options
 from jaxswarm.commands import register
 from jaxswarm.errors import InputError
 
@@ -20,7 +21,6 @@ app = typer.Typer(
 )
 
 Logs = Annotated[list[Path], typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")]
-RobotName = Annotated[str, typer.Option("--robot", help="Built-in name, .urdf or .toml file.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 Validation = Annotated[Path | None, typer.Option("--validation", help="Log to score on.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
@@ -74,6 +74,9 @@ def _start() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
+app.add_typer(robot_commands(_start), name="robots", epilog="Example: jaxswarm robots --json")
+
+
 @app.command(epilog="Example: jaxswarm demo --seed 3")
 def demo(
     seed: Annotated[int, typer.Option(min=0, help="Draws the arm, its motion and the effect.")] = 0,
@@ -124,6 +127,7 @@ def study(
 @app.command(
     epilog="Example: jaxswarm identify arm.csv --robot arm.urdf --effects viscous_friction --out out"
 )
+@with_robot_options(_start)
 def identify(
     logs: Logs,
     robot: RobotName,
@@ -178,6 +182,7 @@ def identify(
 @app.command(
     epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
 )
+@with_robot_options(_start)
 def diagnose(
     logs: Logs,
     robot: RobotName,
@@ -239,6 +244,7 @@ def predict(
 
 
 @app.command(epilog="Example: jaxswarm excite --robot rx60 --limits limits.toml --out plan")
+@with_robot_options(_start)
 def excite(
     robot: RobotName,
     limits: Annotated[Path, typer.Option(help="TOML file: what every joint may do.")],
@@ -281,20 +287,6 @@ def effects(json: Json = False) -> None:
         for law in sorted(REGISTRY.values(), key=lambda law: law.name)
     ]
     console.table(rows, json, ("effect", "scope", "law", "reference"))
-
-
-@app.command(epilog="Example: jaxswarm robots --json")
-def robots(json: Json = False) -> None:
-    """List the built-in robots."""
-    _start()
-    from jaxswarm.robot import BUILTIN_ROBOTS
-
-    rows = []
-    for name, make in sorted(BUILTIN_ROBOTS.items()):
-        arm = make()
-        about = (make.__doc__ or "").strip().splitlines()[0]
-        rows.append({"robot": name, "joints": list(arm.joints), "about": about})
-    console.table(rows, json, ("robot", "joints", "about"))
 
 
 @app.command(epilog="Example: jaxswarm optimizers --json")

@@ -14,6 +14,7 @@ ALLOWED = {
     "errors": set(),
     "outputs": set(),
     "console": {"outputs"},
+    "catalog": set(),
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -27,12 +28,15 @@ ALLOWED = {
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
     "commands": {"tasks", "logs", "outputs", "plots", "console", "tables"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "commands", "outputs", "console"},
+    "cli": {
+        *PHYSICS, "swarm", "identify", "diagnose", "studies", "commands", "outputs", "console", "cli_robot",
+    },
+    "cli_robot": {"robot", "console", "catalog"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
-    **dict.fromkeys(("space", "schedules", "random", "pytree"), "leaves"),
+    **dict.fromkeys(("space", "schedules", "random", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "loop", "stopping", "result"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "sharding", "contract"), "tools"),

@@ -114,6 +114,7 @@ class Law:
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
+        requires: Channels of the log it needs beside motion and torque, by name.
     """
 
     name: str
@@ -128,6 +129,7 @@ class Law:
     uses_load: bool = False
     dissipative: bool = False
     derived: Callable[[dict], dict] | None = None
+    requires: tuple[str, ...] = ()
 
     @property
     def linear(self) -> tuple[Parameter, ...]:

@@ -69,6 +69,9 @@ register(
         summary="ten inertial parameters added to the last link, against an earlier model",
         reference="Khalil, Gautier, Lemoine 2007, ICRA",
         warp="payload",
+        derived=lambda p: (
+            {f"c{a}": (p[f"mc{a}"] / p["m"], "m") for a in "xyz"} if p["m"] > 0 else {}
+        ),
     )
 )
 

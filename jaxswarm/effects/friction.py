@@ -202,5 +202,6 @@ register(
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control",
         torque=lambda p, s: (p["a"] * s.direction + p["b"] * s.dq) * (s.temperature - 25.0),
         uses_direction=True,
+        requires=("temperature",),
     )
 )

@@ -11,7 +11,7 @@ import numpy as np
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model, load_model
 from jaxswarm.logs import Log, read_log
-from jaxswarm.robot import Robot, load_robot
+from jaxswarm.robot import Robot, RobotChoice, load_robot
 
 Logs = Log | str | Path | Sequence[Log | str | Path]
 P = ParamSpec("P")
@@ -29,9 +29,9 @@ def in_double(function: Callable[P, T]) -> Callable[P, T]:
     return run
 
 
-def as_robot(robot: Robot | str | Path) -> Robot:
-    """A robot, or the built-in name or file that stands for one."""
-    return robot if isinstance(robot, Robot) else load_robot(str(robot))
+def as_robot(robot: Robot | RobotChoice | str | Path) -> Robot:
+    """A robot, or the built-in name or file, with options or without, that stands for one."""
+    return robot if isinstance(robot, Robot) else load_robot(robot)
 
 
 def as_model(model: Model | str | Path) -> Model:

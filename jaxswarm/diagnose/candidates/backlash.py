@@ -14,14 +14,19 @@ from dataclasses import replace
 from itertools import groupby
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import FLANK, GAPS, ROTOR_SHARES, lag_torque
+from jaxswarm.diagnose.candidates.link_lag import (
+    FLANK,
+    GAPS,
+    ROTOR_SHARES,
+    closed_gear,
+    lag_torque,
+)
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import SUBSTEPS, contact_stiffness
+from jaxswarm.effects.warps import SUBSTEPS
 
 # Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
 _MOST = 0.5
@@ -95,11 +100,10 @@ def _curves(
 ) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs."""
     motions, sensed = stand.found.motions, stand.sensed(joint)
-    inertia = jnp.asarray(sensed[0].inertia(pi))
     gap, _, flank = np.array(points).T
-    k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
+    terms = stand.found.model.terms
     parts = [
-        lag_torque(motion, own, pi[None], k, d, gap, substeps)
+        lag_torque(motion, own, pi[None], *closed_gear(own, pi, flank), gap, substeps, terms)
         for motion, own in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

@@ -41,9 +41,7 @@ def list_suspects(
     for law in REGISTRY.values():
         if law.name == "payload" and not against_model:
             continue
-        if law.name == "temperature_friction" and not all(
-            "temperature" in m.channels for m in motions
-        ):
+        if not all(name in m.channels for name in law.requires for m in motions):
             continue
         if law.scope == "global":
             places = [(None, None)]

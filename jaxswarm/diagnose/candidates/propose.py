@@ -18,7 +18,7 @@ from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.candidates.transmission import lagging_candidate
 from jaxswarm.diagnose.candidates.whole_model import warped_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, warped
 from jaxswarm.effects.warps import LAGGING
 from jaxswarm.logs.motion import Motion
 
@@ -73,6 +73,7 @@ def _searched(
         [stand.loads[k] for k in chosen],
         [_stages(stand, stand.found.regression.log == k) for k in chosen],
         key,
+        sum(t.values["seconds"] for t in warped(stand.found.model.terms, "delay")),
     )
 
     with search as finish:

@@ -24,12 +24,13 @@ from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Law, Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
+from jaxswarm.identify.forward.measuring_chain import late
 from jaxswarm.logs.motion import Motion
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
 # Lattice points, shared by the dimensions; the order of a ripple has a narrow valley.
-_POINTS, _MOST_POINTS, _MOST_DIMS = 128, 480, 3
+_POINTS, _MOST_POINTS = 128, 480
 _FINE = {"torque_ripple": _MOST_POINTS}
 # Lattice points whose columns are held at a time.
 _BATCH = 32
@@ -68,7 +69,7 @@ def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array
 def _survey(
     laws: tuple[Law, ...], factor: int, task: _Task, lattice: jax.Array, count, taps: jax.Array
 ):
-    """The best of a lattice's first points and what it explains, one per fold: (S, 3), (S,).
+    """The best of a lattice's first points and what it explains, one per fold: (S, d), (S,).
 
     ``count`` batches are looked at, so that a fine lattice is no program of its own.
     """
@@ -80,6 +81,8 @@ def _survey(
 
         def one_fold(stage, point, most):
             gains = jax.vmap(lambda c: explained(c, stage, task.positive))(columns)
+            # A law may have no finite torque at a point; it must not hide the others.
+            gains = jnp.where(jnp.isnan(gains), -jnp.inf, gains)
             pick = jnp.argmax(gains)
             better = gains[pick] > most
             return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
@@ -87,7 +90,7 @@ def _survey(
         return jax.vmap(one_fold)(task.stages, *best)
 
     folds, kind = task.stages.residual.shape[0], task.stages.residual.dtype
-    nowhere = jnp.full((folds, _MOST_DIMS), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
+    nowhere = jnp.full((folds, lattice.shape[1]), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
     return jax.lax.fori_loop(0, count, look, nowhere)
 
 
@@ -95,7 +98,7 @@ def _survey(
 def _refine(
     laws: tuple[Law, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
 ):
-    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, 3)."""
+    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, d)."""
 
     def one_fold(stage, point, gain):
         low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
@@ -104,7 +107,7 @@ def _refine(
             columns = _columns_at(laws, factor, task, taps, low + 2.0 * task.cell * u)
             return -explained(columns, stage, task.positive)
 
-        unit = Space.vector(np.zeros(_MOST_DIMS), np.ones(_MOST_DIMS))
+        unit = Space.vector(np.zeros(task.cell.shape[0]), np.ones(task.cell.shape[0]))
         swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
         return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
 
@@ -115,10 +118,11 @@ def _refine(
 def searching(
     tasks: list[tuple[Law, int, int | None]],
     motions: Sequence[Motion],
-    width: float,
+    width: Sequence[float],
     loads: Sequence[Load],
     stages: Sequence[FoldData],
     key: jax.Array,
+    delay: float = 0.0,
 ) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
     """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
 
@@ -126,14 +130,14 @@ def searching(
     What has not begun when the context ends is given up.
 
     Args:
-        tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
-            parameters.
+        tasks: Law, joint and partner of every search; a law with a torque and nonlinear parameters.
         motions: The logs, with equal decimators.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         loads: Rigid torque of the current model, of every log.
         stages: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
             them.
         key: Random key.
+        delay: Time [s] by which the model's torque clock lags: a law's torque is reported as late.
 
     Yields:
         A function that waits for the end: values by name, for every task and every fold.
@@ -149,16 +153,17 @@ def searching(
     joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     laws = _searched(law for law, _, _ in tasks)
+    dims = max(len(law.nonlinear) for law in laws)
     precise, tracing = jax.config.jax_enable_x64, Lock()
 
     def search(law: Law, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
-            _held(joint_series(motion, width, load, joint, other), end)
+            _held(late(joint_series(motion, width, load, joint, other), delay, motion), end)
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
         points = _FINE.get(law.name, _POINTS)
-        lattice, cell = _lattice(len(law.nonlinear), points)
+        lattice, cell = _lattice(len(law.nonlinear), points, dims)
         task = _Task(
             np.int32(laws.index(law)),
             np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
@@ -204,17 +209,17 @@ def _searched(laws: Iterable[Law]) -> tuple[Law, ...]:
     return tuple(one for one in known.values() if one.torque is not None and one.nonlinear)
 
 
-def _lattice(dims: int, points: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lattice points in the unit cube, (points, 3), and half the width of a cell with its neighbors.
+def _lattice(dims: int, points: int, most: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lattice points in the unit cube, (points, most), and half the width of a cell with its neighbors.
 
     Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most points of any law.
     """
     count = int(points ** (1 / dims) + 1e-9)
     axis = (np.arange(count) + 0.5) / count
     grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
-    lattice = np.full((_MOST_POINTS, _MOST_DIMS), 0.5)
+    lattice = np.full((_MOST_POINTS, most), 0.5)
     lattice[:, :dims] = grid[np.minimum(np.arange(_MOST_POINTS), len(grid) - 1)]
-    return lattice, np.where(np.arange(_MOST_DIMS) < dims, 1.0 / count, 0.5)
+    return lattice, np.where(np.arange(most) < dims, 1.0 / count, 0.5)
 
 
 def _decode(law: Law, u) -> dict:

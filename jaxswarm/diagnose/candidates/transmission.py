@@ -3,7 +3,6 @@
 from dataclasses import replace
 from itertools import groupby
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.backlash import sharp_candidate
@@ -15,11 +14,11 @@ from jaxswarm.diagnose.candidates.link_lag import (
     GAPS,
     ROTOR_SHARES,
     best_option,
+    closed_gear,
     lag_torque,
     placed,
 )
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import contact_stiffness
 
 _SOFT = [(k, d) for k in np.geomspace(30.0, 3e5, 17) for d in (0.003, 0.01, 0.03, 0.1)]
 # Times a loose joint's parameters are settled.
@@ -83,7 +82,9 @@ def _curves(stand: Linearization, joint: int, options: list[dict], rotor: np.nda
     for share, group in groupby(options, lambda o: o["share"]):
         k, d = np.array([(o["k"], o["d"]) for o in group]).T
         pi = stand.pi - share * rotor
-        parts.append(_weighted(stand, joint, pi[None], k, d, np.zeros(len(k))))
+        parts.append(
+            _weighted(stand, joint, pi[None], lambda _, k=k, d=d: (k, d), np.zeros(len(k)))
+        )
     return np.concatenate(parts)
 
 
@@ -93,19 +94,18 @@ def _settled_curves(stand: Linearization, joint: int, options: list[dict]) -> np
     When the link crosses the play depends on small torques, and the parameters were fitted without
     the play: they are settled with every gap, to first order, before it is judged.
     """
-    inertia = jnp.asarray(stand.sensed(joint)[0].inertia(stand.pi))
     gap, flank = (np.array([o[name] for o in options]) for name in ("gap", "flank"))
-    k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
     pis = stand.pi[None]
     for _ in range(_SETTLE):
-        curves = _weighted(stand, joint, pis, k, d, gap)
+        curves = _weighted(stand, joint, pis, lambda own: closed_gear(own, stand.pi, flank), gap)
         pis = stand.pi - np.stack([_absorbed(stand, c) for c in curves])
     return curves
 
 
-def _weighted(stand: Linearization, joint: int, pis, k, d, gap) -> np.ndarray:
+def _weighted(stand: Linearization, joint: int, pis, gear, gap) -> np.ndarray:
+    """Weighted torque (m, T', n); ``gear`` gives stiffness and damping (m,) for a log's sensitivity."""
     parts = [
-        lag_torque(m, own, pis, k, d, gap)
+        lag_torque(m, own, pis, *gear(own), gap, terms=stand.found.model.terms)
         for m, own in zip(stand.found.motions, stand.sensed(joint), strict=True)
     ]
     return np.concatenate(parts, axis=1) * stand.background.weight

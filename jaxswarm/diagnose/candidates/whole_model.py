@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, warped
 from jaxswarm.identify.forward.columns import rigid_columns
 
 # Lengths of the windows tried for a touch: from this many rows to a third of the log.
@@ -35,7 +35,7 @@ def warped_candidate(stand: Linearization, term: Term) -> Candidate | None:
         start = {"gx": 0.0, "gy": 0.0}
     else:
         last = slice(-10, None)
-        columns = stand.stack(lambda k: stand.found.rigids[k].full[:, :, last])
+        columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last]))
         start = term.values
     return Candidate(replace(term, values=start), (columns,) * 3, columns.shape[2])
 
@@ -65,7 +65,9 @@ def _by_gravity(stand: Linearization) -> list[np.ndarray]:
 
     They follow from the links' positions alone, so that the next round need not build them again.
     """
-    places = tuple(id(q) for q, _, _ in stand.moved)
+    terms = stand.found.model.terms
+    chain = [tuple(t.values.items()) for w in ("gain", "delay") for t in warped(terms, w)]
+    places = (*(id(q) for q, _, _ in stand.moved), *chain)
     memory = stand.memory
     if places in memory.gravity:
         return memory.gravity[places][1]
@@ -75,7 +77,7 @@ def _by_gravity(stand: Linearization) -> list[np.ndarray]:
 
         def rows(k):
             q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])
-            return rigid_columns(arm, q, zero, zero)
+            return stand.reported(k, rigid_columns(arm, q, zero, zero))
 
         return stand.low(rows)
 
@@ -105,7 +107,7 @@ def _touch(stand: Linearization, term: Term) -> Candidate | None:
     def build(k):
         motion = stand.found.motions[k]
         inside = (motion.t >= start) & (motion.t <= end) & (k == log)
-        return inside[:, None, None] * np.eye(residual.shape[1])
+        return stand.reported(k, inside[:, None, None] * np.eye(residual.shape[1]))
 
     columns = stand.stack(build)
     values = {"start": float(start), "end": float(end)}

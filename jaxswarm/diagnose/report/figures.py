@@ -1,11 +1,14 @@
 """The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what remains."""
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.text import where
+from jaxswarm.diagnose.selection.refit import key_of
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.effects.term import Term
@@ -42,9 +45,8 @@ def evidence(step: Step, final: Model, motion: Motion) -> Figure:
     Left against the variable the law is about, right over time; the dots are measured minus the final
     model without this effect, the line is the effect.
     """
-    key = (step.added.effect, step.added.joint, step.added.other)
-    others = tuple(t for t in final.terms if (t.effect, t.joint, t.other) != key)
-    without = Model(final.robot, others, final.width, final.filtering, final.sigma)
+    others = tuple(t for t in final.terms if key_of(t) != key_of(step.added))
+    without = step.rest or replace(final, terms=others)
     low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
     whole, rest = model_torque(final, motion), model_torque(without, motion)
     contribution = low.apply(whole - rest)

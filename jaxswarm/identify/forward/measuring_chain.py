@@ -5,10 +5,13 @@ The order in which a torque comes about fixes the order here: the links move (``
 (``drive_gain``) and the log's clock may lag (``time_delay``).
 """
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects.base import Sample
 from jaxswarm.effects.term import Term, warped
 from jaxswarm.effects.warps import LAGGING, shift
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
@@ -42,7 +45,7 @@ def assemble(
     robot: Robot,
     terms: tuple[Term, ...],
     motion: Motion,
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray,
     rigid: Rigid | None = None,
     decimate: bool = False,
@@ -53,7 +56,7 @@ def assemble(
         robot: Kinematics and nominal gravity.
         terms: With values of their nonlinear parameters.
         motion: The log.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters (10 n,) that load-dependent and soft terms go by.
         rigid: Rigid columns of the plain motion in nominal gravity, where known.
         decimate: Whether to return the columns through the decimator, (T', n, p).
@@ -86,7 +89,9 @@ def assemble(
     return np.concatenate(parts, axis=2)
 
 
-def own_columns(term: Term, motion: Motion, width: float, load: Load | None) -> np.ndarray:
+def own_columns(
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None
+) -> np.ndarray:
     """Columns of a term on the working clock, (T, n, k), zero on joints it does not act on."""
     if term.law.warp == "window":
         return window_columns(term, motion)
@@ -106,12 +111,27 @@ def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.nda
     return block
 
 
+def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
+    """Columns (T, k) that act on one joint as its drive reports them."""
+    scale = np.prod([t.values["gain"] for t in warped(terms, "gain") if t.joint == joint])
+    for term in warped(terms, "delay"):
+        own = np.asarray(_shift(own, term.values["seconds"], 1.0 / motion.rate))
+    return own * scale
+
+
+def late(series: Sample, seconds: float, motion: Motion) -> Sample:
+    """What a law sees, so much later: its torque is then what a late clock reports of it."""
+    if not seconds:
+        return series
+    return Sample(*(np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in series))
+
+
 def term_block(
     robot: Robot,
     terms: tuple[Term, ...],
     term: Term,
     motion: Motion,
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray,
     rigid: Rigid,
 ) -> np.ndarray:

@@ -1,0 +1,173 @@
+"""Changes as values with doubts and bounds, and the earlier model with them in it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
+from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
+from jaxswarm.diagnose.selection.refit import key_of
+from jaxswarm.effects.term import Term
+from jaxswarm.effects.warps import LAGGING
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.measuring_chain import tilted
+from jaxswarm.identify.forward.model import Model
+
+# A value may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
+_DOUBT = 2.0
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that changed since the model was identified.
+
+    Attributes:
+        term: Effect and joint; its values are the change.
+        std_errors: Of the values; NaN where a value cannot be told from others.
+        known: Whether the model held the effect already, so that the values are differences.
+        score: What it was worth when it was found.
+        others: Runners-up.
+        now: Where the effect was known, its values with the change in them,
+        now_errors: and their standard errors.
+        aside: Torque (T', n) of masses that only a tilted arm feels.
+    """
+
+    term: Term
+    std_errors: dict[str, float]
+    known: bool
+    score: Score
+    others: tuple[Score, ...]
+    now: dict[str, float] = field(default_factory=dict)
+    now_errors: dict[str, float] = field(default_factory=dict)
+    aside: np.ndarray | None = None
+
+
+def changes_of(
+    before: Estimate, picked: Sequence[tuple[Candidate, Score, tuple[Score, ...]]]
+) -> tuple[Change, ...]:
+    """Fit all picked changes together on what the earlier model leaves."""
+    held = {key_of(t): t for t in before.model.terms}
+    found = fit_changes(before, [candidate for candidate, _, _ in picked])
+    changes, start = [], 0
+    for candidate, worth, others in picked:
+        own = slice(start, start + candidate.columns[0].shape[2])
+        start = own.stop
+        term = candidate.term
+        values, errors = _values(term, own, found, before.model.robot.joints)
+        term, aside = replace(term, values=values), None
+        if term.law.warp == "gravity":
+            aside = candidate.columns[0][:, :, 2:] @ found.values[own][2:]
+        old = held.get(key_of(term))
+        now, now_errors = ({}, {}) if old is None else _now(before, old, term, own, found)
+        changes.append(Change(term, errors, old is not None, worth, others, now, now_errors, aside))
+    return tuple(changes)
+
+
+def doubt_of(change: Change) -> str | None:
+    """Why a change cannot be believed: a value beyond its bounds, or none that differs from zero."""
+    term, errors = change.term, change.std_errors
+    values = {**term.values, **change.now}
+    spread = {**errors, **change.now_errors}
+    for p in term.law.parameters:
+        slack = _DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
+        if not p.lower - slack <= values[p.name] <= p.upper:
+            return (
+                f"{p.name} would be {values[p.name]:.3g} {p.unit}, outside "
+                f"[{p.lower:g}, {p.upper:g}]: no value that it can have"
+            )
+    told = [n for n, e in errors.items() if np.isfinite(e)]
+    # Of a gain the change is what differs from one.
+    change_of = {n: term.values[n] - (n == "gain") for n in told}
+    if told and not any(abs(change_of[n]) > _DOUBT * errors[n] for n in told):
+        return "is no larger than its doubt, with that of the earlier model in it"
+    return None
+
+
+def _values(term: Term, own: slice, found: Coefficients, joints) -> tuple[dict, dict]:
+    """Values and standard errors by name from the coefficients of a term's columns."""
+    law, values = term.law, found.values[own]
+    doubt = np.sqrt(np.diag(found.covariance)[own])
+    if law.warp == "payload":
+        names = [p.name for p in law.parameters]
+    elif law.warp == "gain":
+        values, names = values + 1.0, ["gain"]
+    elif law.warp == "delay":
+        names = ["seconds"]
+    elif law.warp == "gravity":
+        names, values, doubt = ["gx", "gy"], values[:2], doubt[:2]
+    elif law.warp == "window":
+        names = [f"tau_{j}" for j in joints]
+    elif law.warp in LAGGING:
+        return dict(term.values), {}
+    else:
+        names = [p.name for p in law.linear]
+    table = {**term.values, **{n: float(x) for n, x in zip(names, values, strict=True)}}
+    return table, {n: float(x) for n, x in zip(names, doubt, strict=True)}
+
+
+def _now(before: Estimate, old: Term, term: Term, own: slice, found: Coefficients):
+    """Values of a term that an earlier model held, with the change in them, and standard errors.
+
+    An error of the earlier value comes out in the change with the other sign and is gone from the sum.
+    """
+    names = [p.name for p in old.law.linear]
+    now = {**old.values, **{n: old.values[n] + term.values[n] for n in names}}
+    places = [before.regression.names.index(c) for c in old.columns(before.model.robot.joints)]
+    earlier, errors = earlier_covariance(before), {}
+    for k, (name, column) in enumerate(zip(names, places, strict=True)):
+        row = found.response[own][k]
+        total = row.copy()
+        total[column] -= 1.0
+        drawn = found.covariance[own, own][k, k] - row @ earlier @ row + total @ earlier @ total
+        errors[name] = float(np.sqrt(np.maximum(drawn, 0.0)))
+    return now, errors
+
+
+def with_changes(before: Estimate, changes: Sequence[Change]) -> Model:
+    """The earlier model with changes in it; how certain it is now is not known."""
+    model = before.model
+    for change in changes:
+        model = _with_change(model, change)
+        if change.aside is not None:
+            model = _with_masses(model, before, change.aside)
+    return replace(model, uncertainty=None) if changes else model
+
+
+def _with_change(model: Model, change: Change) -> Model:
+    robot, term = model.robot, change.term
+    if term.law.warp == "payload":
+        added = np.zeros((robot.num_joints, 10))
+        added[-1] = [term.values[p.name] for p in term.law.parameters]
+        parameters = jnp.asarray(np.asarray(robot.parameters) + added)
+        return replace(model, robot=robot.replace(parameters=parameters))
+    if not change.known:
+        return replace(model, terms=(*model.terms, term))
+    terms = tuple(
+        replace(t, values=change.now) if key_of(t) == key_of(term) else t for t in model.terms
+    )
+    return replace(model, terms=terms)
+
+
+def _with_masses(model: Model, before: Estimate, torque: np.ndarray) -> Model:
+    """The tilted model with the masses that the level arm never felt, from their torque (T', n).
+
+    They lie in the directions of the parameters that leave the level arm's torque as it is.
+    """
+
+    def rows(arm):
+        motions = before.motions
+        parts = [m.decimator.apply(rigid_columns(arm, m.q, m.dq, m.ddq)) for m in motions]
+        return np.concatenate(parts).reshape(torque.size, -1)
+
+    level = rows(model.robot)
+    _, size, directions = np.linalg.svd(level, full_matrices=False)
+    unfelt = directions[size <= 1e-9 * size[0]].T
+    felt = rows(tilted(model.robot, model.terms)) @ unfelt
+    change = unfelt @ np.linalg.lstsq(felt, torque.ravel(), rcond=1e-6)[0]
+    parameters = model.robot.parameters + jnp.asarray(change.reshape(-1, 10))
+    return replace(model, robot=model.robot.replace(parameters=parameters))
