@@ -9,12 +9,8 @@ from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import robust_weight
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
-<<<<<<< HEAD
 from jaxswarm.identify.estimation.sign_width import best_widths
-=======
-from jaxswarm.identify.estimation.sign_width import best_width
 from jaxswarm.identify.forward.regression import Diverged
->>>>>>> core
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3

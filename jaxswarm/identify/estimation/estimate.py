@@ -7,17 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
-<<<<<<< HEAD
-from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
     Place,
     free_parameters,
     width_parameter,
 )
-=======
-from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, free_parameters
->>>>>>> core
 from jaxswarm.identify.estimation.gauss_newton import (
     Problem,
     Settled,
@@ -27,23 +22,15 @@ from jaxswarm.identify.estimation.gauss_newton import (
     widths_apart,
 )
 from jaxswarm.identify.estimation.least_squares import Fit
-<<<<<<< HEAD
 from jaxswarm.identify.estimation.sign_width import best_widths, width_groups, width_range
-=======
-from jaxswarm.identify.estimation.sign_width import best_width, width_range
 from jaxswarm.identify.estimation.usable import check_usable
->>>>>>> core
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
-<<<<<<< HEAD
-from jaxswarm.logs.motion import Motion
-=======
 from jaxswarm.identify.forward.uncertainty import Uncertainty
-from jaxswarm.logs.motion import Filtering, Motion
->>>>>>> core
+from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
 # A joint gets a width of its own where its logarithm is apart by this much, and by so many standard errors:
@@ -128,7 +115,6 @@ def estimate(
     return _finish(problem, here, moving)
 
 
-<<<<<<< HEAD
 def _free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
     """The widths to fit; a sign that is sharper than any sample shows has none."""
     ranges = [width_range(motions, group) for group in groups]
@@ -158,12 +144,12 @@ def _own_widths(problem: Problem, here: Settled, groups) -> list[tuple[int, ...]
     }
     rest = [tuple(j for j in group if j not in own) for group in groups]
     return [*(group for group in rest if group), *((j,) for j in sorted(own))]
-=======
+
+
 def _uncertainty(solution: Fit) -> Uncertainty:
     """The covariance of a fit by the names of its columns."""
     base = solution.base
     return Uncertainty(tuple(base.names[k] for k in base.kept), solution.covariance)
->>>>>>> core
 
 
 def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Estimate:
