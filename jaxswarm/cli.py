@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 from math import isfinite
 from pathlib import Path
 from typing import Annotated
