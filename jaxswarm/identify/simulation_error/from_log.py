@@ -17,8 +17,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import correlation_length
 from jaxswarm.identify.forward.model import with_linear_values
 from jaxswarm.identify.forward.regression import build_regression
 from jaxswarm.identify.simulation_error.instrumental import exogeneity_test, instrumental
