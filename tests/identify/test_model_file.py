@@ -24,7 +24,9 @@ def model():
     for term in terms:
         term.values.update(term.law.nominal())
     known = Uncertainty(("Izz1", "b_joint1:viscous_friction"), np.array([[2.0, 0.1], [0.1, 3.0]]))
-    return Model(arm, terms, 0.02, Filtering(12.0, 6.0, True), (0.1, 0.2), uncertainty=known)
+    return Model(
+        arm, terms, (0.02, 0.02), Filtering(12.0, 6.0, True), (0.1, 0.2), uncertainty=known
+    )
 
 
 @pytest.fixture(scope="module")

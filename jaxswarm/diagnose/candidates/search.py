@@ -118,7 +118,7 @@ def _refine(
 def searching(
     tasks: list[tuple[Law, int, int | None]],
     motions: Sequence[Motion],
-    width: float,
+    width: Sequence[float],
     loads: Sequence[Load],
     stages: Sequence[FoldData],
     key: jax.Array,
@@ -132,7 +132,7 @@ def searching(
     Args:
         tasks: Law, joint and partner of every search; a law with a torque and nonlinear parameters.
         motions: The logs, with equal decimators.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         loads: Rigid torque of the current model, of every log.
         stages: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
             them.

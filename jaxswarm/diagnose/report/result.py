@@ -103,9 +103,9 @@ def to_result(
         "asked": diagnosis.asked,
         "suspects": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
         "effective_samples": diagnosis.background.effective,
-        "sign_width": final.model.width,
+        "sign_width": list(final.model.width),
         "filtering": {
-            "motion_cutoff_hz": final.motions[0].motion_cutoff,
+            "motion_cutoff_hz": list(final.motions[0].motion_cutoff),
             "torque_cutoff_hz": final.motions[0].torque_cutoff,
             "clock_skew_s": final.motions[0].skew,
         },

@@ -1,6 +1,6 @@
 """Nonlinear parameters and the sign's width, each moved on [0, 1] on its own scale, with tangents."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -15,10 +15,10 @@ _NOT_SEARCHED = ("window", "payload")
 
 
 class Place(NamedTuple):
-    """What the columns of a model depend on: terms with nonlinear values, and the width of the sign."""
+    """What the columns of a model depend on: terms with nonlinear values, and the widths of the signs."""
 
     terms: tuple[Term, ...]
-    width: float
+    width: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,12 @@ class FreeParameter:
     """One nonlinear parameter of one term, moved between its bounds by a number in [0, 1].
 
     Attributes:
-        term: Index of the term; None for the width.
+        term: Index of the term; None for the width of a joint's sign.
         name: Parameter name.
         lower, upper: Bounds.
         log: Whether it moves on a logarithmic scale.
         stepwise: Whether the model's output has small steps along it.
+        joints: Whose signs' width it is; empty for a term's parameter.
     """
 
     term: int | None
@@ -39,6 +40,7 @@ class FreeParameter:
     upper: float
     log: bool
     stepwise: bool = False
+    joints: tuple[int, ...] = ()
 
     def decode(self, u: float) -> float:
         """Value at position u."""
@@ -60,9 +62,9 @@ class FreeParameter:
 
 
 def free_parameters(
-    terms: tuple[Term, ...], width_range: tuple[float, float] | None = None
+    terms: tuple[Term, ...], widths: Sequence[FreeParameter] = ()
 ) -> list[FreeParameter]:
-    """All nonlinear parameters of a model, in order, and the width where its range is given.
+    """All nonlinear parameters of a model, in order, and the widths that are free.
 
     A torque averaged over the moment of a strike says nothing of the flank, which then stays as it is.
     """
@@ -73,25 +75,34 @@ def free_parameters(
         for p in term.law.nonlinear
         if p.fitted and not (p.name == "flank" and term.values.get("blur"))
     ]
-    return own if width_range is None else [*own, FreeParameter(None, "width", *width_range, True)]
+    return [*own, *widths]
+
+
+def width_parameter(joints: Sequence[int], limits: tuple[float, float]) -> FreeParameter:
+    """The width that some joints share, within limits."""
+    return FreeParameter(None, "width", *limits, True, joints=tuple(joints))
 
 
 def read(place: Place, moving: list[FreeParameter]) -> np.ndarray:
     """Positions of the free parameters, shape (m,)."""
-    values = [place.width if k.term is None else place.terms[k.term].values[k.name] for k in moving]
+    values = [
+        place.width[k.joints[0]] if k.term is None else place.terms[k.term].values[k.name]
+        for k in moving
+    ]
     return np.array([free.encode(value) for free, value in zip(moving, values, strict=True)])
 
 
 def write(place: Place, moving: list[FreeParameter], position: np.ndarray) -> Place:
     """The place with its free parameters at the given positions."""
-    changed, width = [dict(t.values) for t in place.terms], place.width
+    changed, width = [dict(t.values) for t in place.terms], list(place.width)
     for free, u in zip(moving, position, strict=True):
         if free.term is None:
-            width = free.decode(float(u))
+            for joint in free.joints:
+                width[joint] = free.decode(float(u))
         else:
             changed[free.term][free.name] = free.decode(float(u))
     terms = tuple(replace(t, values=v) for t, v in zip(place.terms, changed, strict=True))
-    return Place(terms, width)
+    return Place(terms, tuple(width))
 
 
 def tangents(

@@ -42,21 +42,34 @@ class Problem:
 
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
-        moved = None if free.term is None else place.terms[free.term]
-        alone = moved is not None and moved.law.torque is not None and not moves_links(place.terms)
-        if alone:
-            sizes = [len(t.columns(self.robot.joints)) for t in place.terms[: free.term + 1]]
-            end = len(pi) + sum(sizes)
-            theta = theta[end - sizes[-1] : end]
+        moved = self._moved(place, free)
+        sizes = [len(t.columns(self.robot.joints)) for t in place.terms]
+        ends = len(pi) + np.cumsum(sizes)
         parts = []
         for motion, rigid in zip(self.motions, self.rigids, strict=True):
             given = (motion, place.width, pi, rigid)
-            if alone:
-                low = term_block(self.robot, place.terms, moved, *given)
-            else:
-                low = assemble(self.robot, place.terms, *given, decimate=True)
-            parts.append(low @ theta)
+            if moved is None:
+                parts.append(assemble(self.robot, place.terms, *given, decimate=True) @ theta)
+                continue
+            parts.append(
+                sum(
+                    term_block(self.robot, place.terms, place.terms[k], *given)
+                    @ theta[ends[k] - sizes[k] : ends[k]]
+                    for k in moved
+                )
+            )
         return np.concatenate(parts)
+
+    def _moved(self, place: Place, free: FreeParameter) -> list[int] | None:
+        """Indices of the terms whose columns a free parameter changes; None: the whole model."""
+        if free.term is None:
+            return [
+                k
+                for k, t in enumerate(place.terms)
+                if t.joint in free.joints and t.law.uses_direction
+            ]
+        alone = place.terms[free.term].law.torque is not None and not moves_links(place.terms)
+        return [free.term] if alone else None
 
 
 @dataclass(frozen=True)
@@ -158,6 +171,15 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     return np.clip(step[-len(moving) :], -0.2, 0.2)
 
 
+def widths_apart(
+    problem: Problem, alone: list[FreeParameter], here: Settled
+) -> tuple[np.ndarray, np.ndarray]:
+    """How far single joints' widths would move from those they share, and the standard errors, (m,) each."""
+    step = _step(problem, alone, here)
+    theta = np.concatenate([here.pi, here.solution.theta[len(here.pi) :]])
+    return step, standard_errors(problem, alone, here, theta)[1]
+
+
 def standard_errors(
     problem: Problem, moving: list[FreeParameter], here: Settled, theta: np.ndarray
 ):
@@ -174,7 +196,7 @@ def standard_errors(
         if regression.used is not None:
             slopes[~regression.used] = 0.0
         wide = Regression(
-            (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),
+            (*regression.names, *(f"{m.name}:{m.term}:{m.joints}" for m in moving)),
             np.concatenate([regression.columns, slopes], axis=2),
             solution.residual,
             regression.moving,

@@ -5,6 +5,8 @@ The order in which a torque comes about fixes the order here: the links move (``
 (``drive_gain``) and the log's clock may lag (``time_delay``).
 """
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -43,7 +45,7 @@ def assemble(
     robot: Robot,
     terms: tuple[Term, ...],
     motion: Motion,
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray,
     rigid: Rigid | None = None,
     decimate: bool = False,
@@ -54,7 +56,7 @@ def assemble(
         robot: Kinematics and nominal gravity.
         terms: With values of their nonlinear parameters.
         motion: The log.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters (10 n,) that load-dependent and soft terms go by.
         rigid: Rigid columns of the plain motion in nominal gravity, where known.
         decimate: Whether to return the columns through the decimator, (T', n, p).
@@ -87,7 +89,9 @@ def assemble(
     return np.concatenate(parts, axis=2)
 
 
-def own_columns(term: Term, motion: Motion, width: float, load: Load | None) -> np.ndarray:
+def own_columns(
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None
+) -> np.ndarray:
     """Columns of a term on the working clock, (T, n, k), zero on joints it does not act on."""
     if term.law.warp == "window":
         return window_columns(term, motion)
@@ -127,7 +131,7 @@ def term_block(
     terms: tuple[Term, ...],
     term: Term,
     motion: Motion,
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray,
     rigid: Rigid,
 ) -> np.ndarray:

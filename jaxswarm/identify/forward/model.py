@@ -27,7 +27,7 @@ class Model:
     Attributes:
         robot: With the identified link parameters (base values, zeros for what merges into them).
         terms: With values for all their parameters.
-        width: Width of the smooth sign [rad/s or m/s].
+        width: Width of every joint's smooth sign [rad/s or m/s], (n,).
         filtering: Frequencies the model was identified with.
         sigma: Residual standard deviation per joint at identification [N m or N].
         smooth: Fitted functions for what no law explains.
@@ -36,7 +36,7 @@ class Model:
 
     robot: Robot
     terms: tuple[Term, ...]
-    width: float
+    width: tuple[float, ...]
     filtering: Filtering
     sigma: tuple[float, ...]
     smooth: tuple[Smooth, ...] = ()
@@ -115,7 +115,7 @@ def save_model(model: Model, path: Path) -> None:
             }
             for t in model.terms
         ],
-        "width": model.width,
+        "width": list(map(float, model.width)),
         "filtering": {
             "motion_cutoff": model.filtering.motion_cutoff,
             "torque_cutoff": model.filtering.torque_cutoff,
@@ -156,6 +156,11 @@ def load_model(path: Path) -> Model:
         raise InputError(f"{path}: incomplete or damaged ({error!r}); identify it again") from None
 
 
+def _per_joint(width: float | list[float], joints: int) -> list[float]:
+    """One width per joint; older files hold one for all."""
+    return width if isinstance(width, list) else [width] * joints
+
+
 def _from_json(content: dict) -> Model:
     check_content(content)
     part = content["robot"]
@@ -187,7 +192,7 @@ def _from_json(content: dict) -> Model:
     return Model(
         robot,
         tuple(terms),
-        float(content["width"]),
+        tuple(map(float, _per_joint(content["width"], n))),
         Filtering(**content["filtering"]),
         tuple(content["sigma"]),
         tuple(from_json(entry, joints) for entry in content.get("smooth", [])),

@@ -73,7 +73,7 @@ def build_regression(
     robot: Robot,
     terms: tuple[Term, ...],
     motions: Sequence[Motion],
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray | None = None,
     rigids: Sequence[Rigid] | None = None,
 ) -> Regression:
@@ -83,7 +83,7 @@ def build_regression(
         robot: Kinematics.
         terms: With values of their nonlinear parameters.
         motions: Prepared logs with torque.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
         rigids: Rigid columns of the logs where known.
 

@@ -52,7 +52,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
         "effective_samples": solution.effective_samples,
         "sign_width": model.width,
         "filtering": {
-            "motion_cutoff_hz": found.motions[0].motion_cutoff,
+            "motion_cutoff_hz": list(found.motions[0].motion_cutoff),
             "torque_cutoff_hz": found.motions[0].torque_cutoff,
         },
         "residual_std": solution.sigma,
