@@ -28,8 +28,9 @@ from jaxswarm.identify.simulation_error.output_error import (
     OutputProblem,
     output_residual,
 )
-from jaxswarm.logs.filtering import derivatives, smooth
+from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.smoothing import smooth
 from jaxswarm.robot.mass import mass_matrix
 from jaxswarm.simulate.controllers import PD, Reference
 from jaxswarm.simulate.plant import make_plant
