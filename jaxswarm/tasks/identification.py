@@ -61,7 +61,7 @@ def prepared(logs: Logs, robot: Robot, motion_cutoff, torque_cutoff) -> tuple[li
     motions = []
     for log in logs:
         motions.append(prepare(log, filtering))
-        filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+        filtering = motions[0].filtering
     return logs, motions
 
 
@@ -97,7 +97,7 @@ def identify(
     terms = parse_terms(effects, robot.joints)
     read, motions = prepared(logs, robot, motion_cutoff, torque_cutoff)
     refuse_resting_joints(read, robot)
-    band = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+    band = motions[0].filtering
     further = [prepare(log, band) for log in as_logs(validation, robot)]
     progress("fitting")
     found = estimate(robot, terms, motions)

@@ -78,7 +78,7 @@ def inspect(
         filtering, motions = Filtering(), []
         for log in read:
             motions.append(prepare(log, filtering))
-            filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+            filtering = motions[0].filtering
         content["identifiable"] = identifiable(arm, motions)
     return _result(content, tuple(read))
 
