@@ -13,8 +13,11 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "outputs": set(),
+    "claim": set(),
+    "terminal": set(),
     "console": {"outputs"},
     "catalog": set(),
+    "work": {"claim", "console", "terminal"},
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -26,12 +29,13 @@ ALLOWED = {
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
-    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables"},
+    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables", "work"},
     "testing": {"effects", "swarm"},
-    "cli": {
-        *PHYSICS, "swarm", "identify", "diagnose", "studies", "commands", "outputs", "console", "cli_robot",
-    },
     "cli_robot": {"robot", "console", "catalog"},
+    "cli": {
+        *(*PHYSICS, "swarm", "identify", "diagnose", "studies"),
+        *("commands", "outputs", "console", "work", "terminal", "cli_robot"),
+    },
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")

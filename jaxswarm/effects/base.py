@@ -113,8 +113,12 @@ class Law:
         uses_direction: Whether the torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
+        reference_only: Whether it shows only against an earlier model or on part of a log, so that
+            one fit to whole logs cannot hold it.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
         requires: Channels of the log it needs beside motion and torque, by name.
+        recurring: Whether it is an event of one log with a start and an end, of which there may be
+            several, and not a property of the robot.
     """
 
     name: str
@@ -128,8 +132,10 @@ class Law:
     uses_direction: bool = False
     uses_load: bool = False
     dissipative: bool = False
+    reference_only: bool = False
     derived: Callable[[dict], dict] | None = None
     requires: tuple[str, ...] = ()
+    recurring: bool = False
 
     @property
     def linear(self) -> tuple[Parameter, ...]:

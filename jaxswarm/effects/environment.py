@@ -72,6 +72,7 @@ register(
         derived=lambda p: (
             {f"c{a}": (p[f"mc{a}"] / p["m"], "m") for a in "xyz"} if p["m"] > 0 else {}
         ),
+        reference_only=True,
     )
 )
 
@@ -82,9 +83,14 @@ register(
         parameters=(
             Parameter("start", "s", 0.0, 1e6, False, 0.0, "begin of the touch"),
             Parameter("end", "s", 0.0, 1e6, False, 1.0, "end of the touch"),
+            Parameter(
+                "log", "1", 0.0, 1e6, False, 0.0, "number of its log, from zero", fitted=False
+            ),
         ),
         summary="external torque in a time window, constant on each joint",
         reference="Haddadin, De Luca, Albu-Schaeffer 2017, IEEE T-RO 33(6)",
         warp="window",
+        reference_only=True,
+        recurring=True,
     )
 )

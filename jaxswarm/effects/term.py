@@ -29,6 +29,15 @@ class Term:
         """The registered law."""
         return get_law(self.effect)
 
+    @property
+    def key(self) -> tuple:
+        """What a term is, whatever its parameters: effect, joint, partner, and which event of its kind."""
+        values = self.values
+        event = None
+        if self.law.recurring and "start" in values:
+            event = (int(values.get("log", 0)), round(values["start"], 1))
+        return (self.effect, self.joint, self.other, event)
+
     def label(self, joints: tuple[str, ...]) -> str:
         """Readable name: ``viscous_friction@joint2``, ``transmission_coupling@joint5:joint6``."""
         if self.joint is None:
@@ -39,7 +48,8 @@ class Term:
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
         """Names of the columns of the linear parameters: ``b_joint2``."""
         if self.law.warp == "window":
-            return tuple(f"tau_{joint}:{self.effect}" for joint in joints)
+            when = f"_{self.values['start']:.1f}s" if "start" in self.values else ""
+            return tuple(f"tau_{joint}{when}:{self.effect}" for joint in joints)
         where = "" if self.joint is None else f"_{joints[self.joint]}"
         where += "" if self.other is None else f"_{joints[self.other]}"
         return tuple(f"{p.name}{where}:{self.effect}" for p in self.law.linear)
@@ -47,7 +57,7 @@ class Term:
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns multiply, in their order."""
         if self.law.warp == "window":
-            return [name.split(":")[0] for name in self.columns(joints)]
+            return [f"tau_{joint}" for joint in joints]
         return [p.name for p in self.law.linear]
 
 

@@ -52,7 +52,7 @@ def list_suspects(
         for joint, other in places:
             key = (law.name, joint, other)
             # Several touches are possible; and an earlier model's friction may have changed.
-            again = law.name == "contact" or (against_model and law.torque is not None)
+            again = law.recurring or (against_model and law.torque is not None)
             if (key in present or key in contained) and not again:
                 continue
             if joints == 1 and law.name == "drive_gain" and not against_model:

@@ -11,7 +11,7 @@ from jaxswarm.effects.term import Term, warped
 from jaxswarm.identify.forward.columns import rigid_columns
 
 # Lengths of the windows tried for a touch: from this many rows to a third of the log.
-_SHORTEST, _LENGTHS = 8, 24
+_SHORTEST, _LENGTHS = 3, 32
 
 
 def warped_candidate(stand: Linearization, term: Term) -> Candidate | None:
@@ -110,5 +110,5 @@ def _touch(stand: Linearization, term: Term) -> Candidate | None:
         return stand.reported(k, inside[:, None, None] * np.eye(residual.shape[1]))
 
     columns = stand.stack(build)
-    values = {"start": float(start), "end": float(end)}
+    values = {"start": float(start), "end": float(end), "log": float(log)}
     return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])

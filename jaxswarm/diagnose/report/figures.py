@@ -26,7 +26,7 @@ def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.nda
         return f"q of {name}", motion.q[:, j]
     if term.effect == "load_dependent_friction":
         own = Model(model.robot, (), model.width, model.filtering, model.sigma)
-        load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width)
+        load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width[j])
         return f"|load| sign(dq) of {name}", load
     if term.effect in ("thermal_drift", "contact"):
         return "time [s]", motion.t

@@ -111,6 +111,5 @@ def _cost(one: Estimate, weights: Estimate) -> float:
 
 
 def key_of(term: Term) -> tuple:
-    """What a term is, whatever its values: effect, joint, partner, and the start of a touch."""
-    start = round(term.values.get("start", 0.0), 1) if term.effect == "contact" else None
-    return (term.effect, term.joint, term.other, start)
+    """What a term is, see :attr:`jaxswarm.effects.term.Term.key`."""
+    return term.key
