@@ -198,7 +198,7 @@ def identify(
         optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
         estimator, physical, prior, prior_weight,
     )  # fmt: skip
-    inputs = (*logs, validation, Path(robot))
+    inputs = (*logs, validation, prior and Path(prior), Path(robot))
     with work(out, inputs, _IDENTIFIED) as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
     console.notes([*report["logs"], *report["validation_logs"]])
