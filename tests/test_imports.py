@@ -29,7 +29,7 @@ ALLOWED = {
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
-    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables"},
+    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables", "work"},
     "testing": {"effects", "swarm"},
     "cli_robot": {"robot", "console", "catalog"},
     "cli": {

@@ -11,7 +11,7 @@ are another gravity or another body change the robot itself; gain and delay chan
 """
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import jax
@@ -58,7 +58,7 @@ class Plant:
     Attributes:
         robot: The rigid body, global effects included.
         acting: The effects with a torque of their own, then warps of single joints.
-        width: Width of the smooth sign tanh(dq / width) in rad/s or m/s.
+        width: (n,), width of every joint's smooth sign tanh(dq / width) in rad/s or m/s.
     """
 
     robot: Robot
@@ -87,7 +87,9 @@ class Plant:
         return dataclasses.replace(self, **changes)
 
 
-def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01) -> Plant:
+def make_plant(
+    robot: Robot, effects: Iterable[Any] = (), *, width: float | Sequence[float] = 0.01
+) -> Plant:
     """Put effects on a robot.
 
     Args:
@@ -95,7 +97,7 @@ def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01
         effects: Objects with the attributes ``effect`` (name), ``joint``, ``other`` (index or
             None) and ``values``; :class:`Acting` or the terms of an identified model. Missing values
             are the law's nominal ones.
-        width: Width of the smooth sign in rad/s or m/s, > 0.
+        width: Width of the smooth sign in rad/s or m/s, > 0, one for all joints or one each.
 
     Raises:
         InputError: If an effect is unknown or does not say where it acts, if a soft joint has no
@@ -105,8 +107,11 @@ def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01
     >>> make_plant(rx60(), [Acting("viscous_friction", 0, values={"b": 2.0})]).soft
     ()
     """
-    if not width > 0.0:
-        raise InputError(f"width of the smooth sign is {width}: give a positive speed in rad/s.")
+    widths = np.asarray(width, float)
+    if widths.shape not in ((), (robot.num_joints,)) or not (widths > 0.0).all():
+        raise InputError(
+            f"width of the smooth sign is {width}: give a positive speed in rad/s, or one a joint."
+        )
     placed = []
     for item in effects:
         law = get_law(item.effect)
@@ -123,7 +128,7 @@ def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01
         if acting.law.scope == "global":
             robot = _changed_robot(robot, acting)
     local = tuple(a for a in placed if a.law.scope != "global" or a.law.warp == "delay")
-    plant = Plant(robot, local, np.asarray(width, float))
+    plant = Plant(robot, local, np.broadcast_to(widths, (robot.num_joints,)))
     _check_rotors(plant)
     return plant
 
