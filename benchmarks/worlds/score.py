@@ -34,16 +34,20 @@ def score_world(world: World) -> dict:
         robot, declare = str(folder / truth["robot_file"]), declared_list(world)
         row = {key: truth[key] for key in COPIED}
         row |= {key: labels_of(truth[key]) for key in ("effects", "outside", "inseparable")}
+        row["world"] = world.number
         start = time.perf_counter()
-        try:
-            result = diagnose_files([folder / "train.npz"], robot, declare, folder / "final")
-        except Exception as error:  # a crash is a row too: it must not end the run
-            return {**row, "world": world.number, "error": f"{type(error).__name__}: {error}"[:300]}
-        row |= {"world": world.number, "seconds": time.perf_counter() - start}
-        row |= _names(result, world, truth)
-        identify_files([folder / "train.npz"], robot, declare, folder / "declared")
-        row |= _errors(world, folder, truth)
-        row |= _edit(world, folder, truth, row)
+        log, stage = [folder / "train.npz"], "diagnose"
+        try:  # a crash is a row too: it must not end the run
+            result = diagnose_files(log, robot, declare, folder / "final")
+            row["seconds"] = time.perf_counter() - start
+            row |= _names(result, world)
+            stage = "identify"
+            identify_files(log, robot, declare, folder / "declared")
+            stage = "predict"
+            row |= _errors(world, folder)
+            row |= _edit(world, folder, truth, row)
+        except Exception as error:
+            row["error"] = f"{stage}: {type(error).__name__}: {error}"[:300]
     return row
 
 
@@ -56,7 +60,7 @@ COPIED = (
 def labels_of(entries: list[dict]) -> list[dict]:
     return [
         {
-            "label": _place(e["effect"], e.get("joint"), e.get("other")),
+            "label": place_label(e["effect"], e.get("joint"), e.get("other")),
             "kind": e["effect"],
             "ratio": e["ratio"],
             "visible": e["visible"],
@@ -65,19 +69,19 @@ def labels_of(entries: list[dict]) -> list[dict]:
     ]
 
 
-def _place(effect: str, joint, other) -> str:
+def place_label(effect: str, joint, other) -> str:
     """``kind@joint2:joint3`` from names of joints, or from numbers that count from 1."""
     names = [f"joint{x}" if isinstance(x, int) else x for x in (joint, other) if x is not None]
     return effect + ("@" if names else "") + ":".join(names)
 
 
-def _names(result: dict, world: World, truth: dict) -> dict:
+def _names(result: dict, world: World) -> dict:
     """What was added, undecided and unexplained; parameters against their intervals."""
-    added = [_place(e["effect"], e["joint"], e.get("other")) for e in result["effects"]]
+    added = [place_label(e["effect"], e["joint"], e.get("other")) for e in result["effects"]]
     intervals = []
     for effect in world.effects:
         for entry in result["effects"]:
-            if _place(entry["effect"], entry["joint"], entry.get("other")) == label(effect):
+            if place_label(entry["effect"], entry["joint"], entry.get("other")) == label(effect):
                 intervals += _intervals(entry, true_values(effect, world))
     return {
         "added": added,
@@ -124,7 +128,7 @@ def _predicted(model: Path, log: Path, folder: Path) -> tuple[np.ndarray, np.nda
     return table[:, 0], table[:, 1:]
 
 
-def _errors(world: World, folder: Path, truth: dict) -> dict:
+def _errors(world: World, folder: Path) -> dict:
     """Errors per joint of declared, final and oracle models, on the fitted and the unseen logs."""
     logs = {name: _load(folder, name) for name in ("train", *TESTS)}
     floor = plain.oracle_error(world, logs)
@@ -170,7 +174,7 @@ def _edit(world: World, folder: Path, truth: dict, row: dict) -> dict:
     kept = [
         t
         for t in content["terms"]
-        if _place(t["effect"], t["joint"], t["other"]) != truth["edited"]
+        if place_label(t["effect"], t["joint"], t["other"]) != truth["edited"]
     ]
     (folder / "edited.json").write_text(json.dumps({**content, "terms": kept}))
     t, tau = _predicted(folder / "edited.json", folder / "edit_ptp.npz", folder)
