@@ -84,7 +84,13 @@ def test_wilson_interval_of_nothing_wrong_in_many():
 
 def test_a_row_that_crashed_is_counted_and_not_scored():
     crashed = _row(
-        [SPRING], error="diagnose: x", size=3, controller="pd", motion="ptp", declares="nothing"
+        [SPRING],
+        error="diagnose: x",
+        size=3,
+        controller="pd",
+        motion="ptp",
+        declares="nothing",
+        checked=False,
     )
     text = worlds_table([crashed])
     assert "| crashes | 1/1 = 100.0 %" in text

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.worlds import plain
-from benchmarks.worlds.files import TESTS, declared_list, label, write_world
+from benchmarks.worlds.files import CHECK, TESTS, declared_list, label, write_world
 from benchmarks.worlds.laws import LAWS
 from benchmarks.worlds.world import World
 from jaxswarm.diagnose.run import diagnose_files
@@ -38,7 +38,8 @@ def score_world(world: World) -> dict:
         start = time.perf_counter()
         log, stage = [folder / "train.npz"], "diagnose"
         try:  # a crash is a row too: it must not end the run
-            result = diagnose_files(log, robot, declare, folder / "final")
+            check = [folder / f"{CHECK}.npz"] if truth["checked"] else None
+            result = diagnose_files(log, robot, declare, folder / "final", check)
             row["seconds"] = time.perf_counter() - start
             row |= _names(result, world)
             stage = "identify"
@@ -53,7 +54,7 @@ def score_world(world: World) -> dict:
 
 COPIED = (
     "name", "robot", "size", "motion", "duration", "controller", "control_rate", "rate", "declares",
-    "common", "attempt",
+    "common", "attempt", "checked",
 )  # fmt: skip
 
 
@@ -142,21 +143,28 @@ def _errors(world: World, folder: Path) -> dict:
         for name, (_, hidden) in logs.items():
             t, tau = _predicted(path, folder / f"{name}.npz", folder)
             errors[which][name] = plain.prediction_error(t, tau, hidden["tau_clean"], rate)
-    harmed = [
-        f"{name} joint{j + 1}: {errors['declared'][name][j]:.3g} -> {errors['final'][name][j]:.3g}"
-        for name in TESTS
-        for j in range(world.arm.size)
-        if errors["final"][name][j] > max(HARM * errors["declared"][name][j], noise[j])
-    ]
+    harmed, above = _harm(errors, dict.fromkeys(TESTS, noise)), _harm(errors, errors["floor"])
     told = json.loads((folder / "final" / "diagnosis.json").read_text())
     worst = float((errors["final"]["train"] / errors["floor"]["train"]).max())
     return {
         "noise": noise.tolist(),
         "errors": {k: {m: v.tolist() for m, v in e.items()} for k, e in errors.items()},
         "harm": harmed,
+        "harm_above_floor": above,
         "train_over_floor": worst,
         "consistent": not (told["verdict"] in _CONTENT and worst > NEAR_NOISE),
     }
+
+
+def _harm(errors: dict, least: dict) -> list[str]:
+    """Where the diagnosis made the prediction of unseen motion worse, beyond ``least`` on its joint."""
+    harmed = []
+    for name in TESTS:
+        rows = zip(errors["declared"][name], errors["final"][name], least[name], strict=True)
+        for j, (old, new, enough) in enumerate(rows, 1):
+            if new > max(HARM * old, enough):
+                harmed.append(f"{name} joint{j}: {old:.3g} -> {new:.3g}")
+    return harmed
 
 
 def _load(folder: Path, name: str) -> tuple[dict, dict]:
