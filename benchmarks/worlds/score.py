@@ -9,6 +9,7 @@ import numpy as np
 
 from benchmarks.worlds import plain
 from benchmarks.worlds.files import CHECK, TESTS, declared_list, label, write_world
+from benchmarks.worlds.intervals import interval_hits, true_values
 from benchmarks.worlds.laws import LAWS
 from benchmarks.worlds.world import World
 from jaxswarm.diagnose.run import diagnose_files
@@ -83,7 +84,7 @@ def _names(result: dict, world: World) -> dict:
     for effect in world.effects:
         for entry in result["effects"]:
             if place_label(entry["effect"], entry["joint"], entry.get("other")) == label(effect):
-                intervals += _intervals(entry, true_values(effect, world))
+                intervals += interval_hits(entry, true_values(effect, world))
     return {
         "added": added,
         "undecided": [
@@ -99,28 +100,6 @@ def _names(result: dict, world: World) -> dict:
         "known": [kind for kind in LAWS if kind in REGISTRY],
         "intervals": intervals,
     }
-
-
-def true_values(effect, world: World) -> dict[str, float]:
-    """An effect's parameters as the catalog names them."""
-    p = effect.params
-    if effect.kind == "asymmetric_friction":
-        fc, b = world.arm.coulomb[effect.joint], world.arm.viscous[effect.joint]
-        return {"fc_pos": fc + p["fc_more"], "fc_neg": fc, "b_pos": b + p["b_more"], "b_neg": b}
-    if effect.kind == "contact":
-        return {"start": p["start"], "end": p["end"]}
-    return {k: v for k, v in p.items() if isinstance(v, (int, float))}
-
-
-def _intervals(entry: dict, true: dict) -> list[dict]:
-    rows = []
-    for name, found in entry["parameters"].items():
-        low, high = found.get("interval_95") or (None, None)
-        if name in true and low is not None and np.isfinite(low) and high > low:
-            hit = bool(low <= true[name] <= high)
-            span = {"true": float(true[name]), "low": low, "high": high}
-            rows.append({"parameter": name, **span, "hit": hit})
-    return rows
 
 
 def _predicted(model: Path, log: Path, folder: Path) -> tuple[np.ndarray, np.ndarray]:
