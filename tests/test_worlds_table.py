@@ -71,6 +71,7 @@ def test_outcomes(row, wanted):
 
 def test_categories_go_by_what_can_be_seen():
     assert category(_row()) == "clean"
+    assert category(_row(inseparable=[SPRING])) == "inseparable effects only"
     assert category(_row([FAINT])) == "faint effects only"
     assert category(_row([SPRING, FAINT])) == "2 effects, 1 visible"
     assert category(_row(outside=[STRANGE])) == "outside law, visible"

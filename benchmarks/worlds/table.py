@@ -63,7 +63,7 @@ def category(row: dict) -> str:
     if row["outside"]:
         return "outside law, visible" if row["outside"][0]["visible"] else "outside law, faint"
     if not truth:
-        return "clean"
+        return "inseparable effects only" if row["inseparable"] else "clean"
     if row["common"]:
         return "friction of all joints undeclared"
     visible = sum(e["visible"] for e in truth)
