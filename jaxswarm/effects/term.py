@@ -1,10 +1,11 @@
 """Terms: which law acts on which joint, and the ``name[@joint[:partner]],...`` lists that declare them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from jaxswarm.effects.base import Law, get_law
+from jaxswarm.effects.base import Effect, get_law
 from jaxswarm.errors import InputError, nearest
 
 
@@ -25,7 +26,7 @@ class Term:
     values: dict[str, float] = field(default_factory=dict, compare=False, hash=False)
 
     @property
-    def law(self) -> Law:
+    def law(self) -> Effect:
         """The registered law."""
         return get_law(self.effect)
 
@@ -36,19 +37,26 @@ class Term:
         partner = "" if self.other is None else f":{joints[self.other]}"
         return f"{self.effect}@{joints[self.joint]}{partner}"
 
+    @property
+    def place(self) -> tuple:
+        """Effect, joint and partner."""
+        return self.effect, self.joint, self.other
+
+    @property
+    def identity(self) -> tuple:
+        """What makes it another term than others, whatever it was fitted to: place, and when it begins."""
+        told = tuple(round(self.values.get(name, 0.0), 1) for name in self.law.identity)
+        return (*self.place, *told)
+
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
-        """Names of the columns of the linear parameters: ``b_joint2``."""
-        if self.law.warp == "window":
-            return tuple(f"tau_{joint}:{self.effect}" for joint in joints)
+        """Names of the columns of the linear parameters: ``b_joint2:viscous_friction``."""
         where = "" if self.joint is None else f"_{joints[self.joint]}"
         where += "" if self.other is None else f"_{joints[self.other]}"
-        return tuple(f"{p.name}{where}:{self.effect}" for p in self.law.linear)
+        return tuple(f"{name}{where}:{self.effect}" for name in self.linear_names(joints))
 
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns multiply, in their order."""
-        if self.law.warp == "window":
-            return [name.split(":")[0] for name in self.columns(joints)]
-        return [p.name for p in self.law.linear]
+        return self.law.linear_names(joints)
 
 
 def physical_unit(unit: str, kind: str) -> str:
@@ -91,12 +99,12 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
     return tuple(terms)
 
 
-def warped(terms: tuple[Term, ...], name: str) -> list[Term]:
-    """The terms that act through the named warp."""
-    return [t for t in terms if t.law.warp == name]
+def of_kind(terms: Iterable, kind: type[Effect]) -> list:
+    """Those of the terms, or of whatever else has a ``law``, that are of one kind."""
+    return [t for t in terms if isinstance(t.law, kind)]
 
 
-def _expand(law: Law, where: str, joints: tuple[str, ...]) -> list[Term]:
+def _expand(law: Effect, where: str, joints: tuple[str, ...]) -> list[Term]:
     if law.scope == "global":
         if where:
             raise InputError(f"effect {law.name} acts on the whole arm; write it without @{where}")

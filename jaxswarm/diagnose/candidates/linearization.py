@@ -1,4 +1,4 @@
-"""Where the model stands when the suspects are asked."""
+"""Where the model stands when the candidates are proposed."""
 
 from functools import cached_property
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
@@ -82,9 +83,13 @@ class Linearization:
         declared.
         """
         full = np.zeros_like(self.pi)
-        name = f"ia_{self.found.model.robot.joints[joint]}:rotor_inertia"
         regression, solution = self.found.regression, self.found.fit
-        if name not in regression.names:
+        names = [
+            f"{t.law.motor_inertia}_{self.found.model.robot.joints[joint]}:{t.effect}"
+            for t in of_kind(self.found.model.terms, TorqueLaw)
+            if t.joint == joint and t.law.motor_inertia
+        ]
+        if not names:
             return full
         inertia = min(float(own.inertia(self.pi).min()) for own in self.sensed(joint))
         if inertia <= 0:
@@ -92,7 +97,7 @@ class Linearization:
         rigid = [c for c in solution.base.kept if c < len(full)]
         rows = regression.columns / solution.sigma[:, None]
         matrix = rows[:, :, rigid].reshape(-1, len(rigid))
-        target = rows[:, :, regression.names.index(name)].ravel()
+        target = rows[:, :, regression.names.index(names[0])].ravel()
         scale = np.linalg.norm(matrix, axis=0)
         full[rigid] = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
         return inertia * full

@@ -1,4 +1,4 @@
-"""The torque that a link behind its motor changes, for many stiffnesses or gaps at once."""
+"""The torque that a link behind its motor changes, for many values of its parameters at once."""
 
 from dataclasses import replace
 
@@ -7,17 +7,11 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.folds.partial_out import Fold
-from jaxswarm.effects import get_law
+from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import deflection
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
 
-# Gaps [rad] that are tried, and where nothing else is known the frequency on the flank [Hz] and the time
-# [s] over which the torque of a loose joint is averaged.
-GAPS = np.geomspace(2e-4, 0.06, 44)
-_PLAY = get_law("backlash").nominal()
-FLANK, BLUR = _PLAY["flank"], _PLAY["blur"]
 # Shares of a joint's inertia that its rotor may hold.
 ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
 _MOST_LAG = 1.0
@@ -38,7 +32,7 @@ def lag_torque(
         motion: The log.
         sensed: What the rigid torque does when the joint moves otherwise.
         pis: Rigid parameters, (m, 10 n); one row serves all options.
-        k, d, gap: Stiffness, damping and play, each (m,).
+        k, d, gap: Stiffness, damping and dead zone, each (m,).
         substeps: Integration steps per sample.
     """
     torque, by_q, by_dq, by_ddq = (np.moveaxis(x, 2, 0) for x in sensed.at(pis))

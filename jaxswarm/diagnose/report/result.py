@@ -142,9 +142,8 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
 
 
 def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
-    key = (added.effect, added.joint, added.other)
     for term, errors in zip(final.model.terms, final.std_errors, strict=True):
-        if (term.effect, term.joint, term.other) == key:
+        if term.identity == added.identity:
             return term, errors
     return added, {}
 
@@ -198,7 +197,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
     if item.repeats < rules.repeat:
         reasons.append(f"helps in only {item.repeats:.0%} of the blocks")
     if not reasons and not passes(item, len(diagnosis.last), rules):
-        reasons.append("no touch that explains more than everything that lasts")
+        reasons.append("no single event that explains more than everything that lasts")
     return {
         **place(item.candidate.term, joints),
         "share_of_error": item.share,

@@ -8,6 +8,7 @@ respect autocorrelation as everywhere.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import singledispatch
 
 import jax.numpy as jnp
 import numpy as np
@@ -21,8 +22,9 @@ from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import BodyChange, TorqueLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import LAGGING
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.base_parameters import find_base
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -85,7 +87,7 @@ def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
     """An earlier model on new logs, as an estimate in which nothing was fitted."""
     rigids = tuple(rigid_of(model.robot, m) for m in motions)
     pi = np.asarray(model.robot.parameters).ravel()
-    terms = tuple(t for t in model.terms if t.effect != "payload")
+    terms = tuple(t for t in model.terms if not t.law.reference_only)
     model = replace(model, terms=terms)
     regression = build_regression(model.robot, terms, motions, model.width, pi, rigids)
     theta = linear_values(model)
@@ -127,7 +129,7 @@ def compare(
     if any(m.tau is None for m in motions):
         raise InputError("the log has no torque to compare the model with; add tau_<joint>")
     before = current = freeze(model, motions)
-    held = {(t.effect, t.joint, t.other) for t in model.terms}
+    held = {t.place for t in model.terms}
     picked: list[tuple[Candidate, Score, tuple[Score, ...]]] = []
     stages: list[Estimate] = []
     unseen: list[np.ndarray] = []
@@ -140,7 +142,7 @@ def compare(
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
         most = max((s.gain for s in scores), default=0.0)
-        guilty = [s for s in guilty if s.candidate.term.effect != "contact" or s.gain >= most]
+        guilty = [s for s in guilty if s.candidate.term.law.lasting or s.gain >= most]
         if not guilty or number == _MOST_STEPS:
             break
         chosen, _ = choose(guilty, rules, background)
@@ -164,7 +166,7 @@ def _ask(found: Estimate, background: CrossFit, held, seed: int, done, memory) -
         Linearization(found, background, memory),
         suspects,
         seed,
-        signed=lambda term: (term.effect, term.joint, term.other) in held,
+        signed=lambda term: term.place in held,
     )
 
 
@@ -203,35 +205,21 @@ def _apply(before: Estimate, picked, held) -> tuple[Estimate, tuple[Change, ...]
         k += size
         term = candidate.term
         table, spread = _values(term, own, doubt, model.robot.joints)
+        further = candidate.columns[0][:, :, len(spread) :] @ own[len(spread) :]
         term = replace(term, values=table)
-        known = (term.effect, term.joint, term.other) in held
+        known = term.place in held
         changes.append(Change(term, spread, known, worth, others))
-        model = _with_change(model, term, known)
-        if term.law.warp == "gravity":
-            aside = candidate.columns[0][:, :, 2:] @ values[k - size + 2 : k]
-            model = _with_masses(model, before.motions, aside)
+        model = apply_change(term.law, model, term, before.motions, further)
     return freeze(model, before.motions), tuple(changes)
 
 
 def _values(term: Term, own, doubt, joints) -> tuple[dict, dict]:
     """Values and standard errors by name from the coefficients of a term's columns."""
-    law = term.law
-    if law.warp == "payload":
-        names = [p.name for p in law.parameters]
-    elif law.warp == "gain":
-        own, names = own + 1.0, ["gain"]
-    elif law.warp == "delay":
-        names = ["seconds"]
-    elif law.warp == "gravity":
-        names, own, doubt = ["gx", "gy"], own[:2], doubt[:2]
-    elif law.warp == "window":
-        names = [f"tau_{j}" for j in joints]
-    elif law.warp in LAGGING:
-        return dict(term.values), {}
-    else:
-        names = [p.name for p in law.linear]
-    values = {**term.values, **{n: float(x) for n, x in zip(names, own, strict=True)}}
-    return values, {n: float(x) for n, x in zip(names, doubt, strict=True)}
+    law, neutral = term.law, term.law.neutral()
+    names = law.candidate_names(joints)
+    start = {} if isinstance(law, TorqueLaw) else neutral
+    values = {n: float(start.get(n, 0.0) + x) for n, x in zip(names, own, strict=False)}
+    return {**term.values, **values}, {n: float(x) for n, x in zip(names, doubt, strict=False)}
 
 
 def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) -> Model:
@@ -253,24 +241,39 @@ def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) ->
     return replace(model, robot=model.robot.replace(parameters=parameters))
 
 
-def _with_change(model: Model, term: Term, known: bool) -> Model:
-    """The model with one change in it."""
-    robot = model.robot
-    if term.effect == "payload":
-        added = np.zeros((robot.num_joints, 10))
-        added[-1] = [term.values[p.name] for p in term.law.parameters]
-        parameters = jnp.asarray(np.asarray(robot.parameters) + added)
-        return replace(model, robot=robot.replace(parameters=parameters))
-    if not known:
+@singledispatch
+def apply_change(
+    law: Effect, model: Model, term: Term, motions: Sequence[Motion], further: np.ndarray
+) -> Model:
+    """The model with one change in it: a term more.
+
+    Args:
+        law: The term's, for the dispatch.
+        model: The model so far.
+        term: With the values of the change.
+        motions: The logs.
+        further: Torque (T', n) of what a candidate's further columns added.
+    """
+    return replace(model, terms=(*model.terms, term))
+
+
+@apply_change.register
+def _(law: TorqueLaw, model, term, motions, further):
+    if all(t.place != term.place for t in model.terms):
         return replace(model, terms=(*model.terms, term))
+    names = {p.name for p in law.linear}
     terms = []
     for old in model.terms:
-        if (old.effect, old.joint, old.other) == (term.effect, term.joint, term.other):
-            linear = {p.name for p in old.law.linear}
-            values = {
-                n: v + (term.values.get(n, 0.0) if n in linear else 0.0)
-                for n, v in old.values.items()
-            }
-            old = replace(old, values=values)
+        if old.place == term.place:
+            added = {n: term.values.get(n, 0.0) for n in names}
+            old = replace(old, values={n: v + added.get(n, 0.0) for n, v in old.values.items()})
         terms.append(old)
     return replace(model, terms=tuple(terms))
+
+
+@apply_change.register
+def _(law: BodyChange, model, term, motions, further):
+    if law.gravity is not None:
+        return _with_masses(replace(model, terms=(*model.terms, term)), motions, further)
+    parameters = jnp.asarray(model.robot.parameters).at[-1].add(law.body(term.values))
+    return replace(model, robot=model.robot.replace(parameters=parameters))

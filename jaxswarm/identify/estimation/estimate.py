@@ -132,10 +132,8 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
             slope = free.slope(terms[free.term].values[free.name])
             errors[free.term][free.name] = float(error * slope)
     for term, own in zip(terms, errors, strict=True):
-        if term.law.warp == "play":
-            pressed = flank_compression(
-                tilted(robot, terms), term, first, here.pi, problem.rigids[0]
-            )
+        pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
+        if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
     return Estimate(
         model, here.solution, here.regression, problem.motions, problem.rigids, tuple(errors)

@@ -8,10 +8,8 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 
-# The output of a loose joint has small steps along its gap: its slope there is that over a wider span.
+# Half width of a difference, and the wider one along a parameter where the output has small steps.
 _DIFFERENCE, _WIDE = 1e-4, 0.02
-# Parameters of these warps follow from the data in one linear step and are not searched here.
-_NOT_SEARCHED = ("window", "payload")
 
 
 class Place(NamedTuple):
@@ -62,16 +60,11 @@ class FreeParameter:
 def free_parameters(
     terms: tuple[Term, ...], width_range: tuple[float, float] | None = None
 ) -> list[FreeParameter]:
-    """All nonlinear parameters of a model, in order, and the width where its range is given.
-
-    A torque averaged over the moment of a strike says nothing of the flank, which then stays as it is.
-    """
+    """All nonlinear parameters of a model, in order, and the width where its range is given."""
     own = [
-        FreeParameter(k, p.name, p.lower, p.upper, p.scale == "log", term.law.warp == "play")
+        FreeParameter(k, p.name, p.lower, p.upper, p.scale == "log", term.law.stepwise)
         for k, term in enumerate(terms)
-        if term.law.warp not in _NOT_SEARCHED
-        for p in term.law.nonlinear
-        if p.fitted and not (p.name == "flank" and term.values.get("blur"))
+        for p in term.law.free(term.values)
     ]
     return own if width_range is None else [*own, FreeParameter(None, "width", *width_range, True)]
 

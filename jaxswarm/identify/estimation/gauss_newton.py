@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term, parameter_bounds
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, read, tangents, write
 from jaxswarm.identify.estimation.least_squares import Fit, fit
@@ -43,7 +44,8 @@ class Problem:
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
         moved = None if free.term is None else place.terms[free.term]
-        alone = moved is not None and moved.law.torque is not None and not moves_links(place.terms)
+        own = moved is not None and isinstance(moved.law, TorqueLaw)
+        alone = own and not moves_links(place.terms)
         if alone:
             sizes = [len(t.columns(self.robot.joints)) for t in place.terms[: free.term + 1]]
             end = len(pi) + sum(sizes)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jaxswarm.effects.base import Law
+from jaxswarm.effects.base import Effect
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.robot.names import PARAMETER_UNITS
@@ -75,7 +75,7 @@ def unidentified(found: Estimate) -> list[dict]:
 
 def term_parameters(term: Term, kind: str, errors: dict[str, float] | None = None) -> dict:
     """Parameters of a term with value, standard error and unit, derived ones included."""
-    law: Law = term.law
+    law: Effect = term.law
     table = {
         p.name: {
             "value": float(term.values[p.name]),

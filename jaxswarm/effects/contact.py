@@ -1,0 +1,18 @@
+"""Torques of the surroundings."""
+
+from jaxswarm.effects.base import Parameter, register
+from jaxswarm.effects.kinds import ExternalTorque
+
+register(
+    ExternalTorque(
+        name="contact",
+        scope="global",
+        parameters=(
+            Parameter("start", "s", 0.0, 1e6, False, 0.0, "begin of the contact"),
+            Parameter("end", "s", 0.0, 1e6, False, 1.0, "end of the contact"),
+        ),
+        summary="external torque in a time window, constant on each joint",
+        reference="Haddadin, De Luca, Albu-Schaeffer 2017, IEEE T-RO 33(6)",
+        shown_against="time",
+    )
+)
