@@ -33,6 +33,19 @@ BASE_TILT = register(
     )
 )
 
+
+def with_free_base(effects: str) -> str:
+    """A list of effects with the tilt of the base in it.
+
+    >>> with_free_base("none"), with_free_base("viscous_friction")
+    ('base_tilt', 'viscous_friction,base_tilt')
+    """
+    names = [item.strip() for item in effects.split(",")]
+    if BASE_TILT.name in names:
+        return effects
+    return ",".join([*(name for name in names if name not in ("", "none")), BASE_TILT.name])
+
+
 _MOMENT = "kg m"
 _INERTIA = "kg m^2"
 _PAYLOAD = (

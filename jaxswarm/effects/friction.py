@@ -14,6 +14,8 @@ import jax.numpy as jnp
 from jaxswarm.effects.base import Export, Parameter, register
 from jaxswarm.effects.kinds import TorqueLaw
 
+# What every joint has: declared where nothing else is.
+USUAL_FRICTION = "viscous_friction,coulomb_friction"
 _OLSSON = "Olsson et al. 1998, Eur. J. Control 4(3)"
 
 

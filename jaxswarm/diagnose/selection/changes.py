@@ -8,9 +8,7 @@ respect autocorrelation as everywhere.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
@@ -22,16 +20,15 @@ from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
-from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import BodyChange, TorqueLaw
+from jaxswarm.diagnose.selection.changed_model import apply_change
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.base_parameters import find_base
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.least_squares import Fit, fit
 from jaxswarm.identify.estimation.validate import time_blocks
-from jaxswarm.identify.forward.columns import rigid_columns, rigid_of
-from jaxswarm.identify.forward.measuring_chain import tilted
+from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.model import Model, linear_values, smooth_torque
 from jaxswarm.identify.forward.regression import Regression, build_regression
 from jaxswarm.logs.motion import Motion
@@ -220,60 +217,3 @@ def _values(term: Term, own, doubt, joints) -> tuple[dict, dict]:
     start = {} if isinstance(law, TorqueLaw) else neutral
     values = {n: float(start.get(n, 0.0) + x) for n, x in zip(names, own, strict=False)}
     return {**term.values, **values}, {n: float(x) for n, x in zip(names, doubt, strict=False)}
-
-
-def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) -> Model:
-    """The tilted model with the masses that the level arm never felt, from their torque (T', n).
-
-    They lie in the directions of the parameters that leave the level arm's torque as it is.
-    """
-
-    def rows(arm):
-        parts = [m.decimator.apply(rigid_columns(arm, m.q, m.dq, m.ddq)) for m in motions]
-        return np.concatenate(parts).reshape(torque.size, -1)
-
-    level = rows(model.robot)
-    _, size, directions = np.linalg.svd(level, full_matrices=False)
-    unfelt = directions[size <= 1e-9 * size[0]].T
-    felt = rows(tilted(model.robot, model.terms)) @ unfelt
-    change = unfelt @ np.linalg.lstsq(felt, torque.ravel(), rcond=1e-6)[0]
-    parameters = model.robot.parameters + jnp.asarray(change.reshape(-1, 10))
-    return replace(model, robot=model.robot.replace(parameters=parameters))
-
-
-@singledispatch
-def apply_change(
-    law: Effect, model: Model, term: Term, motions: Sequence[Motion], further: np.ndarray
-) -> Model:
-    """The model with one change in it: a term more.
-
-    Args:
-        law: The term's, for the dispatch.
-        model: The model so far.
-        term: With the values of the change.
-        motions: The logs.
-        further: Torque (T', n) of what a candidate's further columns added.
-    """
-    return replace(model, terms=(*model.terms, term))
-
-
-@apply_change.register
-def _(law: TorqueLaw, model, term, motions, further):
-    if all(t.place != term.place for t in model.terms):
-        return replace(model, terms=(*model.terms, term))
-    names = {p.name for p in law.linear}
-    terms = []
-    for old in model.terms:
-        if old.place == term.place:
-            added = {n: term.values.get(n, 0.0) for n in names}
-            old = replace(old, values={n: v + added.get(n, 0.0) for n, v in old.values.items()})
-        terms.append(old)
-    return replace(model, terms=tuple(terms))
-
-
-@apply_change.register
-def _(law: BodyChange, model, term, motions, further):
-    if law.gravity is not None:
-        return _with_masses(replace(model, terms=(*model.terms, term)), motions, further)
-    parameters = jnp.asarray(model.robot.parameters).at[-1].add(law.body(term.values))
-    return replace(model, robot=model.robot.replace(parameters=parameters))

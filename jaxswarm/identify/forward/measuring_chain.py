@@ -11,7 +11,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import BodyChange, ExternalTorque, MeasurementLaw, TorqueLaw
+from jaxswarm.effects.kinds import (
+    BodyChange,
+    ExternalTorque,
+    MeasurementLaw,
+    TorqueLaw,
+    TransmissionLaw,
+)
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
@@ -95,8 +101,15 @@ def own_columns(term: Term, motion: Motion, width: float, load: Load | None) -> 
 def law_block(
     law: Effect, term: Term, motion: Motion, width: float, load: Load | None
 ) -> np.ndarray:
-    """Columns (T, n, k) that a term adds by itself; most kinds change other columns and add none."""
-    return np.zeros((*motion.q.shape, 0))
+    """Columns (T, n, k) that a term adds by itself."""
+    raise NotImplementedError(f"no columns for effects of kind {type(law).__name__}")
+
+
+@law_block.register(TransmissionLaw)
+@law_block.register(BodyChange)
+@law_block.register(MeasurementLaw)
+def _(law, term, motion, width, load):
+    return np.zeros((*motion.q.shape, 0))  # they change the columns of others
 
 
 @law_block.register
