@@ -9,7 +9,6 @@ from jaxswarm.effects import transmission as transmission
 from jaxswarm.effects.base import REGISTRY as REGISTRY
 from jaxswarm.effects.base import Effect as Effect
 from jaxswarm.effects.base import Export as Export
-from jaxswarm.effects.base import Parameter as Parameter
 from jaxswarm.effects.base import get_law as get_law
 from jaxswarm.effects.base import register as register
 from jaxswarm.effects.kinds import BodyChange as BodyChange
@@ -17,6 +16,7 @@ from jaxswarm.effects.kinds import ExternalTorque as ExternalTorque
 from jaxswarm.effects.kinds import MeasurementLaw as MeasurementLaw
 from jaxswarm.effects.kinds import TorqueLaw as TorqueLaw
 from jaxswarm.effects.kinds import TransmissionLaw as TransmissionLaw
+from jaxswarm.effects.parameter import Parameter as Parameter
 from jaxswarm.effects.sample import Sample as Sample
 from jaxswarm.effects.sample import make_sample as make_sample
 

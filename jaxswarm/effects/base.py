@@ -13,41 +13,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from jaxswarm.effects.parameter import Parameter
 from jaxswarm.errors import InputError, nearest
 
 SCOPES = ("joint", "pair", "global")
 # What the picture of an effect can have as its horizontal axis.
 AXES = ("position", "velocity", "acceleration", "time", "load", "partner velocity", "model torque")
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One named parameter of an effect.
-
-    Attributes:
-        name: Short symbol, unique within the effect.
-        unit: Unit for a revolute joint, for example ``"N m s/rad"``.
-        lower, upper: Physical bounds; a linear friction coefficient has ``lower = 0``.
-        linear: Whether a torque is linear in it (and in all linear parameters together).
-        nominal: A usual value: default in simulations, and where a search starts.
-        scale: ``"linear"`` or ``"log"``: how a search should walk between the bounds.
-        description: One clause that says what it is.
-        fitted: Whether a fit may move it; a choice stays what it was set to.
-        neutral: Value at which the effect does nothing; None: the nominal one.
-        hidden_by: Another parameter that leaves this one undetermined unless it is zero.
-    """
-
-    name: str
-    unit: str
-    lower: float
-    upper: float
-    linear: bool
-    nominal: float
-    description: str
-    scale: str = "linear"
-    fitted: bool = True
-    neutral: float | None = None
-    hidden_by: str = ""
 
 
 class Export(NamedTuple):

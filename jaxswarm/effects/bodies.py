@@ -5,8 +5,9 @@ References: W. Khalil, E. Dombre (2002), ch. 9; W. Khalil, M. Gautier, P. Lemoin
 
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Parameter, register
+from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.parameter import Parameter
 
 
 def _tilted(p, gravity):

@@ -1,7 +1,8 @@
 """Torques of the surroundings."""
 
-from jaxswarm.effects.base import Parameter, register
+from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import ExternalTorque
+from jaxswarm.effects.parameter import Parameter
 
 register(
     ExternalTorque(

@@ -11,8 +11,9 @@ B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994); W. Kh
 
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Export, Parameter, register
+from jaxswarm.effects.base import Export, register
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.parameter import Parameter
 
 # What every joint has: declared where nothing else is.
 USUAL_FRICTION = "viscous_friction,coulomb_friction"

@@ -8,8 +8,9 @@ Control 136 (2014).
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Parameter, register
+from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.parameter import Parameter
 
 
 def shift(x: jax.Array, seconds: jax.Array, step: float) -> jax.Array:

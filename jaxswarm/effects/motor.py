@@ -7,8 +7,9 @@ M. Gautier, IEEE TCST 22(1) (2014) for the wrist of the TX40.
 
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Export, Parameter, register
+from jaxswarm.effects.base import Export, register
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.parameter import Parameter
 
 register(
     TorqueLaw(

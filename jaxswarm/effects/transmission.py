@@ -6,8 +6,9 @@ References: M. Spong, "Modeling and control of elastic joint robots", J. Dyn. Sy
 
 import numpy as np
 
-from jaxswarm.effects.base import Parameter, register
+from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.parameter import Parameter
 
 # Stiffnesses [N m/rad] that are tried, and dampings as multiples of 20 sqrt(k times inertia).
 _STIFFNESSES, _DAMPINGS = np.geomspace(30.0, 3e5, 17), (0.003, 0.01, 0.03, 0.1)

@@ -17,6 +17,8 @@ from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9
+# Directions of the scaled rows weaker than this are rounding: the root of the precision, generously.
+_RANK = 3e-7
 
 
 class Linearization:
@@ -70,8 +72,9 @@ class Linearization:
             rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])
             target = (regression.target * weight / noise).ravel()
             scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-            gram = rows.T @ rows / scale / scale[:, None]
-            values = np.linalg.lstsq(gram, rows.T @ target / scale, rcond=1e-13)[0] / scale
+            triangle = np.linalg.qr(np.column_stack([rows / scale, target]), mode="r")
+            factor, reduced = triangle[:, :-1], triangle[:, -1]
+            values = np.linalg.lstsq(factor, reduced, rcond=_RANK)[0] / scale
             residual = regression.target - columns @ values
         return solution.base.expand(values)[: len(self.pi)], residual / noise
 

@@ -227,12 +227,5 @@ def _lattice(dims: int, points: int, most: int) -> tuple[np.ndarray, np.ndarray]
 
 def _decode(law: TorqueLaw, u) -> dict:
     """Nonlinear parameters by name at a point of the unit cube."""
-    values = {}
-    for k, p in enumerate(sorted(law.nonlinear, key=lambda p: p.name)):
-        on_log = p.scale == "log"
-        values[p.name] = (
-            p.lower * (p.upper / p.lower) ** u[k]
-            if on_log
-            else p.lower + u[k] * (p.upper - p.lower)
-        )
-    return values
+    ordered = sorted(law.nonlinear, key=lambda p: p.name)
+    return {p.name: p.decode(u[k]) for k, p in enumerate(ordered)}

@@ -8,6 +8,7 @@ from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import robust_weight
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_width
 
 # The logarithm of the width's ratio below which a fit is trusted to have found it by itself.
@@ -104,4 +105,4 @@ def _with_start(chosen: Score) -> Term:
 
 
 def _cost(one: Estimate, weights: Estimate) -> float:
-    return float(((one.fit.residual / weights.fit.sigma) ** 2).sum())
+    return weighted_cost(one.fit.residual, weights.fit.sigma)

@@ -1,11 +1,12 @@
 """Nonlinear parameters and the sign's width, each moved on [0, 1] on its own scale, with tangents."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 
 # Half width of a difference, and the wider one along a parameter where the output has small steps.
@@ -19,42 +20,23 @@ class Place(NamedTuple):
     width: float
 
 
-@dataclass(frozen=True)
-class FreeParameter:
-    """One nonlinear parameter of one term, moved between its bounds by a number in [0, 1].
+class FreeParameter(NamedTuple):
+    """One nonlinear parameter of one term, or the width of the sign.
 
     Attributes:
         term: Index of the term; None for the width.
-        name: Parameter name.
-        lower, upper: Bounds.
-        log: Whether it moves on a logarithmic scale.
+        parameter: With its bounds and its scale.
         stepwise: Whether the model's output has small steps along it.
     """
 
     term: int | None
-    name: str
-    lower: float
-    upper: float
-    log: bool
+    parameter: Parameter
     stepwise: bool = False
 
-    def decode(self, u: float) -> float:
-        """Value at position u."""
-        if self.log:
-            return float(self.lower * (self.upper / self.lower) ** u)
-        return float(self.lower + u * (self.upper - self.lower))
-
-    def encode(self, value: float) -> float:
-        """Position of a value."""
-        if self.log:
-            return float(np.log(value / self.lower) / np.log(self.upper / self.lower))
-        return float((value - self.lower) / (self.upper - self.lower))
-
-    def slope(self, value: float) -> float:
-        """Derivative of the value by the position."""
-        if self.log:
-            return float(value * np.log(self.upper / self.lower))
-        return float(self.upper - self.lower)
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return self.parameter.name
 
 
 def free_parameters(
@@ -62,17 +44,24 @@ def free_parameters(
 ) -> list[FreeParameter]:
     """All nonlinear parameters of a model, in order, and the width where its range is given."""
     own = [
-        FreeParameter(k, p.name, p.lower, p.upper, p.scale == "log", term.law.stepwise)
+        FreeParameter(k, p, term.law.stepwise)
         for k, term in enumerate(terms)
         for p in term.law.free(term.values)
     ]
-    return own if width_range is None else [*own, FreeParameter(None, "width", *width_range, True)]
+    if width_range is None:
+        return own
+    width = Parameter(
+        "width", "rad/s", *width_range, False, width_range[0], "of the smooth sign", "log"
+    )
+    return [*own, FreeParameter(None, width)]
 
 
 def read(place: Place, moving: list[FreeParameter]) -> np.ndarray:
     """Positions of the free parameters, shape (m,)."""
     values = [place.width if k.term is None else place.terms[k.term].values[k.name] for k in moving]
-    return np.array([free.encode(value) for free, value in zip(moving, values, strict=True)])
+    return np.array(
+        [free.parameter.encode(value) for free, value in zip(moving, values, strict=True)]
+    )
 
 
 def write(place: Place, moving: list[FreeParameter], position: np.ndarray) -> Place:
@@ -80,9 +69,9 @@ def write(place: Place, moving: list[FreeParameter], position: np.ndarray) -> Pl
     changed, width = [dict(t.values) for t in place.terms], place.width
     for free, u in zip(moving, position, strict=True):
         if free.term is None:
-            width = free.decode(float(u))
+            width = float(free.parameter.decode(float(u)))
         else:
-            changed[free.term][free.name] = free.decode(float(u))
+            changed[free.term][free.name] = float(free.parameter.decode(float(u)))
     terms = tuple(replace(t, values=v) for t, v in zip(place.terms, changed, strict=True))
     return Place(terms, width)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.least_squares import fit, weighted_cost
 from jaxswarm.identify.forward.measuring_chain import term_block
 from jaxswarm.identify.forward.regression import build_regression
 
@@ -48,7 +48,7 @@ def best_width(robot, terms, motions, rigids, pi=None) -> float:
             k += size
         solution = fit(replace(regression, columns=columns), sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
-        costs.append(float(((solution.residual / sigma) ** 2).sum()))
+        costs.append(weighted_cost(solution.residual, sigma))
     grid = speed_grid
     best = int(np.argmin(costs))
     if 1 < best < len(grid) - 1:
