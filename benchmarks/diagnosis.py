@@ -1,10 +1,12 @@
 """Logs with an undeclared effect: is it named, on its joint, and is nothing else?
 
     python -m benchmarks.diagnosis practice|suite|pairs|real [--fast] [--only NAME,...] [--share K/N]
+    python -m benchmarks.diagnosis worlds --help
 
 ``practice``: the cases of another simulator under ``cases/`` (``JAXSWARM_DATA``, default ``../shared``);
 ``suite``: simulated logs with one effect, see :mod:`benchmarks.diagnosis_cases`; ``pairs``: with two or
-three, see :mod:`benchmarks.diagnosis_pairs`; ``real``: measured robots. Rows go to
+three, see :mod:`benchmarks.diagnosis_pairs`; ``real``: measured robots; ``worlds``: arms, controllers and
+loggers simulated by MuJoCo, see :mod:`benchmarks.worlds`. Rows go to
 ``benchmarks/results/`` as JSON lines, tables beside them. The suite goes through its cases in a random
 order, so that a part of it says what the whole would; it skips what is finished already, and several
 processes may share it (``--share``).
@@ -13,6 +15,7 @@ processes may share it (``--share``).
 import argparse
 import json
 import os
+import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: see jaxswarm.cli
 
@@ -20,6 +23,9 @@ import jax
 import numpy as np
 
 from benchmarks.timing import RESULTS, write_lines
+
+NEEDS = ("data",)
+TAKES = "practice 5 minutes, real 5, pairs 30, suite 90 on one core; --fast minutes"
 
 
 def practice(only: set[str]) -> None:
@@ -85,8 +91,12 @@ def suite(fast: bool, only: set[str], share: str) -> None:
 
 
 def main() -> None:
+    if sys.argv[1:2] == ["worlds"]:
+        from benchmarks.worlds.command import main as worlds
+
+        return worlds(sys.argv[2:])
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("part", choices=["practice", "suite", "pairs", "real"])
+    parser.add_argument("part", choices=["practice", "suite", "pairs", "real", "worlds"])
     parser.add_argument(
         "--fast", action="store_true", help="suite: one case per effect; pairs: four"
     )

@@ -42,6 +42,8 @@ from jaxswarm.robot import (
 from jaxswarm.robot.placements import body_parameters
 from jaxswarm.simulate import make_plant, open_loop, polynomial_sincos, rest
 
+NEEDS = ("pinocchio", "mujoco", "diffrax", "frax")
+TAKES = "10 minutes; --fast 3 minutes"
 DT = 1e-3
 PEER_BATCH = 1000
 

@@ -29,6 +29,8 @@ from jaxswarm.identify.simulation_error.output_error import Experiment, OutputPr
 from jaxswarm.robot import emps
 from jaxswarm.simulate import Acting, Cascade, Reference, make_plant, rest, track
 
+NEEDS = ("data",)
+TAKES = "2 minutes"
 KP, KV, LIMIT = 160.18, 243.45, 10.0
 GAIN = float(emps().drive_gain[0])
 PUBLISHED = {"train": (0.0138, 0.229, 5.85), "test": (0.0080, 0.479, 8.94)}

@@ -41,6 +41,8 @@ from jaxswarm.robot import (
     standard_parameter_names,
 )
 
+NEEDS = ("data",)
+TAKES = "5 minutes; one of --only a minute"
 FRICTION = "viscous_friction,coulomb_friction"
 FULL = f"{FRICTION},torque_offset,rotor_inertia"
 WRIST = "transmission_coupling@joint5:joint6,transmission_coupling@joint6:joint5"
@@ -56,7 +58,7 @@ def fit_and_score(name, effects, train, test, filtering=None) -> dict:
     """One row: a model fitted on one log and scored on both."""
     robot = load_robot(name)
     seen = prepare(train, filtering)
-    unseen = prepare(test, Filtering(seen.motion_cutoff, seen.torque_cutoff))
+    unseen = prepare(test, seen.filtering)
     found = estimate(robot, parse_terms(effects, robot.joints), [seen])
     on_train, on_test = log_errors(found.model, seen), log_errors(found.model, unseen)
     return {

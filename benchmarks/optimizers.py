@@ -27,6 +27,9 @@ from benchmarks.problems import PROBLEMS, instance  # noqa: E402
 from benchmarks.solvers import solvers  # noqa: E402
 from benchmarks.timing import RESULTS, machine  # noqa: E402
 
+NEEDS = ("evosax", "pyswarms", "pymoo", "mealpy")
+TAKES = "an hour for all solvers in 4, 13 and 30 dimensions; --fast minutes"
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)

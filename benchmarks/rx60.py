@@ -25,6 +25,8 @@ import sys
 import tempfile
 import time
 
+NEEDS = ("pyswarms", "mealpy")
+TAKES = "10 minutes; --fast 2 minutes"
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "2")
 
 PARTICLES, STEPS, RUNS = 50, 500, 40

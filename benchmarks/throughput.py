@@ -13,6 +13,8 @@ import os
 import subprocess
 import sys
 
+NEEDS = ("evosax", "pyswarms")
+TAKES = "5 to 10 minutes; --fast 1 minute"
 SIZES = ((50, 13, 1), (50, 13, 10), (50, 13, 1000), (1000, 13, 1), (10000, 50, 1))
 TARGETS = (
     "50x13x1000: at least 2 times evosax, at most 1.25 times the update without random numbers; "

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from jaxswarm import console
+from jaxswarm.cli_robot import RobotName, robot_commands, with_robot_options
 from jaxswarm.errors import InputError
 
 app = typer.Typer(
@@ -20,7 +21,6 @@ app = typer.Typer(
 )
 
 Logs = Annotated[list[Path], typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")]
-RobotName = Annotated[str, typer.Option("--robot", help="Built-in name, .urdf or .toml file.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 Validation = Annotated[Path | None, typer.Option("--validation", help="Log to score on.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
@@ -59,6 +59,9 @@ def _start() -> None:
         home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         jax.config.update("jax_compilation_cache_dir", str(home / "jaxswarm" / "compiled"))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+app.add_typer(robot_commands(_start), name="robots")
 
 
 @app.command()
@@ -109,6 +112,7 @@ def study(
 
 
 @app.command()
+@with_robot_options(_start)
 def identify(
     logs: Logs,
     robot: RobotName,
@@ -145,6 +149,7 @@ def identify(
 
 
 @app.command()
+@with_robot_options(_start)
 def diagnose(
     logs: Logs,
     robot: RobotName,
@@ -206,6 +211,7 @@ def predict(
 
 
 @app.command()
+@with_robot_options(_start)
 def excite(
     robot: RobotName,
     limits: Annotated[Path, typer.Option(help="TOML file: what every joint may do.")],
@@ -252,20 +258,6 @@ def effects(json: Json = False) -> None:
         for law in sorted(REGISTRY.values(), key=lambda law: law.name)
     ]
     console.table(rows, json, ("effect", "scope", "law", "reference"))
-
-
-@app.command()
-def robots(json: Json = False) -> None:
-    """List the built-in robots."""
-    _start()
-    from jaxswarm.robot import BUILTIN_ROBOTS
-
-    rows = []
-    for name, make in sorted(BUILTIN_ROBOTS.items()):
-        arm = make()
-        about = (make.__doc__ or "").strip().splitlines()[0]
-        rows.append({"robot": name, "joints": list(arm.joints), "about": about})
-    console.table(rows, json, ("robot", "joints", "about"))
 
 
 @app.command()

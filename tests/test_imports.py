@@ -14,6 +14,7 @@ ALLOWED = {
     "errors": set(),
     "outputs": set(),
     "console": {"outputs"},
+    "catalog": set(),
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -24,12 +25,13 @@ ALLOWED = {
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console"},
+    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console", "cli_robot"},
+    "cli_robot": {"robot", "console", "catalog"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
-    **dict.fromkeys(("space", "schedules", "random", "pytree"), "leaves"),
+    **dict.fromkeys(("space", "schedules", "random", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "loop", "stopping", "result"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "sharding", "contract"), "tools"),

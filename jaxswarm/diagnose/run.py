@@ -66,7 +66,7 @@ def diagnose_files(
         return result
     gains = np.asarray(robot.drive_gain)
     further = [read_log(path, robot.joints, gains) for path in validation or ()]
-    band = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+    band = motions[0].filtering
     for log in further:  # what cannot be scored on is refused before the work, not after it
         prepare(log, band)
     journal = Journal(out, fingerprint(robot, motions, terms, options.seed))

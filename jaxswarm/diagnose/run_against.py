@@ -11,17 +11,19 @@ from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
-from jaxswarm.diagnose.selection.changes import Change, Comparison, compare
+from jaxswarm.diagnose.selection.change_apply import Change, with_changes
+from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
-from jaxswarm.identify.run import Options
+from jaxswarm.identify.run import Options, refuse_resting_joints
 from jaxswarm.logs import read_log, summarize
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot.load import load_robot
+from jaxswarm.robot.model import Robot
 
 
 def compare_files(
@@ -63,6 +65,7 @@ def compare_files(
     progress("reading logs")
     gains = np.asarray(model.robot.drive_gain)
     logs = [read_log(path, robot.joints, gains) for path in paths]
+    refuse_resting_joints(logs, robot)
     further = [read_log(path, robot.joints, gains) for path in validation or ()]
     motions = [prepare(log, model.filtering) for log in logs]
     unseen = [prepare(log, model.filtering) for log in further]
@@ -83,12 +86,13 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     diagnosis = _as_diagnosis(found)
     left = find_unexplained(found.after, found.background, seed)
     result = to_result(diagnosis, left, unseen)
-    joints = found.before.model.robot.joints
-    kinds = found.before.model.robot.kinds
+    robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):
-        kind = "revolute" if change.term.joint is None else kinds[change.term.joint]
-        entry["parameters"] = _parameters(change, kind)
-        entry["change_of_known"] = change.known
+        entry["parameters"] = _parameters(change, robot)
+    pairs = list(zip(result["effects"], found.changes, strict=True))
+    result["effects"] = [entry for entry, change in pairs if not change.known]
+    result["changed"] = [entry for entry, change in pairs if change.known]
+    result["reasons"] = _reasons(found)
     measured, moving = found.before.regression.torque, found.before.regression.moving
     if not unseen:
         before = _errors(measured, found.before.fit.residual, moving)
@@ -97,7 +101,7 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
         result["error"]["after"] = stages[-1] if stages else before
         for step, one, other in zip(result["steps"], [before, *stages], stages, strict=False):
             step["before"], step["after"] = one, other
-    result["declared"] = [place(t, joints) for t in found.before.model.terms]
+    result["declared"] = [place(t, robot.joints) for t in found.before.model.terms]
     return result, diagnosis, left
 
 
@@ -106,23 +110,42 @@ def _errors(measured: np.ndarray, residual: np.ndarray, moving: np.ndarray) -> d
     return {**errors, "on": "blocks of the new log the changes were not fitted to"}
 
 
-def _parameters(change: Change, kind: str) -> dict:
+def _parameters(change: Change, robot: Robot) -> dict:
+    """Values with intervals; of what was known the present ones, with the earlier ones and the change."""
     term = change.term
-    if set(term.values) >= {p.name for p in term.law.parameters}:
-        table = term_parameters(term, kind, change.std_errors)
-    else:
-        missing = {p.name: 0.0 for p in term.law.parameters}
-        table = term_parameters(
-            replace(term, values={**missing, **term.values}), kind, change.std_errors
+    missing = {p.name: 0.0 for p in term.law.parameters}
+    moved = replace(term, values={**missing, **term.values})
+    told = with_intervals(term_parameters(moved, robot, change.std_errors))
+    if not change.known:
+        return told
+    now = replace(term, values={**moved.values, **change.now})
+    table = with_intervals(term_parameters(now, robot, change.now_errors))
+    for name in change.std_errors:
+        table[name]["before"] = change.now[name] - term.values[name]
+        table[name]["change"] = told[name]
+    return table
+
+
+def _reasons(found: Comparison) -> list[str]:
+    """What a reader of the intervals, and of what is missing among the changes, has to know."""
+    joints = found.before.model.robot.joints
+    told = [f"{term.label(joints)} {why}; it was not added" for term, why in found.refused]
+    if found.changes and found.before.model.uncertainty is None:
+        told.append(
+            "the earlier model tells no covariance of its parameters, so the intervals do not carry its "
+            "uncertainty: identify it again"
         )
-    return with_intervals(table)
+    return told
 
 
 def _as_diagnosis(found: Comparison) -> Diagnosis:
     """The same outcome in the shape the report knows."""
     before = (found.before, *found.stages)
-    steps = tuple(
-        Step(change.term, change.score, (), change.others, one, other, ())
-        for change, one, other in zip(found.changes, before, found.stages, strict=False)
+    steps = []
+    for k, (one, other) in enumerate(zip(before, found.stages, strict=False)):
+        change = found.changes[k]
+        rest = with_changes(found.before, found.changes[:k] + found.changes[k + 1 :])
+        steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
+    return Diagnosis(
+        found.before, found.after, tuple(steps), found.last, found.background, found.asked
     )
-    return Diagnosis(found.before, found.after, steps, found.last, found.background, found.asked)

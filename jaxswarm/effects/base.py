@@ -62,6 +62,7 @@ class Effect:
         uses_direction: Whether its torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
+        requires: Channels of the log it needs beside motion and torque, by name.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Effect:
     uses_direction: bool = False
     uses_load: bool = False
     derived: Callable[[dict], dict] | None = None
+    requires: tuple[str, ...] = ()
 
     @property
     def linear(self) -> tuple[Parameter, ...]:

@@ -70,5 +70,8 @@ register(
         reference="Khalil, Gautier, Lemoine 2007, ICRA",
         body=lambda p: jnp.stack([jnp.asarray(p[one.name], float) for one in _PAYLOAD]),
         reference_only=True,
+        derived=lambda p: (
+            {f"c{a}": (p[f"mc{a}"] / p["m"], "m") for a in "xyz"} if p["m"] > 0 else {}
+        ),
     )
 )

@@ -39,6 +39,10 @@ class TorqueLaw(Effect):
         """Whether there are nonlinear parameters."""
         return bool(self.nonlinear)
 
+    def neutral(self) -> dict[str, float]:
+        """Without its linear parameters there is no torque."""
+        return {p.name: 0.0 if p.linear else p.nominal for p in self.parameters}
+
     def check(self) -> None:
         """Refuse a law without a torque, or one of the whole arm."""
         super().check()
@@ -105,7 +109,8 @@ class BodyChange(Effect):
 
     Attributes:
         gravity: ``gravity(p, gravity) -> gravity`` [m/s^2], (3,).
-        body: ``body(p) -> (10,)``: inertial parameters added to the last link, linear in p.
+        body: ``body(p) -> (10,)``: inertial parameters added to the last link, its ten parameters in
+            their standard order.
     """
 
     gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
@@ -132,10 +137,10 @@ class BodyChange(Effect):
                 f"effect {self.name!r} is a change of the body: it needs scope 'global', exactly one of "
                 "gravity and body, and no linear parameter"
             )
-        if self.body is not None and not self.reference_only:
+        if self.body is not None and not (self.reference_only and len(self.parameters) == 10):
             raise ValueError(
                 f"effect {self.name!r} adds to the last link, which every fit finds as a whole: it needs "
-                "reference_only=True"
+                "reference_only=True and ten inertial parameters"
             )
 
 

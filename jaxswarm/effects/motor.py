@@ -55,7 +55,8 @@ register(
         summary="k (q - q0): balancer, cable",
         reference="Khalil, Dombre 2002, ch. 9",
         torque=lambda p, s: p["k"] * s.q + p["tau0"],
-        derived=lambda p: {"q0": (-p["tau0"] / p["k"], "rad")},
+        # Without stiffness there is no position of rest.
+        derived=lambda p: {"q0": (-p["tau0"] / p["k"], "rad")} if p["k"] else {},
         contains=("torque_offset",),
         shown_against="position",
         export=(Export("mjcf", _spring_attributes, adds=False, holds=lambda p: p["k"] > 0),),

@@ -9,6 +9,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.model import Model, load_model, model_torque
 from jaxswarm.logs import Log, read_log
+from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.motion import Motion, prepare
 
 
@@ -43,6 +44,7 @@ def predict_log(model: Model, log: Log) -> tuple[np.ndarray, np.ndarray, Motion]
     """Torque of a model at a log's own time stamps: times (T,), torque (T, n), and the motion used."""
     motion = prepare(log, model.filtering)
     torque = model_torque(model, motion)
-    own = log.t - log.t[0]
+    own = with_sample_times(log).t
+    own = own - own[0]
     columns = [np.interp(own, motion.t, torque[:, j]) for j in range(torque.shape[1])]
     return log.t, np.column_stack(columns), motion

@@ -39,7 +39,7 @@ def read_motions(paths: list[Path], robot: Robot, filtering: Filtering) -> tuple
     for path in paths:
         log = read_log(path, robot.joints, np.asarray(robot.drive_gain))
         motion = prepare(log, filtering)
-        filtering = Filtering(motion.motion_cutoff, motion.torque_cutoff)
+        filtering = motion.filtering
         logs.append(log)
         motions.append(motion)
     return logs, motions
@@ -96,7 +96,7 @@ def identify_files(
     refuse_resting_joints(logs, robot)
     unseen = None
     if validation is not None:
-        filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+        filtering = motions[0].filtering
         unseen = prepare(
             read_log(validation, robot.joints, np.asarray(robot.drive_gain)), filtering
         )

@@ -112,12 +112,12 @@ def synthetic_log(
         tau=None,
         channels={},
         decimator=Decimator(np.ones(1), 1),
-        motion_cutoff=np.inf,
+        motion_cutoff=(np.inf,) * robot.num_joints,
         torque_cutoff=np.inf,
         interval=1.0 / rate,
         torque_noise=None,
     )
-    model = Model(robot, terms, width, Filtering(), (1.0,) * robot.num_joints)
+    model = Model(robot, terms, (width,) * robot.num_joints, Filtering(), (1.0,) * robot.num_joints)
     clean = model_torque(model, motion)
     return Log(
         source=motion.source,

@@ -3,7 +3,7 @@ r"""Zero-phase filtering, differentiation and decimation that treat both sides o
 A torque model is compared with data only where its motion is known. Positions carry noise of spectral
 density :math:`S_n`; two differentiations amplify it by :math:`(2\pi f)^4`. Above the valley of the
 acceleration's spectrum (:func:`acceleration_valley`) it is noise,
-so the motion is low-passed there (:func:`smooth`, no phase), and torque *and* every
+so the motion is low-passed below it (:mod:`jaxswarm.logs.smoothing`, no phase), and torque *and* every
 model column pass the same decimating low-pass below it (:class:`Decimator`): the "parallel filter" of
 M. Gautier, "Dynamic identification of robots with power model", ICRA 1997.
 """
@@ -11,44 +11,12 @@ M. Gautier, "Dynamic identification of robots with power model", ICRA 1997.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import interpolate, linalg, signal
+from scipy import interpolate, signal
+
+from jaxswarm.logs.smoothing import WHOLE_BAND
 
 # Densities within this factor of the lowest count as the valley's floor.
 _FLAT = 1.5
-
-
-def smooth(x: np.ndarray, rate: float, cutoff: float) -> np.ndarray:
-    r"""Low-pass along the first axis by penalized fourth differences (Whittaker smoothing).
-
-    Minimizes ``||x - y||^2 + weight ||D^4 y||^2``. Inside the log its response is
-    :math:`1/(1 + (\omega/\omega_c)^8)`, that of a fourth-order Butterworth filter run forward and
-    backward; at the ends it needs no made-up samples, where padding spoils accelerations.
-    Reference: P. H. C. Eilers, "A perfect smoother", Anal. Chem. 75 (2003).
-
-    Args:
-        x: Signal, shape (T, ...).
-        rate: Sampling rate [Hz].
-        cutoff: Frequency [Hz] at which the amplitude is halved; at or above 95 % of the Nyquist
-            frequency the signal is returned as it is.
-
-    >>> t = np.arange(0, 2, 0.01)
-    >>> slow, fast = np.sin(2 * np.pi * t), np.sin(2 * np.pi * 40 * t)
-    >>> bool(np.abs(smooth(slow + fast, 100.0, 10.0) - slow)[20:-20].max() < 1e-2)
-    True
-    """
-    if cutoff >= 0.475 * rate or len(x) <= 8:
-        return np.array(x, dtype=float)
-    weight = (2.0 * np.sin(np.pi * cutoff / rate)) ** -8
-    length = len(x)
-    stencil = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-    # Upper bands of I + weight D'D, with D of shape (T - 4, T).
-    bands = np.zeros((5, length))
-    for i in range(5):
-        for j in range(i, 5):
-            bands[4 - (j - i), j : length - 4 + j] += weight * stencil[i] * stencil[j]
-    bands[4] += 1.0
-    flat = np.asarray(x, dtype=float).reshape(length, -1)
-    return linalg.solveh_banded(bands, flat, check_finite=False).reshape(np.shape(x))
 
 
 def derivatives(x: np.ndarray, rate: float, order: int) -> list[np.ndarray]:
@@ -63,8 +31,8 @@ def derivatives(x: np.ndarray, rate: float, order: int) -> list[np.ndarray]:
     return [spline.derivative(k)(clock) for k in range(1, order + 1)]
 
 
-def acceleration_valley(position: np.ndarray, rate: float) -> float:
-    """Find the frequency [Hz] at which differentiation noise overtakes a motion.
+def acceleration_valley(position: np.ndarray, rate: float) -> np.ndarray:
+    """Find the frequency [Hz] at which differentiation noise overtakes a motion, joint by joint.
 
     The density of the acceleration, that of the position times (2 pi f)^4, falls with the motion and
     rises again with the noise; its lowest stretch, in third-octave averages, lies between them whether
@@ -72,14 +40,17 @@ def acceleration_valley(position: np.ndarray, rate: float) -> float:
     density may dip between the harmonics of a motion.
 
     Args:
-        position: Shape (T,) or (T, n); of several joints the median valley is returned.
+        position: Shape (T,) or (T, n).
         rate: Sampling rate [Hz].
+
+    Returns:
+        Shape (n,); 47.5 % of the sampling rate for a joint at rest.
     """
     frequency, density, _ = noise_floor(position, rate)
     density = density * (2.0 * np.pi * frequency[:, None]) ** 4
     grid = np.geomspace(max(4.0 * frequency[1], 1e-9), 0.45 * rate, 60)
-    valleys = []
-    for power in density.T:
+    valleys = np.full(density.shape[1], WHOLE_BAND * rate)
+    for j, power in enumerate(density.T):
         if power[1:].max(initial=0.0) <= 0.0:
             continue
         near = [(frequency >= f / 1.19) & (frequency <= f * 1.19) for f in grid]
@@ -87,8 +58,8 @@ def acceleration_valley(position: np.ndarray, rate: float) -> float:
         # Motion peaks in the low decade of the band; the valley comes after.
         peak = int(np.argmax(np.where(grid <= 10.0 * grid[0], average, 0.0)))
         low = np.flatnonzero(average[peak:] <= _FLAT * average[peak:].min())
-        valleys.append(grid[peak + low[-1]])
-    return float(np.median(valleys)) if valleys else 0.475 * rate
+        valleys[j] = grid[peak + low[-1]]
+    return valleys
 
 
 def noise_floor(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

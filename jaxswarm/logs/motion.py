@@ -11,27 +11,15 @@ import numpy as np
 from scipy import interpolate, signal
 
 from jaxswarm.errors import InputError
-from jaxswarm.logs.filtering import (
-    Decimator,
-    acceleration_valley,
-    derivatives,
-    design_decimator,
-    energy_band,
-    noise_floor,
-    smooth,
-    white_noise,
-)
+from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
+from jaxswarm.logs.clock import with_sample_times
+from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
+from jaxswarm.logs.smoothing import smooth
 
 # Working rate per band of the motion: friction jumps where a joint reverses, and a jump between samples
 # folds back into the band, which moves the sign's width and every delay.
 _RATE = 16.0
-# Motion is kept up to this multiple of the valley between motion and noise.
-_MOTION_BAND = 1.3
-# Share of the torque's variance that the compared band has to hold.
-_TORQUE_ENERGY = 0.9999
-# The torque is compared over this share of the band in which the motion is known.
-_TORQUE_BAND = 0.6
 
 
 @dataclass(frozen=True)
@@ -39,9 +27,11 @@ class Filtering:
     """What to do with a log; None means: chosen from the data.
 
     Attributes:
-        motion_cutoff: Zero-phase low-pass of positions [Hz].
+        motion_cutoff: Zero-phase low-pass of positions [Hz], the same for every joint and log; None: of
+            every joint and log its own.
         torque_cutoff: Shared low-pass of torque and columns [Hz].
-        use_logged_velocity: Whether a logged ``dq`` is used in place of a differentiated ``q``.
+        use_logged_velocity: Whether a logged ``dq`` is used beside ``q``; None: where both tell one
+            motion.
         skew: Time by which the torque lags the positions [s], a fraction of the sampling interval: a
             torque that is sampled and held is late by up to half of it.
     """
@@ -64,7 +54,9 @@ class Motion:
         tau: Measured torque on the same clock, (T, n), or None.
         channels: Further channels on the same clock.
         decimator: The low-pass and decimation shared by torque and columns.
-        motion_cutoff, torque_cutoff: The frequencies used [Hz].
+        motion_cutoff: The low-pass of every joint's motion [Hz], (n,).
+        torque_cutoff: That of torque and columns [Hz].
+        asked: What was asked for.
         interval: Median sampling interval of the log [s].
         skew: Time by which the motion was moved against the torque [s].
         torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
@@ -80,12 +72,18 @@ class Motion:
     tau: np.ndarray | None
     channels: dict[str, np.ndarray]
     decimator: Decimator
-    motion_cutoff: float
+    motion_cutoff: tuple[float, ...]
     torque_cutoff: float
     interval: float
     torque_noise: np.ndarray | None
     notes: tuple[str, ...] = field(default=())
     skew: float = 0.0
+    asked: Filtering = Filtering()
+
+    @property
+    def filtering(self) -> Filtering:
+        """How another log has to be prepared to be compared with this one."""
+        return replace(self.asked, torque_cutoff=self.torque_cutoff, skew=self.skew)
 
     @property
     def rate(self) -> float:
@@ -127,34 +125,33 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         raise InputError(
             f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least 20"
         )
+    log = with_sample_times(log)
     full_clock, rate = _uniform(log)
     q = _resample(log.t, log.q, full_clock, cubic=True)
-    motion_cutoff, torque_cutoff = _cutoffs(filtering, log, q, full_clock, rate)
+    logged = None
+    if log.dq is not None and filtering.use_logged_velocity is not False:
+        logged = _resample(log.t, log.dq, full_clock, cubic=False)
+    measured = None if log.tau is None else _resample(log.t, log.tau, full_clock, cubic=False)
+    band = _band(filtering, find_band(q, rate, log.joints, logged, measured))
+    torque_cutoff = band.torque
     if not 0.0 < torque_cutoff <= 0.5 * rate:
         raise InputError(
             f"{log.source}: torque cutoff {torque_cutoff:g} Hz is outside (0, {0.5 * rate:g}] Hz, "
             "half the sampling rate; choose a lower one"
         )
-    logged = None if log.dq is None else _resample(log.t, log.dq, full_clock, cubic=False)
-    use_velocity = filtering.use_logged_velocity
-    if use_velocity is None:
-        use_velocity = logged is not None and _velocity_is_cleaner(q, logged, rate, motion_cutoff)
-    stride = max(1, int(rate / (_RATE * motion_cutoff)))
+    stride = max(1, int(rate / (_RATE * band.motion.max())))
     working = rate / stride
     clock = full_clock[::stride]
-    q = smooth(_thin(q, rate, stride), working, motion_cutoff)
+    velocity = None if band.ratio is None else _thin(logged, rate, stride)
+    q = smooth(_thin(q, rate, stride), working, band.motion, velocity, band.ratio)
     dq, ddq = derivatives(q, working, 2)
-    if use_velocity and logged is not None:
-        dq = smooth(_thin(logged, rate, stride), working, motion_cutoff)
-        ddq = derivatives(dq, working, 1)[0]
     if log.ddq is not None:
         given = _resample(log.t, log.ddq, full_clock, cubic=False)
-        ddq = smooth(_thin(given, rate, stride), working, motion_cutoff)
+        ddq = smooth(_thin(given, rate, stride), working, band.motion)
     tau = noise = None
-    if log.tau is not None:
-        raw = _resample(log.t, log.tau, full_clock, cubic=False)
-        noise = white_noise(raw) * np.sqrt(torque_cutoff / (0.5 * rate))
-        tau = _thin(raw, rate, stride)
+    if measured is not None:
+        noise = white_noise(measured) * np.sqrt(torque_cutoff / (0.5 * rate))
+        tau = _thin(measured, rate, stride)
     decimator = design_decimator(working, torque_cutoff)
     if len(decimator.kept(len(clock))) < 10:
         decimator = Decimator(np.ones(1), 1)
@@ -171,29 +168,23 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
             for name, x in log.channels.items()
         },
         decimator=decimator,
-        motion_cutoff=float(motion_cutoff),
+        motion_cutoff=tuple(map(float, band.motion)),
         torque_cutoff=float(torque_cutoff),
         interval=1.0 / rate,
         torque_noise=noise,
-        notes=log.notes,
+        notes=(*log.notes, *band.notes),
+        asked=replace(filtering, skew=0.0),
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
 
 
-def _cutoffs(
-    filtering: Filtering, log: Log, q: np.ndarray, clock: np.ndarray, rate: float
-) -> tuple[float, float]:
-    """Cutoffs [Hz] of motion and torque: those asked for, else found from the spectra."""
-    motion = min(_MOTION_BAND * acceleration_valley(q, rate), 0.4 * rate)
-    torque = _TORQUE_BAND * motion
-    if log.tau is not None:
-        # Above the band that holds the torque, errors of phase and structure are all there is.
-        holds = energy_band(_resample(log.t, log.tau, clock, cubic=False), rate, _TORQUE_ENERGY)
-        if holds < torque:
-            torque, motion = holds, min(motion, 2.0 * holds)
+def _band(filtering: Filtering, found: Band) -> Band:
+    """The frequencies asked for, else those found."""
     if filtering.motion_cutoff:
-        motion, torque = filtering.motion_cutoff, _TORQUE_BAND * filtering.motion_cutoff
-    return motion, filtering.torque_cutoff or torque
+        motion = np.full(len(found.motion), filtering.motion_cutoff)
+        torque = TORQUE_BAND * filtering.motion_cutoff
+        found = replace(found, motion=motion, torque=torque)
+    return replace(found, torque=filtering.torque_cutoff or found.torque)
 
 
 def shift_motion(motion: Motion, seconds: float) -> Motion:
@@ -217,12 +208,3 @@ def _thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
         return np.asarray(x, dtype=float)
     sections = signal.butter(6, 0.4 * rate / stride, fs=rate, output="sos")
     return signal.sosfiltfilt(sections, x, axis=0)[::stride]
-
-
-def _velocity_is_cleaner(q: np.ndarray, dq: np.ndarray, rate: float, cutoff: float) -> bool:
-    """Whether a logged velocity carries less noise below ``cutoff`` than the derivative of q.
-
-    White position noise of density S gives S (2 pi)^2 cutoff^3 / 3 of velocity variance.
-    """
-    position, velocity = noise_floor(q, rate)[2], noise_floor(dq, rate)[2]
-    return bool(np.median(velocity - position * (2.0 * np.pi * cutoff) ** 2 / 3.0) < 0.0)

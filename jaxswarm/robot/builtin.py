@@ -11,8 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from jaxswarm.robot.build import build_robot
 from jaxswarm.robot.dh import robot_from_dh
-from jaxswarm.robot.model import Joint, Robot, build_robot
+from jaxswarm.robot.joints import Joint
+from jaxswarm.robot.model import Robot
 from jaxswarm.robot.placements import body_parameters, move_parameters, rotation_rpy, rotation_x
 
 RIGHT = np.pi / 2

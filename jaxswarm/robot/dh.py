@@ -18,7 +18,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.robot.model import STANDARD_GRAVITY, Joint, Robot, build_robot
+from jaxswarm.robot.build import build_robot
+from jaxswarm.robot.joints import STANDARD_GRAVITY, Joint
+from jaxswarm.robot.model import Robot
 from jaxswarm.robot.placements import rotation_x, rotation_z
 
 CONVENTIONS = ("modified", "standard")

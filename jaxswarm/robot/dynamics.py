@@ -12,6 +12,7 @@ Featherstone 2008, chapter 5.
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.robot import many
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.kinematics import (
     LinkMotion,
@@ -60,9 +61,19 @@ def bias_forces(robot: Robot, q: jax.Array, dq: jax.Array, *, sincos: SinCos = s
 
 
 def _torques(robot: Robot, q, dq, ddq, sincos: SinCos) -> list[sp.Entry]:
+    if many.is_many(robot):
+        poses = many.transforms(robot, q, sincos)
+        return list(many_torques(robot, poses, q, dq, ddq))
     transforms = joint_transforms(robot, q, sincos)
     motions = link_motions(robot, transforms, dq, ddq)
     return torques_of_motions(robot, transforms, motions)
+
+
+def many_torques(robot: Robot, poses, q, dq, ddq) -> jax.Array:
+    """Return the torques (n, ...) of a robot of many joints from the poses of its links."""
+    motion = LinkMotion(*many.link_motions(robot, poses, q, dq, ddq))
+    wrenches = link_wrench(many.of_joints(robot.parameters, 1, q), motion)
+    return many.torques(robot, poses, sp.settle(wrenches), q)
 
 
 def torques_of_motions(

@@ -22,6 +22,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.robot import many
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.model import Robot
 
@@ -151,6 +152,9 @@ def forward_kinematics(robot: Robot, q: jax.Array) -> tuple[jax.Array, jax.Array
     [0.29..., -0.049..., 0.237...]
     """
     q = jnp.asarray(q)
+    if many.is_many(robot):
+        turned, origin = many.base_transforms(robot, many.transforms(robot, q, sincos), q)
+        return jnp.stack([jnp.stack(row, 1) for row in turned], 1), jnp.stack(origin, 1)
     poses = base_transforms(robot, joint_transforms(robot, q))
     rotation = [jnp.stack([sp.stack(row, q[0]) for row in pose.rotation]) for pose in poses]
     position = [sp.stack(pose.translation, q[0]) for pose in poses]

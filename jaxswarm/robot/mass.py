@@ -18,8 +18,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.robot import many
 from jaxswarm.robot import spatial as sp
-from jaxswarm.robot.dynamics import torques_of_motions
+from jaxswarm.robot.dynamics import many_torques, torques_of_motions
 from jaxswarm.robot.kinematics import (
     SinCos,
     Transform,
@@ -40,6 +41,8 @@ def mass_matrix(robot: Robot, q: jax.Array, *, sincos: SinCos = sincos) -> jax.A
     8.7345
     """
     q = jnp.asarray(q)
+    if many.is_many(robot, many.MANY_IN_PAIRS):
+        return many.mass_matrix(robot, many.transforms(robot, q, sincos), q)
     matrix = mass_entries(robot, joint_transforms(robot, q, sincos))
     return jnp.stack([sp.stack(row, q[0]) for row in matrix])
 
@@ -66,6 +69,10 @@ def forward_dynamics(
     (3,)
     """
     q, dq, tau = jnp.asarray(q), jnp.asarray(dq), jnp.asarray(tau)
+    if many.is_many(robot, many.MANY_IN_PAIRS):
+        poses = many.transforms(robot, q, sincos)
+        load = tau - many_torques(robot, poses, q, dq, None)
+        return many.solve(many.mass_matrix(robot, poses, q), load)
     matrix, bias = equations_of_motion(robot, q, dq, sincos=sincos)
     load = [sp.minus(tau[i], bias[i]) for i in range(robot.num_joints)]
     return sp.stack(solve_symmetric(matrix, load), q[0])
@@ -78,6 +85,11 @@ def equations_of_motion(
 
     ``q`` and ``dq`` are sequences of n entries. The simulation adds effects to both, then solves.
     """
+    if many.is_many(robot, many.MANY_IN_PAIRS):
+        q, dq = jnp.stack(list(q)), jnp.stack(list(dq))
+        poses = many.transforms(robot, q, sincos)
+        mass = many.mass_matrix(robot, poses, q)
+        return [list(row) for row in mass], list(many_torques(robot, poses, q, dq, None))
     transforms = joint_transforms(robot, q, sincos)
     motions = link_motions(robot, transforms, dq, None)
     return mass_entries(robot, transforms), torques_of_motions(robot, transforms, motions)
@@ -139,6 +151,8 @@ def _joined(a, b):
 def solve_symmetric(matrix: Entries, right: list[sp.Entry]) -> list[sp.Entry]:
     """Solve A x = b for a symmetric positive definite A given as entries, by A = L D L^T."""
     n = len(right)
+    if n > many.MANY_IN_PAIRS:
+        return many.solve_symmetric(matrix, right)
     lower: Entries = [[0.0] * n for _ in range(n)]
     inverse: list[sp.Entry] = [0.0] * n
     scaled: Entries = [[0.0] * n for _ in range(n)]  # L D

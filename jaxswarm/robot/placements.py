@@ -50,6 +50,20 @@ def rotation_rpy(rpy: np.ndarray) -> np.ndarray:
     return snap(rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll))
 
 
+def rotation_about(axis: np.ndarray, angle: float) -> np.ndarray:
+    """Return the rotation by an angle in rad about a unit axis (3,), shape (3, 3)."""
+    x, y, z = (float(v) for v in axis)
+    turn = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return snap(np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn))
+
+
+def rotation_quaternion(quaternion: np.ndarray) -> np.ndarray:
+    """Return the rotation (3, 3) of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = (float(v) for v in quaternion)
+    turn = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return snap(np.eye(3) + 2.0 * w * turn + 2.0 * (turn @ turn))
+
+
 def inertia_matrix(parameters: np.ndarray) -> np.ndarray:
     """Return the (3, 3) inertia of ten link parameters, about the frame's origin, in kg m^2."""
     xx, xy, yy, xz, yz, zz = np.asarray(parameters, dtype=float)[4:]

@@ -16,6 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.robot import many
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.kinematics import (
     LinkMotion,
@@ -49,49 +50,49 @@ def regressor(
     """
     q, dq, ddq = jnp.asarray(q), jnp.asarray(dq), jnp.asarray(ddq)
     n, lanes = robot.num_joints, q.shape[1:]
-    transforms = joint_transforms(robot, q, sincos)
-    motions = link_motions(robot, transforms, dq, ddq)
-    poses = base_transforms(robot, transforms)
-    axes = [
-        sp.rotate(pose.rotation, axis)
-        for pose, axis in zip(poses, sp.entries(robot.axis, 2), strict=True)
-    ]
+    rotation, translation, motion = _of_links(robot, q, dq, ddq, sincos)
+    axes = sp.rotate(rotation, many.of_joints(robot.axis, 1, q))
 
-    def of_links(vectors: list[sp.Vector]) -> sp.Vector:
+    def of_links(entries):
         """Entries of shape (1, n, ...): one number for each link."""
-        return tuple(sp.stack(x, q[0])[None] for x in zip(*vectors, strict=True))
+        return jax.tree.map(lambda x: x[None], entries)
 
-    def of_joints(vectors: list[sp.Vector]) -> sp.Vector:
+    def of_joints(entries):
         """Entries of shape (n, 1, ...): one number for each joint."""
-        return tuple(sp.stack(x, q[0])[:, None] for x in zip(*vectors, strict=True))
+        return jax.tree.map(lambda x: x[:, None], entries)
 
     def pairs(mask: np.ndarray) -> jax.Array:
         return jnp.asarray(mask, q.dtype).reshape(mask.shape + (1,) * len(lanes))
 
-    turns = np.array([kind == "revolute" for kind in robot.kinds])[:, None]
-    carries = ancestors(robot)
+    turns = many.turning(robot)[:, None]
+    carries = many.ancestors(robot)
     axis = of_joints(axes)
-    arm = sp.subtract(
-        of_links([pose.translation for pose in poses]),
-        of_joints([pose.translation for pose in poses]),
-    )
+    arm = sp.subtract(of_links(translation), of_joints(translation))
     angular = sp.scale(pairs(carries & turns), axis)
     linear = sp.cross(angular, arm)
     if not turns.all():
         linear = sp.add(linear, sp.scale(pairs(carries & ~turns), axis))
-    rotation = tuple(of_links([pose.rotation[row] for pose in poses]) for row in range(3))
-    motion = LinkMotion(*(of_links(list(part)) for part in zip(*motions, strict=True)))
+    rotation, motion = of_links((rotation, motion))
     row = link_row(motion, sp.rotate_back(rotation, angular), sp.rotate_back(rotation, linear))
     return jnp.stack(row, axis=2).reshape((n, 10 * n, *lanes))
 
 
-def ancestors(robot: Robot) -> np.ndarray:
-    """Return the (n, n) mask whose entry (j, i) tells whether joint j moves link i."""
-    mask = np.eye(robot.num_joints, dtype=bool)
-    for i, parent in enumerate(robot.parents):
-        if parent >= 0:
-            mask[:, i] |= mask[:, parent]
-    return mask
+def _of_links(robot: Robot, q, dq, ddq, sincos: SinCos):
+    """Return base rotation, base translation and motion of all links as entries (n, ...)."""
+    if many.is_many(robot):
+        poses = many.transforms(robot, q, sincos)
+        motion = LinkMotion(*many.link_motions(robot, poses, q, dq, ddq))
+        return *many.base_transforms(robot, poses, q), motion
+    transforms = joint_transforms(robot, q, sincos)
+    motions = link_motions(robot, transforms, dq, ddq)
+    poses = base_transforms(robot, transforms)
+
+    def vector(vectors) -> sp.Vector:
+        return tuple(sp.stack(x, q[0]) for x in zip(*vectors, strict=True))
+
+    rotation = tuple(vector(pose.rotation[row] for pose in poses) for row in range(3))
+    motion = LinkMotion(*(vector(part) for part in zip(*motions, strict=True)))
+    return rotation, vector(pose.translation for pose in poses), motion
 
 
 def link_row(motion: LinkMotion, angular: sp.Vector, linear: sp.Vector) -> list[sp.Entry]:

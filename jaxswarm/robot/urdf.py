@@ -1,46 +1,65 @@
-"""Robots from URDF: joints, placements and, where given, inertias.
+"""Robots from URDF: joints, placements, limits and, where given, inertias.
 
 A link's frame is the frame of the joint that carries it; its inertial element holds the inertia
-about the center of mass in axes of its own, which is moved to that frame. Fixed joints are lumped.
-The file itself is read by ``urdf_parser_py``, the ROS project's own reader.
+about the center of mass in axes of its own, which is moved to that frame. What does not concern
+dynamics (looks, sensors, transmissions, tags of simulators) is passed over, whatever it holds, and told
+in a note. The format is described at http://wiki.ros.org/urdf/XML.
 """
 
+from collections import Counter
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.robot.model import STANDARD_GRAVITY, Joint, Robot, build_robot
+from jaxswarm.robot.build import build_description
+from jaxswarm.robot.checks import SHORTEST_AXIS, shown
+from jaxswarm.robot.joints import DOWN, Description, Joint, Limits, Mimic
+from jaxswarm.robot.model import Robot
+from jaxswarm.robot.options import RobotOptions, apply_options
 from jaxswarm.robot.placements import body_parameters, move_parameters, rotation_rpy
+from jaxswarm.robot.xmltree import attribute, numbers, parse_xml, read_bytes
 
 _KINDS = {
     "revolute": "revolute",
     "continuous": "revolute",
     "prismatic": "prismatic",
     "fixed": "fixed",
+    "floating": "floating",
+    "planar": "planar",
 }
+# What there is no need to tell that it was passed over: it says how a robot looks or where it touches.
+_LOOKS = ("material", "visual", "collision")
+# Moments of inertia may miss the triangle inequality by rounding.
+_TRIANGLE = 1e-6
 
 
-def load_urdf(path: str | Path) -> Robot:
-    """Read a robot from a URDF file.
+def read_urdf(path: str | Path) -> Description:
+    """Read what a URDF file says.
 
     Raises:
         InputError: If the file cannot be read or does not describe a robot.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as text ({error}).") from error
-    return robot_from_urdf(text, source=str(path))
+    return describe_urdf(read_bytes(path), str(path))
+
+
+def load_urdf(path: str | Path) -> Robot:
+    """Read a robot from a URDF file, mimicking joints locked.
+
+    Raises:
+        InputError: If the file cannot be read or does not describe a robot.
+    """
+    return robot_from_urdf(read_bytes(path), source=str(path))
 
 
 def robot_from_urdf(
-    text: str,
+    text: str | bytes,
     *,
     source: str = "URDF",
-    gravity: tuple[float, float, float] = (0.0, 0.0, -STANDARD_GRAVITY),
+    gravity: tuple[float, float, float] = DOWN,
 ) -> Robot:
-    """Build a robot from the text of a URDF file.
+    """Build a robot from the text of a URDF file, mimicking joints locked.
 
     Args:
         text: The XML.
@@ -48,92 +67,168 @@ def robot_from_urdf(
         gravity: Acceleration of free fall in base axes, in m/s^2; URDF does not hold it.
 
     Raises:
-        InputError: If it does not parse, has joint types other than revolute, continuous, prismatic
-            and fixed, has mimic joints, or is no tree.
+        InputError: If it does not parse, has floating or planar joints, or is no tree.
 
     >>> xml = '''<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous">
     ...   <parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>'''
     >>> robot_from_urdf(xml).joints
     ('j',)
     """
-    description = _parse(text, source)
-    links = {link.name: link for link in description.links}
+    options = RobotOptions(gravity=tuple(gravity))
+    try:
+        return build_description(apply_options(describe_urdf(text, source), options))
+    except InputError as error:
+        raise InputError(str(error) if source in str(error) else f"{source}: {error}") from error
+
+
+def describe_urdf(text: str | bytes, source: str) -> Description:
+    """Return what the text of a URDF file says; see :func:`robot_from_urdf`."""
+    root = parse_xml(text, source)
+    if root.tag != "robot":
+        raise InputError(f"{source}: its root is <{root.tag}>: a URDF starts with <robot>.")
+    _refuse_xacro(root, source)
+    links = _links(root, source)
+    elements = [element for element in root if element.tag == "joint"]
     above: dict[str, str] = {}
-    for joint in description.joints:
-        for link in (joint.parent, joint.child):
-            if link not in links:
-                raise InputError(
-                    f"{source}: joint {joint.name!r} names link {link!r}, which is not there: "
-                    "add the link or correct the name."
-                )
-        if joint.child in above:
+    ends = [_ends(k, element, links, above, source) for k, element in enumerate(elements)]
+    roots = [link for link in links if link not in above]
+    if len(roots) > 1:
+        raise InputError(
+            f"{source}: the links {', '.join(map(shown, roots[:5]))} hang on no joint: one link is the "
+            "base, join or delete the others."
+        )
+    notes: list[str] = _passed_over(root)
+    joints = tuple(
+        _joint(element, name, above.get(parent), links[child], notes, source)
+        for element, (name, parent, child) in zip(elements, ends, strict=True)
+    )
+    for link in roots:  # the base has no dynamics; what it says has to be sound all the same
+        _parameters(links[link], notes, source)
+    return Description(root.get("name") or Path(source).stem, joints, notes=tuple(notes))
+
+
+def _refuse_xacro(root: Element, source: str) -> None:
+    for element in root.iter():
+        values = element.attrib.values()
+        if element.tag.startswith("xacro:") or any("${" in v or "$(" in v for v in values):
             raise InputError(
-                f"{source}: link {joint.child!r} hangs on two joints, {above[joint.child]!r} and "
-                f"{joint.name!r}: a tree is needed."
+                f"{source}: is a xacro template (<{element.tag}>): expand it first with "
+                f"'xacro {source} > robot.urdf' (package xacro of ROS, or pip install xacro)."
             )
-        above[joint.child] = joint.name
-    joints = [
-        _joint(joint, above.get(joint.parent), links[joint.child], source)
-        for joint in description.joints
-    ]
-    return build_robot(description.name or Path(source).stem, joints, gravity=gravity)
 
 
-def _parse(text: str, source: str):
-    try:
-        from urdf_parser_py import urdf
-        from urdf_parser_py.xml_reflection import core
-    except ImportError as error:
+def _links(root: Element, source: str) -> dict[str, Element]:
+    links: dict[str, Element] = {}
+    for k, element in enumerate(e for e in root if e.tag == "link"):
+        name = attribute(element, "name", f"{source}: link number {k + 1}")
+        if name in links:
+            raise InputError(f"{source}: link name {shown(name)} occurs twice: rename one.")
+        links[name] = element
+    return links
+
+
+def _ends(k: int, element: Element, links, above: dict[str, str], source: str):
+    """Return a joint's name, parent link and child link, and record whom the child hangs on."""
+    name = attribute(element, "name", f"{source}: joint number {k + 1}")
+    place = f"{source}: joint {shown(name)}"
+    ends = []
+    for tag in ("parent", "child"):
+        end = element.find(tag)
+        if end is None:
+            raise InputError(f"{place} has no <{tag}>: name the link.")
+        link = attribute(end, "link", place)
+        if link not in links:
+            raise InputError(
+                f"{place} names link {shown(link)}, which is not there: add the link or correct the name."
+            )
+        ends.append(link)
+    parent, child = ends
+    if child in above:
         raise InputError(
-            f"{source}: reading URDF needs the package urdf-parser-py: pip install urdf-parser-py."
-        ) from error
-    # The reader reports unknown tags (gazebo, sensors) by printing; they do not concern us.
-    told, core.on_error = core.on_error, lambda message: None
-    try:
-        return urdf.URDF.from_xml_string(text.encode())
-    except Exception as error:  # the reader raises whatever its XML layer raises
-        reason = " ".join(str(error).split())
-        raise InputError(f"{source}: not a readable URDF ({reason}): correct the file.") from error
-    finally:
-        core.on_error = told
-
-
-def _joint(joint, parent: str | None, link, source: str) -> Joint:
-    if joint.type not in _KINDS:
-        raise InputError(
-            f"{source}: joint {joint.name!r} is of type {joint.type!r}: "
-            f"only {', '.join(_KINDS)} are supported."
+            f"{source}: link {shown(child)} hangs on two joints, {shown(above[child])} and "
+            f"{shown(name)}: a tree is needed."
         )
-    if joint.mimic is not None:
-        raise InputError(
-            f"{source}: joint {joint.name!r} mimics {joint.mimic.joint!r}: coupled joints are not "
-            "supported; make it fixed or free."
+    above[child] = name
+    return name, parent, child
+
+
+def _passed_over(root: Element) -> list[str]:
+    """Return a note on the elements that were not read."""
+    tags = Counter(e.tag for e in root if e.tag not in ("link", "joint", *_LOOKS))
+    return [f"not read: {', '.join(f'{n} <{tag}>' for tag, n in tags.items())}"] if tags else []
+
+
+def _joint(element: Element, name: str, parent: str | None, link: Element, notes, source) -> Joint:
+    place = f"{source}: joint {shown(name)}"
+    kind = attribute(element, "type", place)
+    if kind not in _KINDS:
+        raise InputError(f"{place} is of type {shown(kind)}: {', '.join(_KINDS)} are known.")
+    rotation, translation = _pose(element.find("origin"), place)
+    # URDF's default axis is x. A fixed joint needs none, and some files give it zeros.
+    axis = numbers(element.find("axis"), "xyz", 3, (1.0, 0.0, 0.0), place)
+    if kind != "fixed" and np.linalg.norm(axis) < SHORTEST_AXIS:
+        raise InputError(f"{place}: axis xyz = {axis.tolist()} is no direction: give one.")
+    mimic = element.find("mimic")
+    if mimic is not None:
+        factor, offset = (
+            float(numbers(mimic, key, 1, (default,), place)[0])
+            for key, default in (("multiplier", 1.0), ("offset", 0.0))
         )
-    rotation, translation = _pose(joint.origin)
-    axis = (1.0, 0.0, 0.0) if joint.axis is None else joint.axis  # the default of URDF
+        mimic = Mimic(attribute(mimic, "joint", place), factor, offset)
     return Joint(
-        name=joint.name,
-        kind=_KINDS[joint.type],
+        name=name,
+        kind=_KINDS[kind],
         parent=parent,
         rotation=rotation,
         translation=translation,
-        axis=np.array(axis, dtype=float),
-        parameters=_parameters(link.inertial),
+        axis=axis,
+        parameters=_parameters(link, notes, source),
+        limits=_limits(element.find("limit"), kind, place, notes),
+        mimic=mimic,
     )
 
 
-def _pose(origin) -> tuple[np.ndarray, np.ndarray]:
-    if origin is None:
-        return np.eye(3), np.zeros(3)
-    rotation = np.eye(3) if origin.rpy is None else rotation_rpy(origin.rpy)
-    translation = np.zeros(3) if origin.xyz is None else np.array(origin.xyz, dtype=float)
-    return rotation, translation
+def _limits(element: Element | None, kind: str, place: str, notes: list[str]) -> Limits:
+    """Return the limits; dynamics do without them, so that damaged ones end in a note."""
+    if element is None:
+        return Limits()
+    keys = ("velocity", "effort") if kind == "continuous" else Limits._fields
+    try:
+        values = {
+            key: float(numbers(element, key, 1, None, place)[0])
+            for key in keys
+            if key in element.attrib
+        }
+    except InputError as error:
+        notes.append(f"limits not read: {error}")
+        return Limits()
+    return Limits(**values)
 
 
-def _parameters(inertial) -> np.ndarray:
-    if inertial is None or inertial.mass is None:
+def _pose(origin: Element | None, place: str) -> tuple[np.ndarray, np.ndarray]:
+    rpy = numbers(origin, "rpy", 3, (0.0, 0.0, 0.0), place)
+    return rotation_rpy(rpy), numbers(origin, "xyz", 3, (0.0, 0.0, 0.0), place)
+
+
+def _parameters(link: Element, notes: list[str], source: str) -> np.ndarray:
+    name = link.get("name")
+    inertial = link.find("inertial")
+    if inertial is None or inertial.find("mass") is None:
         return np.zeros(10)
-    tensor = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia.to_matrix()
-    rotation, center = _pose(inertial.origin)
-    about_center = body_parameters(float(inertial.mass), np.zeros(3), np.array(tensor, dtype=float))
-    return move_parameters(about_center, rotation, center)
+    place = f"{source}: link {shown(name)}"
+    mass = float(numbers(inertial.find("mass"), "value", 1, None, place)[0])
+    if mass < 0.0:
+        raise InputError(f"{place}: mass value = {mass:g} kg is below zero: correct it.")
+    tensor, element = np.zeros((3, 3)), inertial.find("inertia")
+    if element is not None:
+        for r, c in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
+            key = f"i{'xyz'[r]}{'xyz'[c]}"
+            tensor[r, c] = tensor[c, r] = numbers(element, key, 1, (0.0,), place)[0]
+    rotation, center = _pose(inertial.find("origin"), place)
+    moments = np.linalg.eigvalsh(tensor)
+    if moments[0] < 0.0 or moments[0] + moments[1] < (1.0 - _TRIANGLE) * moments[2]:
+        listed = ", ".join(f"{m:.4g}" for m in moments)
+        notes.append(
+            f"link {shown(name)} has principal moments {listed} kg m^2: no body can have them"
+        )
+    return move_parameters(body_parameters(mass, np.zeros(3), tensor), rotation, center)

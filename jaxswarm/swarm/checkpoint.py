@@ -20,14 +20,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.fingerprint import fingerprint
 from jaxswarm.swarm.minimize import minimize
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.result import Result
+from jaxswarm.swarm.schedules import for_run
 from jaxswarm.swarm.space import Space
 
 __all__ = ["minimize_resumable", "restore", "save"]
 
-FORMAT = 1
+FORMAT = 2
 HEADER = "__header__"
 UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
@@ -123,11 +125,15 @@ def minimize_resumable(
         not stored, so give the same ones again.
 
     Raises:
-      InputError: the checkpoint belongs to another optimizer, space, key or number of steps.
+      InputError: the checkpoint belongs to another optimizer, space, key or number of steps. A
+        search goes on beyond the ``num_steps`` it was begun with only if its schedules have lengths
+        of their own: those that last as long as the run would have been others from the start.
     """
     at_least("every", every, 1, "a checkpoint follows a step")
+    # Once, for all pieces: a schedule that lasts as long as the run must know the whole of it.
+    optimizer = for_run(optimizer, float(at_least("num_steps", num_steps, 1, "nothing to do")))
     header = dict(
-        optimizer=repr(optimizer),
+        optimizer=fingerprint(optimizer),
         space=[
             list(space.names),
             np.asarray(space.lower).tolist(),

@@ -23,6 +23,7 @@ from jaxswarm.swarm.loop import Loop, repeat_all, repeat_until
 from jaxswarm.swarm.optimizers.base import Info, at_least
 from jaxswarm.swarm.pytree import as_part
 from jaxswarm.swarm.result import Result, Status
+from jaxswarm.swarm.schedules import for_run
 from jaxswarm.swarm.space import Space
 from jaxswarm.swarm.stopping import NO_FINITE_VALUE
 
@@ -56,7 +57,8 @@ def minimize(
         population: ``params`` has a leading axis n and the result is (n,). NaN counts as +inf. A
         function that is the same object as in an earlier call is not compiled again, so pass data
         as ``args``.
-      optimizer: from a factory such as ``pso()``, or anything with ``init`` and ``update``.
+      optimizer: from a factory such as ``pso()``, or anything with ``init`` and ``update``. Schedules
+        without a length of their own end with this call.
       space: names and bounds; its dtype is the dtype of the search.
       key: JAX key; the same key gives the same search.
       args: data handed to ``fn``, any pytree of arrays.
@@ -84,6 +86,7 @@ def minimize(
     (2.0, 'all steps done', 2000)
     """
     loop = _loop(fn, num_steps, record, vectorized, progress, progress_every, runs=False)
+    optimizer = _of_length(optimizer, num_steps, state)
     return _minimize(loop, optimizer, space, key, args, _stop(stop), state)
 
 
@@ -122,6 +125,7 @@ def minimize_runs(
     ((4,), (4, 3))
     """
     loop = _loop(fn, num_steps, record, True, None, 1, runs=True)
+    optimizer = _of_length(optimizer, num_steps, state)
     return _minimize(loop, optimizer, space, keys, args, _stop(stop), state)
 
 
@@ -162,6 +166,12 @@ def _loop(fn, num_steps, record, vectorized, progress, progress_every, runs) -> 
         ),
         runs=runs,
     )
+
+
+def _of_length(optimizer, num_steps, state):
+    """Schedules without a length end with this call, whatever was done before it."""
+    done = 0.0 if state is None else jnp.max(state.count).astype(float)
+    return for_run(optimizer, done + num_steps)
 
 
 def _stop(stop):

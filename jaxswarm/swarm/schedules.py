@@ -1,9 +1,12 @@
 """A schedule can stand wherever a number can: any ``count -> scalar``, every optax schedule.
 
 Update number k uses ``schedule(k)``, k = 0, 1, 2, ... An optax schedule is a closure: its own
-numbers are compiled in, and a new one compiles anew. The schedules of this module keep their
-numbers as leaves (``jax.tree_util.Partial``), so they can be changed, mapped over and
-differentiated for nothing.
+numbers are compiled in, and a new one compiles anew. The schedules of this module are frozen
+dataclasses whose numbers are leaves, so they can be changed, mapped over and differentiated for
+nothing, and told apart by what they hold.
+
+A schedule without ``num_steps`` lasts as long as the run: ``minimize`` gives it its own number of
+steps (:func:`for_run`). One that has a number keeps it.
 """
 
 from collections.abc import Callable
@@ -15,37 +18,134 @@ import numpy as np
 from jax.tree_util import Partial
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.pytree import pytree, replace, static
 
 ScalarOrSchedule = float | jax.Array | Callable[[jax.Array], Any]
 
-__all__ = ["ScalarOrSchedule", "coefficient", "cosine", "evaluate", "exponential", "linear"]
+__all__ = [
+    "ScalarOrSchedule",
+    "coefficient",
+    "cosine",
+    "evaluate",
+    "exponential",
+    "for_run",
+    "linear",
+    "run_length",
+]
+
+BY_HAND = 1000.0
+"""Updates that a schedule without a length assumes where no ``minimize`` tells it one."""
 
 
-def linear(start: float, end: float, num_steps: float) -> Partial:
+@pytree
+class Linear:
+    """See :func:`linear`."""
+
+    start: Any
+    end: Any
+    num_steps: Any
+    of_run: bool = static(default=False)
+
+    def __call__(self, count):
+        return self.start + (self.end - self.start) * _fraction(count, self.num_steps)
+
+
+@pytree
+class Cosine:
+    """See :func:`cosine`."""
+
+    start: Any
+    end: Any
+    num_steps: Any
+    of_run: bool = static(default=False)
+
+    def __call__(self, count):
+        wave = 0.5 * (1.0 + jnp.cos(jnp.pi * _fraction(count, self.num_steps)))
+        return self.end + (self.start - self.end) * wave
+
+
+@pytree
+class Exponential:
+    """See :func:`exponential`."""
+
+    start: Any
+    end: Any
+    num_steps: Any
+    of_run: bool = static(default=False)
+
+    def __call__(self, count):
+        return self.start * (self.end / self.start) ** _fraction(count, self.num_steps)
+
+
+def linear(
+    start: float, end: float, num_steps: float | None = None, *, by_hand: float = BY_HAND
+) -> Linear:
     """Straight line from ``start`` at count 0 to ``end`` at count ``num_steps``, constant after.
+
+    Args:
+      start: value at count 0.
+      end: value from count ``num_steps`` on.
+      num_steps: updates in between; None for as many as ``minimize`` makes.
+      by_hand: updates in between where it is None and nobody says how long the run is.
 
     >>> float(evaluate("inertia", linear(0.9, 0.4, 100), 50))
     0.65
+    >>> float(evaluate("inertia", for_run(linear(0.9, 0.4), 10), 10))
+    0.4
     """
-    return Partial(_linear, *_numbers(start, end, num_steps))
+    return Linear(*_ends(start, end), *run_length(num_steps, by_hand))
 
 
-def cosine(start: float, end: float, num_steps: float) -> Partial:
-    """Half a cosine wave from ``start`` to ``end`` over ``num_steps`` updates, constant after.
+def cosine(
+    start: float, end: float, num_steps: float | None = None, *, by_hand: float = BY_HAND
+) -> Cosine:
+    """Half a cosine wave from ``start`` to ``end``; arguments as of :func:`linear`.
 
     >>> round(float(evaluate("inertia", cosine(1.0, 0.0, 100), 25)), 4)
     0.8536
     """
-    return Partial(_cosine, *_numbers(start, end, num_steps))
+    return Cosine(*_ends(start, end), *run_length(num_steps, by_hand))
 
 
-def exponential(start: float, end: float, num_steps: float) -> Partial:
-    """Geometric decay from ``start`` to ``end`` (both > 0) over ``num_steps``, constant after.
+def exponential(
+    start: float, end: float, num_steps: float | None = None, *, by_hand: float = BY_HAND
+) -> Exponential:
+    """Geometric decay from ``start`` to ``end`` (both > 0); arguments as of :func:`linear`.
 
     >>> round(float(evaluate("scale", exponential(1.0, 0.01, 100), 50)), 6)
     0.1
     """
-    return Partial(_exponential, *_numbers(start, end, num_steps))
+    return Exponential(*_ends(start, end), *run_length(num_steps, by_hand))
+
+
+def run_length(num_steps: float | None, by_hand: float) -> tuple[Any, bool]:
+    """``num_steps`` as a leaf, and whether it is to be replaced by that of the run."""
+    given = by_hand if num_steps is None else num_steps
+    return coefficient("num_steps", given, lower=1.0), num_steps is None
+
+
+def for_run(tree: Any, num_steps: Any) -> Any:
+    """Give every part of an optimizer that lasts as long as the run the run's number of steps.
+
+    Args:
+      tree: optimizer, wrapped ones included, or any pytree. A part waits for the length if it is a
+        dataclass with ``num_steps`` and a true ``of_run``.
+      num_steps: updates of the run; a float is a leaf like any other.
+
+    Returns:
+      The same with the lengths set; what has a length of its own keeps it.
+
+    >>> for_run(linear(0.9, 0.4), 500.0) == linear(0.9, 0.4, 500), for_run(linear(1, 0, 9), 500.0)
+    (True, Linear(start=1.0, end=0.0, num_steps=9.0, of_run=False))
+    """
+
+    def waits(part):
+        return getattr(part, "of_run", False) is True
+
+    def bind(part):
+        return replace(part, num_steps=num_steps, of_run=False) if waits(part) else part
+
+    return jax.tree.map(bind, tree, is_leaf=waits)
 
 
 def coefficient(
@@ -113,26 +213,10 @@ def _require_scalar(name: str, value: Any) -> None:
         )
 
 
-def _numbers(start, end, num_steps):
+def _ends(start, end):
     """Numbers of a schedule as leaves: one that is once an int and once a float compiles twice."""
-    length = coefficient("num_steps", num_steps, lower=1.0)
-    return coefficient("start", start), coefficient("end", end), length
+    return coefficient("start", start), coefficient("end", end)
 
 
-def _fraction(count, num_steps, dtype):
-    return jnp.clip(jnp.asarray(count, dtype) / num_steps, 0.0, 1.0)
-
-
-def _linear(start, end, num_steps, count):
-    fraction = _fraction(count, num_steps, jnp.result_type(float))
-    return start + (end - start) * fraction
-
-
-def _cosine(start, end, num_steps, count):
-    fraction = _fraction(count, num_steps, jnp.result_type(float))
-    return end + (start - end) * 0.5 * (1.0 + jnp.cos(jnp.pi * fraction))
-
-
-def _exponential(start, end, num_steps, count):
-    fraction = _fraction(count, num_steps, jnp.result_type(float))
-    return start * (end / start) ** fraction
+def _fraction(count, num_steps):
+    return jnp.clip(jnp.asarray(count, jnp.result_type(float)) / num_steps, 0.0, 1.0)

@@ -20,6 +20,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.minimize import minimize_runs
 from jaxswarm.swarm.result import Result
+from jaxswarm.swarm.schedules import for_run
 from jaxswarm.swarm.space import Space
 
 __all__ = ["minimize_sharded"]
@@ -60,6 +61,7 @@ def minimize_sharded(
     mesh = Mesh(np.array(devices), ("runs",))
     shares = NamedSharding(mesh, PartitionSpec("runs"))
     search = _sharded(fn, num_steps, record, mesh)
+    optimizer = for_run(optimizer, float(num_steps))  # a leaf here too, as in ``minimize_runs``
     return search(jax.device_put(keys, shares), optimizer, space, args, stop)
 
 

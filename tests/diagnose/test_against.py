@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, DURATION, NOISE, RATE, blank
 
+from jaxswarm.diagnose.run_against import conclude_comparison
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import random_links, synthetic_log
@@ -27,11 +28,14 @@ def upright_arm():
     return bare.replace(parameters=jnp.asarray(links))
 
 
-def motion_of(arm, terms, seed):
-    log = synthetic_log(
+def log_of(arm, terms, seed):
+    return synthetic_log(
         arm, terms, seed, noise=NOISE, duration=DURATION, rate=RATE, motion_seed=seed
     )
-    return prepare(log, BAND)
+
+
+def motion_of(arm, terms, seed):
+    return prepare(log_of(arm, terms, seed), BAND)
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +91,17 @@ def test_friction_that_grew_is_named_as_a_change_of_what_was_known(model):
     assert named == ["coulomb_friction@joint2"]
     assert found.changes[0].known
     assert found.changes[0].term.values["fc"] == pytest.approx(0.75, abs=0.05)
+
+
+def test_what_no_law_explains_is_told_against_an_earlier_model_too(model):
+    log = log_of(upright_arm(), DECLARED, 9)
+    dq = np.gradient(log.q, log.t, axis=0)
+    tau = log.tau.copy()
+    tau[:, 1] += 2.0 * np.cos(5.0 * log.q[:, 1]) * np.tanh(dq[:, 1] / 0.05)
+    found = compare(model, [prepare(replace(log, tau=tau), BAND)])
+    result, _, left = conclude_comparison(found, [], 0)
+    assert result["verdict"] == "unexplained"
+    assert {u.joint for u in left} == {1} and "dq_joint2" in left[0].depends_on
+    # The earlier model is not refitted: it takes up nothing of what the smooth term says.
+    assert not left[0].change.any()
+    assert left[0].change.shape == found.after.fit.theta.shape

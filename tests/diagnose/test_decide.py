@@ -10,6 +10,7 @@ from scipy import signal, stats
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_special_case, overlap
 from jaxswarm.diagnose.decision.score import Rules, passes, score, slope_p_value
+from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term
 
 
@@ -166,3 +167,12 @@ def test_unrelated_candidates_are_no_rivals_and_the_better_wins(stage, truth):
     chosen, rivals = choose(scores, Rules(), background)
     assert chosen.candidate is truth and rivals == []
     assert difference(scores[1], scores[0]) > 2.0 > difference(scores[0], scores[1])
+
+
+def test_a_candidate_whose_link_runs_away_is_refused(stage, truth):
+    """To first order it looked well; the refit finds no finite torque, which is an answer too."""
+    found, background = stage
+    soft = Term("joint_elasticity", 1, values={"k": 10.0, "d": 0.01})
+    upside_down = -1e8 * np.asarray(found.model.robot.parameters).ravel()
+    one = replace(score(truth, background), candidate=replace(truth, term=soft, start=upside_down))
+    assert refit_with(found, one) is None

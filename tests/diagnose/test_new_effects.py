@@ -113,7 +113,7 @@ def log_of(term: Term):
     log = log_with()
     motion = prepare(log, Filtering(60.0, 60.0))
     models = [
-        Model(small_arm(), terms, 0.01, Filtering(), (1.0, 1.0))
+        Model(small_arm(), terms, (0.01, 0.01), Filtering(), (1.0, 1.0))
         for terms in ((*DECLARED, term), DECLARED)
     ]
     change = np.subtract(*(model_torque(model, motion) for model in models))
@@ -140,7 +140,8 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     # Its values, intervals and pictures in the report; the model in its file.
     step = Step(added, score, (), (), found, after, ())
     result = to_result(Diagnosis(found, after, (step,), (), cross_fit(after), 20), [])
-    assert set(result["effects"][0]["parameters"]) == {p.name for p in law.parameters}
+    names = {p.name for p in law.parameters} | set(law.linear_names(small_arm().joints))
+    assert set(result["effects"][0]["parameters"]) == names
     assert isinstance(evidence(step, after.model, after.motions[0]), Figure)
     save_model(after.model, tmp_path / "model.json")
     assert load_model(tmp_path / "model.json").terms == after.model.terms

@@ -71,7 +71,7 @@ def make_motion(robot, extra=None, length=600, noise=0.0, seed=0) -> Motion:
         tau=tau,
         channels={},
         decimator=Decimator(np.ones(1), 1),
-        motion_cutoff=20.0,
+        motion_cutoff=(20.0,),
         torque_cutoff=10.0,
         interval=0.01,
         torque_noise=np.full(n, noise),

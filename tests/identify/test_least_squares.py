@@ -1,19 +1,21 @@
 """Weighted least squares against numpy, bounds against a brute-force search, intervals by their coverage."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from small_problems import make_regression, waves
 
+from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.least_squares import (
     compress,
-    correlation_length,
     fit,
     joint_factors,
     solve,
     weighted_factor,
 )
+from jaxswarm.identify.estimation.validate import held_out_residual
 
 TRUTH = np.array([1.5, -0.7, 0.3, 2.0])
 
@@ -176,3 +178,30 @@ def test_condition_number_sees_near_dependence(columns):
     good = fit(make_regression(columns, noisy(columns))).condition
     bad = fit(make_regression(close, noisy(columns))).condition
     assert good < 10 < 1e3 < bad
+
+
+def test_a_column_that_only_one_block_excites_is_absent_where_that_block_is_held_out():
+    rng = np.random.default_rng(3)
+    columns = waves(rng, 400, 2, 3)
+    columns[:, :, 2] = 0.0
+    columns[180:220, :, 2] = 1.0  # a touch
+    torque = columns @ np.array([2.0, -1.0, 5.0]) + 0.01 * rng.normal(size=(400, 2))
+    problem = make_regression(columns, torque)
+    found = SimpleNamespace(regression=problem, fit=fit(problem))
+    residual = held_out_residual(found)
+    out = np.zeros(400, bool)
+    out[180:220] = True
+    np.testing.assert_allclose(residual[out].mean(), 5.0, atol=0.05)
+    assert np.abs(residual[~out]).max() < 0.1
+
+
+def test_held_out_blocks_are_fitted_within_the_bounds_of_the_fit():
+    """Torques whose sign is wrong: friction is held at zero, on held-out blocks too."""
+    rng = np.random.default_rng(4)
+    columns = waves(rng, 400, 1, 2)
+    torque = columns @ np.array([1.0, -2.0]) + 0.01 * rng.normal(size=(400, 1))
+    problem = make_regression(columns, torque)
+    bounded = fit(problem, np.array([-np.inf, 0.0]), np.full(2, np.inf))
+    assert bounded.at_bound.tolist() == [False, True]
+    residual = held_out_residual(SimpleNamespace(regression=problem, fit=bounded))
+    assert residual.std() > 0.95 * bounded.residual.std()

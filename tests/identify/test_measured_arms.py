@@ -58,9 +58,7 @@ def test_ur10e_predicts_point_to_point_motion(data_root):
     robot = load_robot("ur10e")
     folder = data_root / "data" / "ur10e"
     train = motion_of(robot, folder / "train.npz")
-    test = motion_of(
-        robot, folder / "test_ptp.npz", Filtering(train.motion_cutoff, train.torque_cutoff)
-    )
+    test = motion_of(robot, folder / "test_ptp.npz", train.filtering)
     declared = "viscous_friction,coulomb_friction,torque_offset,rotor_inertia"
     found = estimate(robot, parse_terms(declared, robot.joints), [train])
     assert percent(found, test) < 5.0

@@ -11,6 +11,7 @@ from small_problems import make_motion, planar_arm
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify import Model, load_model, model_torque, parse_terms, save_model
+from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Filtering
 
 EFFECTS = "viscous_friction,stribeck_friction@joint1,hysteresis@joint2,transmission_coupling@joint1"
@@ -22,7 +23,10 @@ def model():
     terms = parse_terms(EFFECTS, arm.joints)
     for term in terms:
         term.values.update(term.law.nominal())
-    return Model(arm, terms, 0.02, Filtering(12.0, 6.0, True), (0.1, 0.2))
+    known = Uncertainty(("Izz1", "b_joint1:viscous_friction"), np.array([[2.0, 0.1], [0.1, 3.0]]))
+    return Model(
+        arm, terms, (0.02, 0.02), Filtering(12.0, 6.0, True), (0.1, 0.2), uncertainty=known
+    )
 
 
 @pytest.fixture(scope="module")
@@ -165,3 +169,20 @@ def test_random_damage_never_breaks_the_reader(content, tmp_path, data):
         motion = make_motion(planar_arm(), length=20)
         if path[0] != "robot":  # another robot would be another compiled program
             assert model_torque(found, motion).shape == (20, 2)
+
+
+def test_the_covariance_of_the_parameters_survives_and_old_files_go_without(
+    model, content, tmp_path
+):
+    found = load_model(write(tmp_path / "model.json", content)).uncertainty
+    size = len(found.columns)
+    assert found.covariance.shape == (size, size) and "b_joint1:viscous_friction" in found.columns
+    np.testing.assert_array_equal(found.covariance, model.uncertainty.covariance)
+    old = {k: v for k, v in content.items() if k != "uncertainty"}
+    assert load_model(write(tmp_path / "model.json", old)).uncertainty is None
+    for damaged in ([], {"columns": ["a"], "covariance": [[1.0, 2.0]]}, {"columns": ["a"]}):
+        with pytest.raises(InputError, match="model.json"):
+            load_model(write(tmp_path / "model.json", {**content, "uncertainty": damaged}))
+    negative = {"columns": ["a"], "covariance": [[-1.0]]}
+    with pytest.raises(InputError, match="no covariance can be"):
+        load_model(write(tmp_path / "model.json", {**content, "uncertainty": negative}))

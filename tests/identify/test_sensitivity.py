@@ -11,6 +11,7 @@ from jaxswarm.identify.estimation.free_parameters import (
     free_parameters,
     read,
     tangents,
+    width_parameter,
     write,
 )
 from jaxswarm.identify.estimation.gauss_newton import Problem
@@ -96,13 +97,13 @@ def test_tangents_of_one_law_are_those_of_the_whole_model():
         Term("drive_gain", 1, values={"gain": 1.1}),
     )
     problem = Problem(ARM, (motion,), (rigid_of(ARM, motion),), False)
-    moving = free_parameters(terms, (0.005, 0.1))
+    moving = free_parameters(terms, [width_parameter((0,), (0.005, 0.1))])
     theta = np.concatenate([PI, [2.0, 0.5, -0.2, 0.1]])
-    place = Place(terms, 0.02)
-    width = moving[-1]  # changes what every law may hang on: the whole model is made for it
+    place = Place(terms, (0.02, 0.03))
+    gain = moving[2]  # acts on all a joint reports: the whole model is made for it
 
     found = tangents(lambda p, k: problem.output(p, PI, theta, k), place, moving)
-    whole = tangents(lambda p, k: problem.output(p, PI, theta, width), place, moving)
+    whole = tangents(lambda p, k: problem.output(p, PI, theta, gain), place, moving)
     np.testing.assert_allclose(found, whole, atol=1e-6 * np.abs(whole).max())
     assert len(moving) == 4 and (np.abs(found).max(axis=(0, 1)) > 0).all()
     np.testing.assert_allclose(

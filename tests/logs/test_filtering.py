@@ -10,8 +10,8 @@ from jaxswarm.logs.filtering import (
     derivatives,
     design_decimator,
     noise_floor,
-    smooth,
 )
+from jaxswarm.logs.smoothing import find_cutoffs, smooth
 
 RATE = 200.0
 INSIDE = slice(400, -400)
@@ -91,7 +91,7 @@ def test_noise_floor_finds_a_white_noise_density():
 def test_valley_lies_between_motion_and_noise(sigma):
     rng = np.random.default_rng(4)
     motion = sum(wave(f, 8000) / f**2 for f in (0.3, 0.8, 1.5, 2.4))
-    valley = acceleration_valley(motion + rng.normal(0.0, sigma, 8000), RATE)
+    valley = acceleration_valley(motion + rng.normal(0.0, sigma, 8000), RATE)[0]
     assert 2.4 < valley < 60.0
 
 
@@ -99,12 +99,12 @@ def test_more_noise_lowers_the_valley():
     sections = signal.butter(4, 3.0, fs=RATE, output="sos")
     motion = signal.sosfilt(sections, np.random.default_rng(5).normal(size=16000))
     noise = np.random.default_rng(6).normal(size=16000)
-    low, high = (acceleration_valley(motion + s * noise, RATE) for s in (1e-3, 1e-7))
+    low, high = (acceleration_valley(motion + s * noise, RATE)[0] for s in (1e-3, 1e-7))
     assert 3.0 < low < high
 
 
 def test_valley_of_a_joint_at_rest_is_the_whole_band():
-    assert acceleration_valley(np.zeros((1000, 2)), RATE) == 0.475 * RATE
+    np.testing.assert_allclose(acceleration_valley(np.zeros((1000, 2)), RATE), 0.475 * RATE)
 
 
 @pytest.fixture(scope="module")
@@ -150,3 +150,41 @@ def test_decimator_near_nyquist_is_the_identity(cutoff):
     x = np.random.default_rng(8).normal(size=(50, 2))
     np.testing.assert_array_equal(low.apply(x), x)
     np.testing.assert_array_equal(low.kept(50), np.arange(50))
+
+
+def test_smooth_is_the_dense_solution_with_and_without_a_velocity():
+    rng = np.random.default_rng(3)
+    length, rate, cutoff, rho = 60, 50.0, 5.0, 0.004
+    x, v = rng.normal(size=(2, length, 1))
+    penalty = np.diff(np.eye(length), 4, axis=0)
+    weight = (2 * np.sin(np.pi * cutoff / rate)) ** -8
+    stencil = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60 * rate
+    slope = np.zeros((length - 6, length))
+    for k in range(length - 6):
+        slope[k, k : k + 7] = stencil
+    system = np.eye(length) + weight * penalty.T @ penalty
+    np.testing.assert_allclose(smooth(x, rate, cutoff), np.linalg.solve(system, x), atol=1e-9)
+    system += rho * slope.T @ slope
+    right = x + rho * slope.T @ v[3:-3]
+    fused = smooth(x, rate, cutoff, v, np.array([rho]))
+    np.testing.assert_allclose(fused, np.linalg.solve(system, right), atol=1e-9)
+
+
+def test_the_found_cutoff_is_near_the_one_that_estimates_acceleration_best():
+    rng = np.random.default_rng(8)
+    # Above half a hertz a motion whose fourth derivative is white.
+    sections = signal.butter(4, 0.5, fs=RATE, output="sos")
+    motion = signal.sosfilt(sections, rng.normal(size=(6000, 2)), axis=0)
+    noisy = motion + np.array([1e-3, 1e-4]) * rng.normal(size=motion.shape)
+    found = find_cutoffs(noisy, RATE)
+    np.testing.assert_allclose(found.noise[0], 1e-3, rtol=0.1)
+    assert found.cutoff[0] < found.cutoff[1]
+    truth = derivatives(motion, RATE, 2)[1][INSIDE]
+
+    def error(cutoff, j):
+        low = smooth(noisy[:, [j]], RATE, cutoff)
+        return np.std(derivatives(low, RATE, 2)[1][INSIDE] - truth[:, [j]])
+
+    for j in range(2):
+        best = min(error(f, j) for f in np.geomspace(2.0, 90.0, 30))
+        assert error(found.cutoff[j], j) < 1.3 * best

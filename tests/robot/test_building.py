@@ -190,7 +190,7 @@ URDF = """<robot name="r"><link name="a"/><link name="b"/><gazebo/>
         ("<robot", "not a readable URDF"),
         ("", "not a readable URDF"),
         (URDF.replace('parent link="a"', 'parent link="c"'), "names link 'c'"),
-        (URDF.replace("revolute", "floating"), "of type 'floating'"),
+        (URDF.replace("revolute", "floating"), "kind 'floating' is not supported"),
         (URDF.replace("</joint>", '<mimic joint="k"/></joint>'), "mimics 'k'"),
         (URDF.replace("</joint>", '<axis xyz="0 0 0"/></joint>'), "is no direction"),
         (URDF.replace("revolute", "fixed"), "no moving joint"),

@@ -14,13 +14,12 @@ from dataclasses import replace
 from itertools import groupby
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, lag_torque
-from jaxswarm.effects.deflection import SUBSTEPS, contact_stiffness
+from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
+from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.term import Term
 
 # Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
@@ -46,7 +45,7 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
 
     def curves_at(points: list[_Point], substeps: int) -> np.ndarray:
         parts = [
-            _curves(stand, j, list(group), pi - share * along, substeps)
+            _curves(stand, term, list(group), pi - share * along, substeps)
             for share, group in groupby(points, lambda p: p.share)
         ]
         return np.concatenate(parts)
@@ -93,15 +92,14 @@ def _explained(
 
 
 def _curves(
-    stand: Linearization, joint: int, points: list[_Point], pi: np.ndarray, substeps: int
+    stand: Linearization, term: Term, points: list[_Point], pi: np.ndarray, substeps: int
 ) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs."""
-    motions, sensed = stand.found.motions, stand.sensed(joint)
-    inertia = jnp.asarray(sensed[0].inertia(pi))
-    gap, _, flank = np.array(points).T
-    k, d = (np.asarray(x) for x in contact_stiffness(inertia, flank))
+    motions, sensed = stand.found.motions, stand.sensed(term.joint)
+    options = [{"gap": p.gap, "flank": p.flank} for p in points]
+    terms = stand.found.model.terms
     parts = [
-        lag_torque(motion, own, pi[None], k, d, gap, substeps)
+        lag_torque(motion, own, pi[None], *gears(term.law, options, own, pi), substeps, terms)
         for motion, own in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

@@ -33,7 +33,7 @@ def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
 
     def build(k):
         weight = term.law.weight(values, stand.found.motions[k].t) * (k == log)
-        return weight[:, None, None] * np.eye(residual.shape[1])
+        return stand.reported(k, weight[:, None, None] * np.eye(residual.shape[1]))
 
     columns = stand.stack(build)
     return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])

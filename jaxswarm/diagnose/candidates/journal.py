@@ -59,12 +59,19 @@ class Journal:
 
 
 def fingerprint(robot: Robot, motions: Sequence[Motion], *options) -> str:
-    """Digest of our version, a robot, prepared logs, and options by their ``repr``."""
+    """Digest of our version, a robot, logs as they are filtered, and options by their ``repr``."""
     digest = hashlib.sha256(repr((version("jaxswarm"), options)).encode())
     arrays = [
         *jax.tree.leaves(robot),
         *(x for m in motions for x in (m.t, m.q, m.dq, m.ddq, m.tau)),
+        *(m.channels[name] for m in motions for name in sorted(m.channels)),
+        *(m.decimator.taps for m in motions),
     ]
+    bands = [
+        (m.motion_cutoff, m.torque_cutoff, m.skew, m.decimator.factor, sorted(m.channels))
+        for m in motions
+    ]
+    digest.update(repr(bands).encode())
     for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

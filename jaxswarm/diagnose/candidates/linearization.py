@@ -6,12 +6,18 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
-from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, tilted
+from jaxswarm.identify.forward.measuring_chain import (
+    assemble,
+    moves_links,
+    report,
+    report_own,
+    tilted,
+)
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 
@@ -44,6 +50,12 @@ class Linearization:
                 assemble(model.robot, model.terms, motion, model.width, self.pi, rigid) @ theta
             )
             self.moved.append(moved)
+
+    def carried(self, k: int) -> np.ndarray:
+        """Rigid columns (T, n, 10 n) of a log, in the gravity and motion of the model's links."""
+        if not moves_links(self.found.model.terms):
+            return self.found.rigids[k].full
+        return rigid_columns(self.arm, *self.moved[k])
 
     def sensed(self, joint: int) -> list[Sensitivity]:
         """What the rigid torque of every log does when a joint moves otherwise."""
@@ -110,6 +122,10 @@ class Linearization:
         motions = self.found.motions
         return np.concatenate([m.decimator.apply(build(k)) for k, m in enumerate(motions)])
 
+    def reported(self, k: int, block: np.ndarray) -> np.ndarray:
+        """Columns (T, n, m) on a log as the drives of the model report them."""
+        return report(self.found.model.terms, self.found.motions[k], block)
+
     def stack(self, build) -> np.ndarray:
         """Decimate and weigh what ``build(log index)`` gives as (T, n, k), all logs."""
         return self.background.weigh(self.low(build))
@@ -124,14 +140,18 @@ class Linearization:
         """Columns of a law with its nonlinear parameters in place."""
         motions, width = self.found.motions, self.found.model.width
 
+        terms = self.found.model.terms
+
         def build(k):
-            return term_columns(term, motions[k], width, self.loads[k])
+            own = term_columns(term, motions[k], width, self.loads[k])
+            return report_own(terms, motions[k], own, term.joint)
 
         if term.law.uses_load:
             return self.on_joint(self.low(build), term.joint)
         # They follow from the motion, and many from that alone: the next round finds them ready.
         laws = self.memory.laws_of(motions)
-        place = (term, *term.values.items(), width if term.law.uses_direction else None)
+        reports = tuple((t.place, *t.values.items()) for t in of_kind(terms, MeasurementLaw))
+        place = (term, *term.values.items(), width if term.law.uses_direction else None, reports)
         if place not in laws:
             laws[place] = self.low(build)
         return self.on_joint(laws[place], term.joint)

@@ -3,12 +3,15 @@
 from dataclasses import replace
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.deflection import deflection
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.measuring_chain import report
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
 
@@ -25,6 +28,7 @@ def lag_torque(
     d: np.ndarray,
     gap: np.ndarray,
     substeps: int = 2,
+    terms: tuple[Term, ...] = (),
 ) -> np.ndarray:
     """Decimated torque (m, T', n) that a lagging link changes, for m options with their parameters.
 
@@ -34,6 +38,7 @@ def lag_torque(
         pis: Rigid parameters, (m, 10 n); one row serves all options.
         k, d, gap: Stiffness, damping and dead zone, each (m,).
         substeps: Integration steps per sample.
+        terms: The model's, whose drives report the torque.
     """
     torque, by_q, by_dq, by_ddq = (np.moveaxis(x, 2, 0) for x in sensed.at(pis))
 
@@ -47,7 +52,17 @@ def lag_torque(
     alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < _MOST_LAG)
     e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
     change = -(e * by_q + v * by_dq + a * by_ddq)
-    return np.moveaxis(motion.decimator.apply(np.moveaxis(change, 0, 2)), 2, 0)
+    told = report(terms, motion, np.moveaxis(change, 0, 2))
+    return np.moveaxis(motion.decimator.apply(told), 2, 0)
+
+
+def gears(
+    law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
+    inertia = jnp.asarray(sensed.inertia(pi))
+    found = [law.gear(option, inertia) for option in options]
+    return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
 
 
 def best_option(judge: Candidate, fold: Fold, curves: np.ndarray) -> int:

@@ -29,6 +29,7 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.measuring_chain import lateness
 from jaxswarm.logs.motion import Motion
 
 # Basis columns are filled up to a multiple, so that a model that grows does not recompile the search.
@@ -111,6 +112,7 @@ def _searched(
         [stand.loads[k] for k in chosen],
         [_stages(stand, stand.found.regression.log == k) for k in chosen],
         key,
+        lateness(stand.found.model.terms),
     )
 
     with search as finish:

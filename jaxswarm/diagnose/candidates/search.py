@@ -25,12 +25,13 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
+from jaxswarm.identify.forward.measuring_chain import late
 from jaxswarm.logs.motion import Motion
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
 # Lattice points, shared by the dimensions, for a law that does not ask for its own number of them.
-_POINTS, _MOST_DIMS = 128, 3
+_POINTS = 128
 # Lattice points whose columns are held at a time.
 _BATCH = 32
 # What explains less of the residual than this share on every fold is not refined: it comes to nothing.
@@ -75,7 +76,7 @@ def _survey(
     count,
     taps: jax.Array,
 ):
-    """The best of a lattice's first points and what it explains, one per fold: (S, 3), (S,).
+    """The best of a lattice's first points and what it explains, one per fold: (S, d), (S,).
 
     ``count`` batches are looked at, so that a fine lattice is no program of its own.
     """
@@ -87,6 +88,8 @@ def _survey(
 
         def one_fold(stage, point, most):
             gains = jax.vmap(lambda c: explained(c, stage, task.positive))(columns)
+            # A law may have no finite torque at a point; it must not hide the others.
+            gains = jnp.where(jnp.isnan(gains), -jnp.inf, gains)
             pick = jnp.argmax(gains)
             better = gains[pick] > most
             return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
@@ -94,7 +97,7 @@ def _survey(
         return jax.vmap(one_fold)(task.stages, *best)
 
     folds, kind = task.stages.residual.shape[0], task.stages.residual.dtype
-    nowhere = jnp.full((folds, _MOST_DIMS), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
+    nowhere = jnp.full((folds, lattice.shape[1]), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
     return jax.lax.fori_loop(0, count, look, nowhere)
 
 
@@ -102,7 +105,7 @@ def _survey(
 def _refine(
     laws: tuple[TorqueLaw, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
 ):
-    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, 3)."""
+    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, d)."""
 
     def one_fold(stage, point, gain):
         low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
@@ -111,7 +114,7 @@ def _refine(
             columns = _columns_at(laws, factor, task, taps, low + 2.0 * task.cell * u)
             return -explained(columns, stage, task.positive)
 
-        unit = Space.vector(np.zeros(_MOST_DIMS), np.ones(_MOST_DIMS))
+        unit = Space.vector(np.zeros(task.cell.shape[0]), np.ones(task.cell.shape[0]))
         swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
         return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
 
@@ -122,10 +125,11 @@ def _refine(
 def searching(
     tasks: list[tuple[TorqueLaw, int, int | None]],
     motions: Sequence[Motion],
-    width: float,
+    width: Sequence[float],
     loads: Sequence[Load],
     stages: Sequence[FoldData],
     key: jax.Array,
+    delay: float = 0.0,
 ) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
     """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
 
@@ -133,14 +137,14 @@ def searching(
     What has not begun when the context ends is given up.
 
     Args:
-        tasks: Law, joint and partner of every search; a law with a torque and one to three nonlinear
-            parameters.
+        tasks: Law, joint and partner of every search; a law with a torque and nonlinear parameters.
         motions: The logs, with equal decimators.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         loads: Rigid torque of the current model, of every log.
         stages: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
             them.
         key: Random key.
+        delay: Time [s] by which the model's torque clock lags: a law's torque is reported as late.
 
     Yields:
         A function that waits for the end: values by name, for every task and every fold.
@@ -156,12 +160,13 @@ def searching(
     joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     laws = _searched(law for law, _, _ in tasks)
-    most = max(_BATCH * -(-(law.grid_size or _POINTS) // _BATCH) for law in laws)
+    points = max(_BATCH * -(-(law.grid_size or _POINTS) // _BATCH) for law in laws)
+    most = points, max(len(law.nonlinear) for law in laws)
     precise, tracing = jax.config.jax_enable_x64, Lock()
 
     def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
-            _held(joint_series(motion, width, load, joint, other), end)
+            _held(late(joint_series(motion, width, load, joint, other), delay, motion), end)
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
@@ -212,17 +217,17 @@ def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
     return tuple(one for one in known.values() if one.searched)
 
 
-def _lattice(dims: int, points: int, most: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lattice points in the unit cube, (most, 3), and half the width of a cell with its neighbors.
+def _lattice(dims: int, points: int, most: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Lattice points in the unit cube, ``most`` in shape, and half the width of a cell with its neighbors.
 
-    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the ``most`` of any law.
+    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most of any law.
     """
     count = int(points ** (1 / dims) + 1e-9)
     axis = (np.arange(count) + 0.5) / count
     grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
-    lattice = np.full((most, _MOST_DIMS), 0.5)
-    lattice[:, :dims] = grid[np.minimum(np.arange(most), len(grid) - 1)]
-    return lattice, np.where(np.arange(_MOST_DIMS) < dims, 1.0 / count, 0.5)
+    lattice = np.full(most, 0.5)
+    lattice[:, :dims] = grid[np.minimum(np.arange(most[0]), len(grid) - 1)]
+    return lattice, np.where(np.arange(most[1]) < dims, 1.0 / count, 0.5)
 
 
 def _decode(law: TorqueLaw, u) -> dict:

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from itertools import groupby
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.backlash import sharp_candidate
@@ -12,6 +11,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import (
     ROTOR_SHARES,
     best_option,
+    gears,
     lag_torque,
     placed,
 )
@@ -73,19 +73,11 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
     return [{**o, "share": float(s)} for s in shares for o in inside]
 
 
-def _gears(stand: Linearization, term: Term, options: list[dict]) -> tuple[np.ndarray, ...]:
-    """Stiffness, damping and gap of every option, each (m,)."""
-    inertia = jnp.asarray(stand.sensed(term.joint)[0].inertia(stand.pi))
-    gears = [term.law.gear(option, inertia) for option in options]
-    return tuple(np.array([float(x) for x in own]) for own in zip(*gears, strict=True))
-
-
 def _curves(stand: Linearization, term: Term, options: list[dict], rotor: np.ndarray) -> np.ndarray:
     """Weighted torque (m, T', n) that a flexible joint changes."""
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
-        pi = stand.pi - share * rotor
-        parts.append(_weighted(stand, term.joint, pi[None], *_gears(stand, term, list(group))))
+        parts.append(_weighted(stand, term, list(group), (stand.pi - share * rotor)[None]))
     return np.concatenate(parts)
 
 
@@ -97,18 +89,19 @@ def _settled_curves(
     When the link crosses it depends on small torques, and the parameters were fitted without the dead
     zone: they are settled with every gap, to first order, before it is scored.
     """
-    gears = _gears(stand, term, options)
     pis = stand.pi[None]
     for _ in range(_SETTLE):
-        curves = _weighted(stand, term.joint, pis, *gears)
+        curves = _weighted(stand, term, options, pis)
         pis = stand.pi - np.stack([_absorbed(stand, c) for c in curves])
     return curves
 
 
-def _weighted(stand: Linearization, joint: int, pis, k, d, gap) -> np.ndarray:
+def _weighted(stand: Linearization, term: Term, options: list[dict], pis) -> np.ndarray:
+    """Weighted torque (m, T', n) of options with their rigid parameters."""
+    terms = stand.found.model.terms
     parts = [
-        lag_torque(m, own, pis, k, d, gap)
-        for m, own in zip(stand.found.motions, stand.sensed(joint), strict=True)
+        lag_torque(m, own, pis, *gears(term.law, options, own, stand.pi), terms=terms)
+        for m, own in zip(stand.found.motions, stand.sensed(term.joint), strict=True)
     ]
     return np.concatenate(parts, axis=1) * stand.background.weight
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
 
 
@@ -46,7 +47,7 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
         unit = [{name: float(name == one) for name in names} for one in names]
         bodies = np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
         last = slice(-10, None)
-        columns = stand.stack(lambda k: stand.found.rigids[k].full[:, :, last] @ bodies)
+        columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
 
@@ -82,7 +83,9 @@ def _by_gravity(stand: Linearization, directions: np.ndarray) -> list[np.ndarray
 
     They follow from the links' positions alone, so that the next round need not build them again.
     """
-    places = (directions.tobytes(), *(id(q) for q, _, _ in stand.moved))
+    measured = of_kind(stand.found.model.terms, MeasurementLaw)
+    chain = [(t.place, *t.values.items()) for t in measured]
+    places = (directions.tobytes(), *(id(q) for q, _, _ in stand.moved), *chain)
     memory = stand.memory
     if places in memory.gravity:
         return memory.gravity[places][1]
@@ -92,7 +95,7 @@ def _by_gravity(stand: Linearization, directions: np.ndarray) -> list[np.ndarray
 
         def rows(k):
             q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])
-            return rigid_columns(arm, q, zero, zero)
+            return stand.reported(k, rigid_columns(arm, q, zero, zero))
 
         return stand.low(rows)
 

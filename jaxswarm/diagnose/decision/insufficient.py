@@ -58,6 +58,7 @@ def undecidable(
         "joints": list(robot.joints),
         "declared": declared,
         "effects": [],
+        "changed": [],
         "steps": [],
         "removed": [],
         "unexplained": [],

@@ -85,10 +85,11 @@ def find_unexplained(
 
 def _table(found: Estimate) -> dict[str, "_Input"]:
     """All variables that vary."""
-    width = found.model.width
+    joints = found.model.robot.joints
+    width = {f"dq_{j}": w for j, w in zip(joints, found.model.width, strict=True)}
     variables = {n: x for n, x in residual_variables(found).items() if np.ptp(x) > 1e-9}
     # A velocity also enters by its direction: friction jumps at zero.
-    return {n: _input(x, width if n.startswith("dq_") else None) for n, x in variables.items()}
+    return {n: _input(x, width.get(n)) for n, x in variables.items()}
 
 
 def _look(
@@ -144,7 +145,7 @@ def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplai
             joint,
             tuple((name, joints.index(own)) for name, own in places),
             x.min(axis=0), x.max(axis=0), x.mean(axis=0), np.maximum(x.std(axis=0), 1e-12),
-            *_waves(len(pick), seed), found.model.width, a,
+            *_waves(len(pick), seed), tuple(found.model.width[joints.index(own)] for _, own in places), a,
         )  # fmt: skip
     share, p_value = worth
     smooth = _features(inputs, seed) @ a

@@ -18,8 +18,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import linalg
 
+from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import correlation_length
 from jaxswarm.identify.estimation.validate import time_blocks
 
 # Blocks per log, and the least number of rows in one.
@@ -62,7 +62,7 @@ class Fold:
 
     def with_columns(self, columns: np.ndarray) -> "Fold":
         """The same rows fitted by a model that has further weighted columns (T, n, k)."""
-        more = _fold(self.free_part(columns), self.residual, self.train)
+        more = _fold(self.free_part(columns), self.residual, self.train, columns.shape[2])
         return Fold(
             self.train,
             np.concatenate([self.project, more.project], axis=2),
@@ -118,6 +118,7 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     regression, solution = found.regression, found.fit
     weight = robust_weight(solution.residual)
     columns = regression.columns[:, :, solution.base.kept] * weight[:, :, None]
+    size = columns.shape[2]
     if frozen:
         columns = columns[:, :, :0]
     error = solution.residual * weight
@@ -127,7 +128,7 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     block = time_blocks(regression.log, max(4, int(per_log)))
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
-    whole, first, second = (_fold(columns, torque, rows) for rows in (everything, odd, ~odd))
+    whole, first, second = (_fold(columns, torque, rows, size) for rows in (everything, odd, ~odd))
     return CrossFit(weight, block, whole, (first, second), error.size / length)
 
 
@@ -139,10 +140,11 @@ def robust_weight(residual: np.ndarray) -> np.ndarray:
     return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
 
 
-def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray) -> Fold:
+def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray, parameters: int) -> Fold:
+    """A fold of weighted columns (T, n, k) of so many base parameters; k is zero if those are held."""
     joints, size = columns.shape[1:]
     if size == 0:
-        return Fold(train, columns, columns, torque, np.zeros((0, 0)))
+        return Fold(train, columns, columns, torque, np.zeros((parameters, 0)))
     rows = columns[train].reshape(-1, size)
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     q, r, order = linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)

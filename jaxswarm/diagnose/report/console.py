@@ -30,7 +30,7 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
     floor = result["error"]["noise_floor"]["rms"]
     table.add_row("noise", *(f"{x:.3g} {u}" for x, u in zip(floor, units, strict=True)), "")
     console.print(table)
-    for effect in result["effects"]:
+    for effect in [*result["effects"], *result["changed"]]:
         values = ", ".join(f"{n} = {value_text(v)}" for n, v in effect["parameters"].items())
         console.print(f"{where(effect)}: {values}")
     for line in [*result.get("reasons", ()), *next_steps(result)]:

@@ -26,7 +26,7 @@ def render(result: dict, images: dict[str, bytes]) -> str:
         _error_table(result),
         _image(images, "ladder.png"),
     ]
-    for number, effect in enumerate(result["effects"], 1):
+    for number, effect in enumerate([*result["effects"], *result["changed"]], 1):
         parts += _effect(effect, number, images)
     for name in sorted(images):
         if name.startswith("unexplained_"):
@@ -97,17 +97,18 @@ def _error_table(result: dict) -> str:
 
 def _effect(effect: dict, number: int, images: dict[str, bytes]) -> list[str]:
     gain = effect["gain"]
+    changed = any("change" in row for row in effect["parameters"].values())
     rows = [[name, value_text(row)] for name, row in effect["parameters"].items()]
     others = ", ".join(
         f"{where(a)} ({100 * a['relative_gain']:.0f} % of its gain)" for a in effect["alternatives"]
     )
     return [
-        f"<h2>{number}. {escape(where(effect))}</h2>",
+        f"<h2>{number}. {escape(where(effect))}{' changed' if changed else ''}</h2>",
         f"<p>Takes {100 * gain['share_of_error']:.0f} % off the joint's squared error on unseen time "
         f"(p = {gain['p_value']:.1g}, helps in {100 * gain['helps_in_blocks']:.0f} % of the blocks). "
         f"Runners-up: {escape(others or 'none')}.</p>",
         _table(["parameter", "value ± standard error"], rows),
-        _image(images, f"effect_{number}.png"),
+        _image(images, effect["picture"]),
     ]
 
 

@@ -64,7 +64,11 @@ def to_result(
         "robot": robot.name,
         "joints": list(joints),
         "declared": [place(t, joints) for t in diagnosis.declared.model.terms],
-        "effects": [_effect(step, final, joints) for step in diagnosis.kept],
+        "effects": [
+            {**_effect(step, final, joints), "picture": f"effect_{number}.png"}
+            for number, step in enumerate(diagnosis.kept, 1)
+        ],
+        "changed": [],
         "steps": steps,
         "removed": [
             place(t, joints)
@@ -97,9 +101,9 @@ def to_result(
         "asked": diagnosis.asked,
         "suspects": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
         "effective_samples": diagnosis.background.effective,
-        "sign_width": final.model.width,
+        "sign_width": list(final.model.width),
         "filtering": {
-            "motion_cutoff_hz": final.motions[0].motion_cutoff,
+            "motion_cutoff_hz": list(final.motions[0].motion_cutoff),
             "torque_cutoff_hz": final.motions[0].torque_cutoff,
             "clock_skew_s": final.motions[0].skew,
         },
@@ -122,8 +126,7 @@ def _ranked(scores: Sequence[Score]) -> list[Score]:
 
 def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
     term, errors = _final_term(step.added, final)
-    kind = "revolute" if term.joint is None else final.model.robot.kinds[term.joint]
-    parameters = with_intervals(term_parameters(term, kind, errors))
+    parameters = with_intervals(term_parameters(term, final.model.robot, errors))
     total = float(step.score.gain)
     return {
         **place(term, joints),

@@ -1,5 +1,7 @@
 """The diagnosis in sentences, shared by the report and the terminal."""
 
+import numpy as np
+
 
 def where(entry: dict) -> str:
     """``stribeck_friction on joint2``, ``time_delay``."""
@@ -15,9 +17,9 @@ def verdict_sentence(result: dict) -> str:
     if before is None:
         return "; ".join(result["reasons"]) + "."
     change = f"{100 * before['relative_global']:.2f} %"
-    if result["effects"]:
+    if result["effects"] or result["changed"]:
         change += f" before, {100 * after['relative_global']:.2f} % after, on {after['on']}"
-    added = ", ".join(where(e) for e in result["effects"])
+    added = _found(result)
     left = "; ".join(
         f"{100 * u['share']:.0f} % of the remaining error of {u['joint']} follows "
         f"{' and '.join(u['depends_on'])}"
@@ -26,16 +28,36 @@ def verdict_sentence(result: dict) -> str:
     sentences = {
         "nothing missing": f"Nothing is missing: no known effect lowers the error on unseen motion "
         f"beyond chance (error {change}).",
-        "explained": f"The model lacked {added} (error {change}).",
-        "partly explained": f"The model lacked {added} (error {change}), and more is missing that no "
-        f"known law explains: {left}.",
+        "explained": f"{added} (error {change}).",
+        "partly explained": f"{added} (error {change}), and more is missing that no known law "
+        f"explains: {left}.",
         "unexplained": f"Something is missing that no known law explains: {left} (error {change}).",
     }
     return sentences[result["verdict"]]
 
 
+def _found(result: dict) -> str:
+    """What the model lacked and what changed, in one clause."""
+    lacked = ", ".join(where(e) for e in result["effects"])
+    changed = ", ".join(where(e) for e in result["changed"])
+    clauses = []
+    if lacked:
+        clauses.append(f"The model lacked {lacked}")
+    if changed:
+        clauses.append(
+            f"{'since it was identified' if lacked else 'Since the model was identified'} "
+            f"{changed} changed"
+        )
+    return "; ".join(clauses)
+
+
 def value_text(row: dict) -> str:
-    """A parameter with its standard error and unit: ``0.108 ± 0.002 rad/s``."""
+    """A parameter with its standard error and unit: ``0.108 ± 0.002 rad/s``; of a change, what it was too."""
+    if "change" in row:
+        now = value_text({k: v for k, v in row.items() if k not in ("change", "before")})
+        return f"{now}, was {row['before']:.5g}: changed by {value_text(row['change'])}"
+    if row.get("std_error") is not None and np.isnan(row["std_error"]):
+        return f"{row['value']:.5g} {row['unit']} (assumed: the log does not tell it)"
     error = row.get("std_error")
     pm = f" ± {error:.2g}" if error is not None and error == error else ""
     return f"{row['value']:.5g}{pm} {row['unit']}"

@@ -15,7 +15,6 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
-from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model
@@ -23,48 +22,39 @@ from jaxswarm.logs.motion import Motion
 
 
 @singledispatch
-def apply_change(
-    law: Effect, model: Model, term: Term, motions: Sequence[Motion], further: np.ndarray
-) -> Model:
+def apply_change(law: Effect, model: Model, change, motions: Sequence[Motion]) -> Model:
     """The model with one change in it.
 
     Args:
-        law: The term's, for the dispatch.
+        law: The changed term's, for the dispatch.
         model: The model so far.
-        term: With the values of the change.
+        change: A :class:`~jaxswarm.diagnose.selection.change_apply.Change`.
         motions: The logs.
-        further: Torque (T', n) of what a candidate's further columns added.
     """
     raise NotImplementedError(f"no changes of kind {type(law).__name__}")
 
 
+@apply_change.register(TorqueLaw)
 @apply_change.register(TransmissionLaw)
 @apply_change.register(ExternalTorque)
 @apply_change.register(MeasurementLaw)
-def _(law, model, term, motions, further):
-    return replace(model, terms=(*model.terms, term))
+def _(law, model, change, motions):
+    if not change.known:
+        return replace(model, terms=(*model.terms, change.term))
+    terms = tuple(
+        replace(t, values=change.now) if t.identity == change.term.identity else t
+        for t in model.terms
+    )
+    return replace(model, terms=terms)
 
 
 @apply_change.register
-def _(law: TorqueLaw, model, term, motions, further):
-    if all(t.place != term.place for t in model.terms):
-        return replace(model, terms=(*model.terms, term))
-    names = {p.name for p in law.linear}
-    terms = []
-    for old in model.terms:
-        if old.place == term.place:
-            added = {n: term.values.get(n, 0.0) for n in names}
-            old = replace(old, values={n: v + added.get(n, 0.0) for n, v in old.values.items()})
-        terms.append(old)
-    return replace(model, terms=tuple(terms))
-
-
-@apply_change.register
-def _(law: BodyChange, model, term, motions, further):
-    if law.gravity is not None:
-        return _with_masses(replace(model, terms=(*model.terms, term)), motions, further)
-    parameters = jnp.asarray(model.robot.parameters).at[-1].add(law.body(term.values))
-    return replace(model, robot=model.robot.replace(parameters=parameters))
+def _(law: BodyChange, model, change, motions):
+    if law.body is not None:
+        added = jnp.asarray(model.robot.parameters).at[-1].add(law.body(change.term.values))
+        return replace(model, robot=model.robot.replace(parameters=added))
+    model = replace(model, terms=(*model.terms, change.term))
+    return model if change.further is None else _with_masses(model, motions, change.further)
 
 
 def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) -> Model:

@@ -9,22 +9,26 @@ from jaxswarm.diagnose.folds.partial_out import robust_weight
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
-from jaxswarm.identify.estimation.sign_width import best_width
+from jaxswarm.identify.estimation.sign_width import best_widths
+from jaxswarm.identify.forward.regression import Diverged
 
-# The logarithm of the width's ratio below which a fit is trusted to have found it by itself.
+# The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
 # A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
 _INSIDE = 0.95
 
 
 def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
-    """The estimate with one more term, without those it contains; None if the cost does not fall or a
-    coefficient leaves its physical bounds.
+    """The estimate with one more term, without those it contains; None if the cost does not fall, a
+    coefficient leaves its physical bounds or the torque leaves the finite numbers.
     """
     term = _with_start(chosen)
     inner = term.law.contains
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
-    after = refit(current, (*kept, term), chosen.candidate.start)
+    try:
+        after = refit(current, (*kept, term), chosen.candidate.start)
+    except Diverged:  # what was found to first order cannot be: a link that runs away
+        return None
     fitted, errors = next(
         (t, e)
         for t, e in zip(after.model.terms, after.std_errors, strict=True)
@@ -51,20 +55,20 @@ def is_certain(term: Term, errors: dict[str, float]) -> bool:
 
 
 def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None = None) -> Estimate:
-    """Estimate with other terms, its sign width found anew.
+    """Estimate with other terms, its sign widths found anew.
 
     It starts from the current rigid parameters where no others are given.
     """
     start = _rigid(current) if start is None else start
     after = _fit_from(current, start, terms, current.model.width)
-    width = best_width(
+    width = best_widths(
         after.model.robot,
         after.model.terms,
         current.motions,
         current.rigids,
         _rigid(after),
     )
-    if abs(np.log(width / after.model.width)) < _NEAR:
+    if np.abs(np.log(np.divide(width, after.model.width))).max() < _NEAR:
         return after
     again = _fit_from(current, _rigid(after), after.model.terms, width)
     return again if _cost(again, after) < _cost(after, after) else after
@@ -76,9 +80,9 @@ def _rigid(one: Estimate) -> np.ndarray:
 
 
 def _fit_from(
-    current: Estimate, start: np.ndarray, terms: tuple[Term, ...], width: float
+    current: Estimate, start: np.ndarray, terms: tuple[Term, ...], width: tuple[float, ...]
 ) -> Estimate:
-    """Fit terms to the current logs from rigid parameters (10 n,) and a width."""
+    """Fit terms to the current logs from rigid parameters (10 n,) and widths."""
     return estimate(
         current.model.robot,
         terms,

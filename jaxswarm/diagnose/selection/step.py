@@ -9,6 +9,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import Model
 
 # Competitors gained at least this part of what the chosen one gained; so many are asked again.
 _NEAR, _MOST = 0.6, 3
@@ -26,6 +27,7 @@ class Step:
         near: Those of them that passed too and say much the same on the same joint.
         before, after: The estimates around it.
         removed: Terms that became superfluous.
+        rest: The final model without the effect, where that is not the model without the term.
     """
 
     added: Term
@@ -36,6 +38,7 @@ class Step:
     after: Estimate
     removed: tuple[Term, ...]
     near: tuple[Score, ...] = ()
+    rest: Model | None = None
 
 
 def near_ones(chosen: Score, guilty: Sequence[Score], background: CrossFit) -> tuple[Score, ...]:

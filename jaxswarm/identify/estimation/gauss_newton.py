@@ -15,7 +15,7 @@ from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, r
 from jaxswarm.identify.estimation.least_squares import Fit, fit, weighted_cost
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, term_block, uses_load
-from jaxswarm.identify.forward.regression import Regression, build_regression
+from jaxswarm.identify.forward.regression import Diverged, Regression, build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -43,22 +43,35 @@ class Problem:
 
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
-        moved = None if free.term is None else place.terms[free.term]
-        own = moved is not None and isinstance(moved.law, TorqueLaw)
-        alone = own and not moves_links(place.terms)
-        if alone:
-            sizes = [len(t.columns(self.robot.joints)) for t in place.terms[: free.term + 1]]
-            end = len(pi) + sum(sizes)
-            theta = theta[end - sizes[-1] : end]
+        moved = self._moved(place, free)
+        sizes = [len(t.columns(self.robot.joints)) for t in place.terms]
+        ends = len(pi) + np.cumsum(sizes)
         parts = []
         for motion, rigid in zip(self.motions, self.rigids, strict=True):
             given = (motion, place.width, pi, rigid)
-            if alone:
-                low = term_block(self.robot, place.terms, moved, *given)
-            else:
-                low = assemble(self.robot, place.terms, *given, decimate=True)
-            parts.append(low @ theta)
+            if moved is None:
+                parts.append(assemble(self.robot, place.terms, *given, decimate=True) @ theta)
+                continue
+            parts.append(
+                sum(
+                    term_block(self.robot, place.terms, place.terms[k], *given)
+                    @ theta[ends[k] - sizes[k] : ends[k]]
+                    for k in moved
+                )
+            )
         return np.concatenate(parts)
+
+    def _moved(self, place: Place, free: FreeParameter) -> list[int] | None:
+        """Indices of the terms whose columns a free parameter changes; None: the whole model."""
+        if free.term is None:
+            return [
+                k
+                for k, t in enumerate(place.terms)
+                if t.joint in free.joints and t.law.uses_direction
+            ]
+        own = isinstance(place.terms[free.term].law, TorqueLaw)
+        alone = own and not moves_links(place.terms)
+        return [free.term] if alone else None
 
 
 @dataclass(frozen=True)
@@ -91,8 +104,8 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
         before = _true_cost(regression, stand, sigma)
         for part in (1.0, 0.3, 0.1):
             trial = stand + part * step
-            there = problem.build(place, trial[:rigid])
-            if _true_cost(there, trial, sigma) < before:
+            there = _attempt(problem.build, place, trial[:rigid])
+            if there is not None and _true_cost(there, trial, sigma) < before:
                 break
         else:
             break
@@ -102,6 +115,14 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
     # What the linearization promises further on is not what the model does.
     residual = regression.target - regression.columns @ stand
     return Settled(place, replace(solution, residual=residual), regression, stand[:rigid])
+
+
+def _attempt(build, *at):
+    """What ``build(*at)`` gives; None where the model leaves the finite numbers: no place to go to."""
+    try:
+        return build(*at)
+    except Diverged:
+        return None
 
 
 def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> float:
@@ -118,8 +139,8 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
         step = _step(problem, moving, here)
         for shrink in (1.0, 0.3, 0.1):
             trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
-            there = settle(problem, trial, here.pi)
-            new = weighted_cost(there.solution.residual, sigma)
+            there = _attempt(settle, problem, trial, here.pi)
+            new = np.inf if there is None else weighted_cost(there.solution.residual, sigma)
             if new < cost * (1 - 1e-7):
                 break
         else:
@@ -149,6 +170,15 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     return np.clip(step[-len(moving) :], -0.2, 0.2)
 
 
+def widths_apart(
+    problem: Problem, alone: list[FreeParameter], here: Settled
+) -> tuple[np.ndarray, np.ndarray]:
+    """How far single joints' widths would move from those they share, and the standard errors, (m,) each."""
+    step = _step(problem, alone, here)
+    theta = np.concatenate([here.pi, here.solution.theta[len(here.pi) :]])
+    return step, standard_errors(problem, alone, here, theta)[1]
+
+
 def standard_errors(
     problem: Problem, moving: list[FreeParameter], here: Settled, theta: np.ndarray
 ):
@@ -163,7 +193,7 @@ def standard_errors(
             wide=True,
         )
         wide = Regression(
-            (*regression.names, *(f"{m.name}:{m.term}" for m in moving)),
+            (*regression.names, *(f"{m.name}:{m.term}:{m.joints}" for m in moving)),
             np.concatenate([regression.columns, slopes], axis=2),
             solution.residual,
             regression.moving,

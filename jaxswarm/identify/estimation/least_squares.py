@@ -20,11 +20,10 @@ import numpy as np
 from scipy import linalg, optimize
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
+from jaxswarm.identify.estimation.covariance import sandwich
 from jaxswarm.identify.forward.regression import Regression
 
 _BLOCK_ROWS = 512
-# Rows with more leverage than this are fitted whatever they hold.
-_MOST_LEVERAGE = 0.9
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,7 @@ class Fit:
         residual: tau minus model, shape (T, n).
         at_bound: Whether a base parameter sits on its physical bound, shape (b,).
         effective_samples: Independent residuals the data amount to.
+        lower, upper: Bounds the base parameters were held to, each (b,); None: none.
     """
 
     base: BaseParameters
@@ -54,6 +54,8 @@ class Fit:
     residual: np.ndarray
     at_bound: np.ndarray
     effective_samples: float
+    lower: np.ndarray | None = None
+    upper: np.ndarray | None = None
 
     @property
     def theta(self) -> np.ndarray:
@@ -128,6 +130,8 @@ def solve(
     """
     size = factor.shape[1] - 1
     scale = np.linalg.norm(factor[:size, :size], axis=0)
+    # Of a column that is zero in these rows, such as a touch at another time, they say nothing.
+    scale[scale == 0] = 1.0
     matrix, target = factor[:size, :size] / scale, factor[:size, size]
     theta = linalg.lstsq(matrix, target, check_finite=False)[0] / scale
     outside = (theta < lower) | (theta > upper)
@@ -184,11 +188,35 @@ def fit(
     scores = linalg.solve_triangular(factor, weighted.T, trans="T", check_finite=False).T
     scores = scores.reshape(len(residual), joints, size)
     error = residual / sigma
-    covariance, effective = _sandwich(factor, scores, error, regression.log)
+    covariance, effective = sandwich(factor, scores, error, regression.log)
     covariance[at_bound, :] = 0.0
     covariance[:, at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
-    return Fit(base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective)
+    return Fit(
+        base,
+        values,
+        covariance,
+        sigma,
+        factor,
+        target,
+        cost,
+        residual,
+        at_bound,
+        effective,
+        low,
+        high,
+    )
+
+
+def values_on(regression: Regression, like: Fit) -> np.ndarray:
+    """Base parameters (b,) of other rows, in the basis, with the weights and within the bounds of a fit."""
+    pick = np.append(like.base.kept, len(regression.names))
+    factors = [f[:, pick] for f in joint_factors(regression)]
+    size = like.base.size
+    free = np.full(size, np.inf)
+    low = -free if like.lower is None else like.lower
+    high = free if like.upper is None else like.upper
+    return solve(weighted_factor(factors, like.sigma), low, high)[0]
 
 
 def base_bounds(base: BaseParameters, lower, upper) -> tuple[np.ndarray, np.ndarray]:
@@ -199,44 +227,3 @@ def base_bounds(base: BaseParameters, lower, upper) -> tuple[np.ndarray, np.ndar
         low[alone] = np.asarray(lower)[base.kept[alone]]
         high[alone] = np.asarray(upper)[base.kept[alone]]
     return low, high
-
-
-def correlation_length(error: np.ndarray, log: np.ndarray) -> float:
-    """Integrated autocorrelation 1 + 2 sum rho_l of residuals (T, n), pooled over joints and logs.
-
-    The sum stops at the first lag whose correlation is lost in its own noise.
-    """
-    length, total = len(error), 1.0
-    power = (error**2).sum()
-    for lag in range(1, max(2, length // 4)):
-        same = log[lag:] == log[:-lag]
-        rho = float((error[lag:][same] * error[:-lag][same]).sum() / max(power, 1e-300))
-        if rho < 2.0 / np.sqrt(error.size):
-            break
-        total += 2.0 * rho
-    return total
-
-
-def _sandwich(factor, scores, error, log) -> tuple[np.ndarray, float]:
-    """Newey-West covariance of the base parameters, and the effective number of samples."""
-    length, size = len(error), factor.shape[0]
-    inflation = correlation_length(error, log)
-    # A row that decides a parameter alone hides its own error: leave-one-out residuals.
-    leverage = np.minimum((scores**2).sum(axis=2), _MOST_LEVERAGE)
-    u = np.einsum("tjb,tj->tb", scores, error / (1.0 - leverage))
-    # Andrews' automatic lag for a first-order process of the measured correlation length.
-    rho = (inflation - 1.0) / (inflation + 1.0)
-    lag_limit = int(
-        min(length // 4, 1 + 1.1447 * (length * 4 * rho**2 / (1 - rho**2) ** 2) ** (1 / 3))
-    )
-    meat, power, tapered = u.T @ u, max(float((error**2).sum()), 1e-300), 1.0
-    for lag in range(1, lag_limit + 1):
-        same = (log[lag:] == log[:-lag])[:, None]
-        taper = 1.0 - lag / (lag_limit + 1.0)
-        gamma = (u[lag:] * same).T @ u[:-lag]
-        meat += taper * (gamma + gamma.T)
-        tapered += 2.0 * taper * float((error[lag:] * same * error[:-lag]).sum() / power)
-    # What the taper took off the pooled autocorrelation is given back.
-    meat *= max(1.0, inflation / tapered)
-    inverse = linalg.solve_triangular(factor, np.eye(size), check_finite=False)
-    return inverse @ meat @ inverse.T, error.size / inflation

@@ -3,7 +3,7 @@
 import numpy as np
 
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.least_squares import values_on
 from jaxswarm.identify.forward.metrics import is_moving, torque_errors
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
@@ -44,17 +44,17 @@ def time_blocks(log: np.ndarray, count: int) -> np.ndarray:
 def held_out_residual(found: Estimate, count: int = 5) -> np.ndarray:
     """Residual (T, n) where every block of time is predicted by a fit to the other blocks.
 
-    Nonlinear parameters, width and weights stay those of the whole fit; the linear parameters, by far
-    the most, are refitted.
+    Nonlinear parameters, width, weights and bounds stay those of the whole fit; the linear parameters,
+    by far the most, are refitted. A column that is zero on all other blocks counts as absent.
     """
     regression, solution = found.regression, found.fit
     block = time_blocks(regression.log, count)
     residual = np.empty_like(solution.residual)
     for b in np.unique(block):
         out = block == b
-        part = fit(regression.rows(~out), base=solution.base, sigma=solution.sigma)
+        values = values_on(regression.rows(~out), solution)
         columns = regression.columns[out][:, :, solution.base.kept]
-        residual[out] = regression.target[out] - columns @ part.values
+        residual[out] = regression.target[out] - columns @ values
     return residual
 
 

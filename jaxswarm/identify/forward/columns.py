@@ -5,6 +5,7 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
@@ -114,9 +115,16 @@ def direction(dq: np.ndarray, width: float) -> np.ndarray:
 
 
 def joint_series(
-    motion: Motion, width: float, load: Load | None, joint: int, other: int | None = None
+    motion: Motion,
+    width: Sequence[float],
+    load: Load | None,
+    joint: int,
+    other: int | None = None,
 ) -> Sample:
-    """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) NumPy arrays."""
+    """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) NumPy arrays.
+
+    ``width`` is that of every joint's smooth sign, (n,); a sum of velocities takes the joint's own.
+    """
     zero = np.zeros(len(motion.t))
     temperature = motion.channels.get("temperature")
     dq = motion.dq[:, joint]
@@ -126,18 +134,20 @@ def joint_series(
         q=motion.q[:, joint],
         dq=dq,
         ddq=motion.ddq[:, joint],
-        direction=direction(dq, width),
+        direction=direction(dq, width[joint]),
         load=zero if load is None else load.full[:, joint],
         static_load=zero if load is None else load.static[:, joint],
         temperature=zero + np.nan if temperature is None else temperature[:, joint],
         dq_other=zero if other is None else partner,
         ddq_other=zero if other is None else motion.ddq[:, other],
-        direction_sum=zero if other is None else direction(dq + partner, width),
+        direction_sum=zero if other is None else direction(dq + partner, width[joint]),
         state=zero,
     )
 
 
-def term_columns(term: Term, motion: Motion, width: float, load: Load | None = None) -> np.ndarray:
+def term_columns(
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None = None
+) -> np.ndarray:
     """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
     law = term.law
     nonlinear = {p.name: np.float64(term.values[p.name]) for p in law.nonlinear}

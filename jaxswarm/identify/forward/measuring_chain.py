@@ -5,8 +5,10 @@ The order in which a torque comes about fixes the order here: the links move beh
 (:class:`TorqueLaw`, :class:`ExternalTorque`), and the drives write them down (:class:`MeasurementLaw`).
 """
 
+from collections.abc import Sequence
 from functools import singledispatch
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -18,6 +20,8 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
+from jaxswarm.effects.measurement import shift
+from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
@@ -48,7 +52,7 @@ def assemble(
     robot: Robot,
     terms: tuple[Term, ...],
     motion: Motion,
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray,
     rigid: Rigid | None = None,
     decimate: bool = False,
@@ -92,7 +96,9 @@ def assemble(
     return np.concatenate(parts, axis=2)
 
 
-def own_columns(term: Term, motion: Motion, width: float, load: Load | None) -> np.ndarray:
+def own_columns(
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None
+) -> np.ndarray:
     """Columns of a term on the working clock, (T, n, k), zero on joints it does not act on."""
     return law_block(term.law, term, motion, width, load)
 
@@ -135,15 +141,40 @@ def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.nda
     return block
 
 
+def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
+    """Columns (T, k) that act on one joint as its drive reports them."""
+    if not of_kind(terms, MeasurementLaw):
+        return own
+    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
+    block[:, joint] = own
+    return report(terms, motion, block)[:, joint]
+
+
+def lateness(terms: tuple[Term, ...]) -> float:
+    """Time [s] by which the terms say the clock of the torque lags."""
+    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
+    return sum(t.values[t.law.parameters[0].name] for t in clocks)
+
+
+def late(series: Sample, seconds: float, motion: Motion) -> Sample:
+    """What a law sees, so much later: its torque is then what a late clock reports of it."""
+    if not seconds:
+        return series
+    return Sample(*(np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in series))
+
+
 def term_block(
     robot: Robot,
     terms: tuple[Term, ...],
     term: Term,
     motion: Motion,
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray,
     rigid: Rigid,
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
     load = load_of(rigid.full, rigid.static, pi) if term.law.uses_load else None
     return motion.decimator.apply(report(terms, motion, own_columns(term, motion, width, load)))
+
+
+_shift = jax.jit(shift)

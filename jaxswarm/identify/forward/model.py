@@ -1,7 +1,7 @@
 """An identified model: what ``model.json`` holds and ``predict`` needs, and its torque along a log."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -9,9 +9,11 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
+from jaxswarm.identify.forward import uncertainty
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model_check import check_content
 from jaxswarm.identify.forward.smooth import Smooth, from_json, to_json
+from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
 
@@ -25,18 +27,20 @@ class Model:
     Attributes:
         robot: With the identified link parameters (base values, zeros for what merges into them).
         terms: With values for all their parameters.
-        width: Width of the smooth sign [rad/s or m/s].
+        width: Width of every joint's smooth sign [rad/s or m/s], (n,).
         filtering: Frequencies the model was identified with.
         sigma: Residual standard deviation per joint at identification [N m or N].
         smooth: Fitted functions for what no law explains.
+        uncertainty: Covariance of the linear parameters; None where it is not known.
     """
 
     robot: Robot
     terms: tuple[Term, ...]
-    width: float
+    width: tuple[float, ...]
     filtering: Filtering
     sigma: tuple[float, ...]
     smooth: tuple[Smooth, ...] = ()
+    uncertainty: Uncertainty | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         terms = ", ".join(term.label(self.robot.joints) for term in self.terms)
@@ -105,7 +109,7 @@ def save_model(model: Model, path: Path) -> None:
             }
             for t in model.terms
         ],
-        "width": model.width,
+        "width": list(map(float, model.width)),
         "filtering": {
             "motion_cutoff": model.filtering.motion_cutoff,
             "torque_cutoff": model.filtering.torque_cutoff,
@@ -114,6 +118,7 @@ def save_model(model: Model, path: Path) -> None:
         },
         "sigma": list(map(float, model.sigma)),
         "smooth": [to_json(term, robot.joints) for term in model.smooth],
+        "uncertainty": uncertainty.to_json(model.uncertainty),
     }
     Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
@@ -143,6 +148,11 @@ def load_model(path: Path) -> Model:
         if isinstance(error, InputError):
             raise InputError(f"{path}: {error}") from None
         raise InputError(f"{path}: incomplete or damaged ({error!r}); identify it again") from None
+
+
+def _per_joint(width: float | list[float], joints: int) -> list[float]:
+    """One width per joint; older files hold one for all."""
+    return width if isinstance(width, list) else [width] * joints
 
 
 def _from_json(content: dict) -> Model:
@@ -176,8 +186,9 @@ def _from_json(content: dict) -> Model:
     return Model(
         robot,
         tuple(terms),
-        float(content["width"]),
+        tuple(map(float, _per_joint(content["width"], n))),
         Filtering(**content["filtering"]),
         tuple(content["sigma"]),
         tuple(from_json(entry, joints) for entry in content.get("smooth", [])),
+        uncertainty.from_json(content.get("uncertainty")),
     )

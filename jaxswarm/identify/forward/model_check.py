@@ -32,8 +32,10 @@ def check_content(content: dict) -> None:
     _each(robot, "drive_gain", n, lambda g, _: g is None or _is_number(g), "a number or null")
     for k, term in enumerate(_get(content, "terms", list, "")):
         _check_term(term, joints, f"terms[{k}]")
-    if not _is_number(content.get("width")) or content["width"] <= 0:
-        raise InputError("width is no positive number; identify it again")
+    width = content.get("width")
+    if not isinstance(width, list):  # older files hold one for all joints
+        content = {**content, "width": [width] * n}
+    _each(content, "width", n, lambda w, _: _is_number(w) and w > 0, "a positive number", "")
     _check_filtering(_get(content, "filtering", dict, ""))
     _each(content, "sigma", n, lambda s, _: _is_number(s) and s >= 0, "a number not below 0", "")
 

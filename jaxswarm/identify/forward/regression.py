@@ -14,6 +14,9 @@ from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
+# Squares of larger numbers, summed over a log, leave the finite numbers.
+_MOST = 1e140
+
 
 @dataclass(frozen=True)
 class Regression:
@@ -59,11 +62,15 @@ class Regression:
         )
 
 
+class Diverged(InputError):
+    """The torque of a model leaves the finite numbers along a log: as a link that runs away."""
+
+
 def build_regression(
     robot: Robot,
     terms: tuple[Term, ...],
     motions: Sequence[Motion],
-    width: float,
+    width: Sequence[float],
     pi: np.ndarray | None = None,
     rigids: Sequence[Rigid] | None = None,
 ) -> Regression:
@@ -73,12 +80,13 @@ def build_regression(
         robot: Kinematics.
         terms: With values of their nonlinear parameters.
         motions: Prepared logs with torque.
-        width: Width of the smooth sign.
+        width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
         rigids: Rigid columns of the logs where known.
 
     Raises:
         InputError: If there are fewer rows than columns to determine.
+        Diverged: If a column is not finite, or too large to be squared.
     """
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
     columns, torque, moving, clock, log, shift = [], [], [], [], [], []
@@ -91,6 +99,7 @@ def build_regression(
             lag = low.apply(report(terms, motion, slopes))
             columns[-1][:, :, : len(pi)] += lag
             shift.append(lag @ pi)
+        _check_finite(columns[-1], terms, motion)
         kept = low.kept(len(motion.t))
         torque.append(low.apply(motion.tau))
         moving.append(is_moving(motion.dq)[kept])
@@ -113,4 +122,19 @@ def build_regression(
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
         np.concatenate(shift) if shift else None,
+    )
+
+
+def _check_finite(columns: np.ndarray, terms: tuple[Term, ...], motion: Motion) -> None:
+    """Name the terms that may have driven columns (T', n, p) of a log out of the finite numbers."""
+    bad = ~(np.abs(columns) < _MOST).all(axis=(0, 2))
+    if not bad.any():
+        return
+    joints = np.flatnonzero(bad)
+    behind = [t for t in terms if t.joint is None or t.joint in joints]
+    raise Diverged(
+        f"{motion.source}: the model has no finite torque on "
+        f"{', '.join(motion.joints[j] for j in joints)} with "
+        f"{', '.join(t.label(motion.joints) for t in behind) or 'these parameters'}; "
+        "log a stronger motion, or leave one of these effects out"
     )

@@ -26,7 +26,7 @@ class Smooth:
         center, scale: What standardizes them, each (m,).
         frequency: omega, shape (m, c).
         phase: Shape (c,).
-        width: Width of the smooth sign of velocities.
+        width: Width of the smooth sign of every input, for those that are velocities, (m,).
         coefficients: Of the features [N m or N], see :func:`features`.
     """
 
@@ -38,7 +38,7 @@ class Smooth:
     scale: np.ndarray
     frequency: np.ndarray
     phase: np.ndarray
-    width: float
+    width: tuple[float, ...]
     coefficients: np.ndarray
 
     def torque(self, motion: Motion) -> np.ndarray:
@@ -46,7 +46,9 @@ class Smooth:
         x = np.stack([getattr(motion, name)[:, j] for name, j in self.inputs], axis=1)
         x = np.clip(x, self.lower, self.upper)
         sides = [
-            np.tanh(x[:, k] / self.width) for k, (name, _) in enumerate(self.inputs) if name == "dq"
+            np.tanh(x[:, k] / self.width[k])
+            for k, (name, _) in enumerate(self.inputs)
+            if name == "dq"
         ]
         standard = (x - self.center) / self.scale
         return features(standard, sides, self.frequency, self.phase) @ self.coefficients
@@ -76,7 +78,7 @@ def to_json(term: Smooth, joints: tuple[str, ...]) -> dict:
         "joint": joints[term.joint],
         "inputs": [[name, joints[j]] for name, j in term.inputs],
         **{name: np.asarray(getattr(term, name)).tolist() for name in _ARRAYS},
-        "width": term.width,
+        "width": list(term.width),
         "meaning": "fitted function without a law; constant beyond the range of its inputs",
     }
 
@@ -91,8 +93,9 @@ def from_json(content: dict, joints: tuple[str, ...]) -> Smooth:
     if not all(name in QUANTITIES for name, _ in inputs):
         raise ValueError(f"smooth term with inputs {content['inputs']!r}")
     arrays = {name: np.asarray(content[name], float) for name in _ARRAYS}
-    term = Smooth(joints.index(content["joint"]), inputs, width=float(content["width"]), **arrays)
-    count = len(inputs)
+    count, width = len(inputs), content["width"]
+    width = tuple(map(float, width if isinstance(width, list) else [width] * count))
+    term = Smooth(joints.index(content["joint"]), inputs, width=width, **arrays)
     probe = features(
         np.zeros((1, count)),
         [np.zeros(1)] * sum(name == "dq" for name, _ in inputs),
@@ -100,7 +103,7 @@ def from_json(content: dict, joints: tuple[str, ...]) -> Smooth:
         term.phase,
     )
     whole = all(getattr(term, n).shape == (count,) for n in ("lower", "upper", "center", "scale"))
-    if not whole or term.coefficients.shape != (probe.shape[1],):
+    if not whole or len(width) != count or term.coefficients.shape != (probe.shape[1],):
         raise ValueError("smooth term whose arrays do not fit together")
     return term
 

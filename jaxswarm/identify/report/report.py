@@ -41,11 +41,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
                 "effect": t.effect,
                 "joint": None if t.joint is None else robot.joints[t.joint],
                 "other": None if t.other is None else robot.joints[t.other],
-                "parameters": term_parameters(
-                    t,
-                    "revolute" if t.joint is None else robot.kinds[t.joint],
-                    errors,
-                ),
+                "parameters": term_parameters(t, robot, errors),
             }
             for t, errors in zip(model.terms, found.std_errors, strict=True)
         ],
@@ -56,7 +52,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
         "effective_samples": solution.effective_samples,
         "sign_width": model.width,
         "filtering": {
-            "motion_cutoff_hz": found.motions[0].motion_cutoff,
+            "motion_cutoff_hz": list(found.motions[0].motion_cutoff),
             "torque_cutoff_hz": found.motions[0].torque_cutoff,
         },
         "residual_std": solution.sigma,

@@ -3,8 +3,10 @@
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.robot.model import Robot
 from jaxswarm.robot.names import PARAMETER_UNITS
 
 # Below this relative standard error, or this share of the torque, a parameter is called determined.
@@ -73,25 +75,34 @@ def unidentified(found: Estimate) -> list[dict]:
     return merged + dead
 
 
-def term_parameters(term: Term, kind: str, errors: dict[str, float] | None = None) -> dict:
-    """Parameters of a term with value, standard error and unit, derived ones included."""
+def term_parameters(term: Term, robot: Robot, errors: dict[str, float] | None = None) -> dict:
+    """Parameters of a term with value, standard error and unit, derived ones and torques included."""
     law: Effect = term.law
-    table = {
-        p.name: {
-            "value": float(term.values[p.name]),
-            "std_error": None if errors is None else errors.get(p.name),
-            "unit": physical_unit(p.unit, kind),
-        }
-        for p in law.parameters
-    }
+    kind = "revolute" if term.joint is None else robot.kinds[term.joint]
+    rows = [(p.name, term.values[p.name], physical_unit(p.unit, kind)) for p in law.parameters]
     if law.derived is not None:
-        for name, (value, unit) in law.derived(term.values).items():
-            table[name] = {
-                "value": float(value),
-                "std_error": None if errors is None else errors.get(name),
-                "unit": physical_unit(unit, kind),
-            }
-    return table
+        derived = law.derived(term.values).items()
+        rows += [(name, value, physical_unit(unit, kind)) for name, (value, unit) in derived]
+    # An external torque is one on every joint beside the parameters of its law.
+    own = {name for name, _, _ in rows}
+    torques = zip(term.linear_names(robot.joints), linear_units(term, robot), strict=True)
+    rows += [(n, term.values.get(n, 0.0), unit) for n, unit in torques if n not in own]
+    return {
+        name: {
+            "value": float(value),
+            "std_error": None if errors is None else errors.get(name),
+            "unit": unit,
+        }
+        for name, value, unit in rows
+    }
+
+
+def linear_units(term: Term, robot: Robot) -> list[str]:
+    """Units of the values that a term's columns multiply, in their order."""
+    if isinstance(term.law, ExternalTorque):
+        return list(units(robot))
+    kind = "revolute" if term.joint is None else robot.kinds[term.joint]
+    return [physical_unit(p.unit, kind) for p in term.law.linear]
 
 
 def with_intervals(table: dict) -> dict:
@@ -113,11 +124,5 @@ def _unit(found: Estimate, column: int) -> str:
     robot = found.model.robot
     if column < 10 * robot.num_joints:
         return PARAMETER_UNITS[column % 10]
-    k = column - 10 * robot.num_joints
-    for term in found.model.terms:
-        table = term.law.linear
-        if k < len(table):
-            kind = "revolute" if term.joint is None else robot.kinds[term.joint]
-            return physical_unit(table[k].unit, kind)
-        k -= len(table)
-    return ""
+    own = [unit for term in found.model.terms for unit in linear_units(term, robot)]
+    return own[column - 10 * robot.num_joints]

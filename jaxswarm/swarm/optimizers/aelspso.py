@@ -27,7 +27,7 @@ GATES = ("none", "convergence")
 
 def aelspso(
     num_particles: int = 24,
-    num_steps: int = 2000,
+    num_steps: float | None = None,
     *,
     gate: str = "none",
     on_failure: str = "discard",
@@ -40,7 +40,8 @@ def aelspso(
 
     Args:
       num_particles: n, at least 2; the learning trial of the leader comes on top.
-      num_steps: updates over which the size of a trial falls from 1.0 to 0.1 of the range.
+      num_steps: updates over which the size of a trial falls from 1.0 to 0.1 of the range; default
+        as many as ``minimize`` makes (2000 where nobody says it).
       gate: when the leader learns: ``"none"`` always, ``"convergence"`` as in APSO.
       on_failure: what becomes of a trial that is not better: ``"discard"``, ``"replace worst"``.
       adapt_coefficients: let c1 and c2 follow the evolutionary state, else both are 2.
@@ -60,7 +61,7 @@ def aelspso(
     swarm = pso(num_particles, random=random, **(chosen | parts))
     return elitist_learning(
         swarm,
-        linear(1.0, 0.1, num_steps),
+        linear(1.0, 0.1, num_steps, by_hand=2000.0),
         gate=converged(scale) if gate == "convergence" else None,
         on_failure=on_failure,
         random=random,

@@ -24,20 +24,24 @@ import numpy as np
 
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.optimizers.pso import PSO, pso
-from jaxswarm.swarm.pytree import pytree
-from jaxswarm.swarm.schedules import coefficient, linear
+from jaxswarm.swarm.pytree import pytree, static
+from jaxswarm.swarm.schedules import BY_HAND, coefficient, linear, run_length
 
 __all__ = ["clpso"]
 
 
 def clpso(
-    num_particles: int = 40, num_steps: int = 1000, *, refresh: int | None = None, **parts: Any
+    num_particles: int = 40,
+    num_steps: float | None = None,
+    *,
+    refresh: float | None = None,
+    **parts: Any,
 ) -> PSO:
     """Comprehensive learning PSO with w from 0.9 to 0.4, c = 1.49445, velocity limit 20 %.
 
     Args:
       num_particles: n, at least 3.
-      num_steps: updates over which the inertia falls; give what ``minimize`` gets.
+      num_steps: updates over which the inertia falls; default as many as ``minimize`` makes.
       refresh: updates without improvement after which a particle chooses new exemplars. The default
         is the paper's 7 from 3500 updates on and less below, down to none: in 100 to 1000 updates
         a gap of 7 left medians up to 1e8 times larger on the benchmark's smooth problems, and
@@ -47,13 +51,16 @@ def clpso(
     """
     at_least("num_particles", num_particles, 3, "each particle compares two others")
     inertia = linear(0.9, 0.4, num_steps)
-    refresh = jnp.minimum(7.0, num_steps // 500) if refresh is None else refresh
     chosen = dict(
         inertia=inertia,
         cognitive=1.49445,
         velocity_limit=0.2,
         initial_velocity=0.5,
-        control=Exemplars(coefficient("refresh", refresh, lower=0.0)),
+        control=Exemplars(
+            Gap(*run_length(num_steps, BY_HAND))
+            if refresh is None
+            else coefficient("refresh", refresh, lower=0.0)
+        ),
         rule=ComprehensiveLearning(),
     )
     return pso(num_particles, **(chosen | parts))
@@ -67,10 +74,24 @@ class ExemplarState(NamedTuple):
 
 
 @pytree
+class Gap:
+    """Updates without improvement before new exemplars: 7 from 3500 updates on, none below 500."""
+
+    num_steps: Any
+    of_run: bool = static(default=False)
+
+    def __call__(self):
+        return jnp.minimum(7.0, jnp.floor(self.num_steps / 500.0))
+
+    def __float__(self):
+        return float(self())
+
+
+@pytree
 class Exemplars:
     """Control that chooses the exemplars and passes them to the rule."""
 
-    refresh: float
+    refresh: float | Gap
 
     def init(self, shape, dtype):
         """Failures without bound, so that the first update chooses."""
@@ -83,7 +104,7 @@ class Exemplars:
         # The first update improves every particle, yet must choose: failures start out huge.
         fresh = state.failures > np.iinfo(np.int32).max // 4
         failures = jnp.where(swarm.improved & ~fresh, 0, state.failures + 1)
-        renew = failures >= self.refresh
+        renew = failures >= (self.refresh() if callable(self.refresh) else self.refresh)
 
         own = jnp.arange(n, dtype=jnp.int32)[:, None]
         rivals = random.integers("rivals", (2, n, d), n - 1)

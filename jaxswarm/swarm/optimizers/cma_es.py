@@ -12,6 +12,10 @@ weights, rates and damping are the tutorial's defaults. The distribution lives i
 R^d and its samples are folded into the unit cube like light between mirrors, so that no walls are
 seen; an eigendecomposition is made only as often as C changes noticeably.
 
+Long after a search has converged, or where values do not depend on the candidates, sigma and C drift.
+Then the samples keep apart by the rounding of the cube at least, C is brought back to eigenvalues
+that a decomposition can tell apart, and its size is moved into sigma, which changes no sample.
+
 Reference:
     N. Hansen, "The CMA evolution strategy: a tutorial", 2016, arXiv 1604.00772.
 """
@@ -30,7 +34,10 @@ from jaxswarm.swarm.schedules import coefficient
 
 __all__ = ["CMAES", "CMAESState", "cma_es"]
 
-LARGEST = 1e4  # of sigma; far outside what a search in the unit cube can use
+LARGEST = 1e4
+"""Standard deviation along the longest axis: far outside what a search in the unit cube can use."""
+UNSCALED = 1e8
+"""Largest eigenvalue of C, or its inverse, up to which sigma and C are left as they are."""
 
 
 class CMAESState(NamedTuple):
@@ -152,7 +159,9 @@ class CMAES:
         path = (1.0 - rates.c_c) * state.path_covariance + jnp.where(steady, keep, 0.0) * move
 
         lengths = jnp.sum((y @ state.basis / state.spread) ** 2, axis=1)
-        scale = jnp.where(weights < 0.0, d / jnp.maximum(lengths, jnp.finfo(dtype).tiny), 1.0)
+        eps = jnp.finfo(dtype).eps
+        # Samples that are all alike have no length: nothing to take away from C.
+        scale = jnp.where(weights < 0.0, d / jnp.maximum(lengths, eps), 1.0)
         lost = jnp.where(steady, 0.0, rates.c_1 * rates.c_c * (2.0 - rates.c_c))
         covariance = (
             (1.0 - rates.c_1 - rates.c_mu * float(rates.weights.sum()) + lost) * state.covariance
@@ -160,14 +169,15 @@ class CMAES:
             + rates.c_mu * (weights * scale * y.T) @ y
         )
         grow = (rates.c_sigma / rates.d_sigma) * (norm / rates.length - 1.0)
-        smallest = math.sqrt(jnp.finfo(dtype).tiny)
-        sigma = jnp.clip(sigma * jnp.exp(jnp.minimum(grow, 1.0)), smallest, LARGEST)
-        basis, spread = jax.lax.cond(
+        sigma = sigma * jnp.exp(jnp.minimum(grow, 1.0))
+        basis, spread, covariance, size = jax.lax.cond(
             state.count % rates.gap == 0,
             _eigen,
-            lambda _: (state.basis, state.spread),
-            covariance,
+            lambda c: (state.basis, state.spread, c, jnp.ones((), dtype)),
+            covariance.astype(dtype),
         )
+        path = path / size
+        sigma = jnp.clip(sigma * size, eps / spread.max(), LARGEST / spread.max())
 
         z = Random(key, self.random).normal("sample", (n, d), dtype)
         sample = mean + sigma * (z * spread) @ basis.T
@@ -196,11 +206,19 @@ def fold_mirrors(x: jax.Array) -> jax.Array:
 
 
 def _eigen(covariance):
+    """Axes, their lengths, C over the square of its size where that is extreme, and the size."""
     covariance = 0.5 * (covariance + covariance.T)
     eigenvalues, basis = jnp.linalg.eigh(covariance)
-    # Rounding may push small eigenvalues below zero: bound the condition number instead.
+    largest = eigenvalues[-1]
+    extreme = (largest > UNSCALED) | (largest < 1.0 / UNSCALED)
+    unit = jnp.where(extreme, largest, 1.0)
+    covariance, eigenvalues = covariance / unit, eigenvalues / unit
+    # Rounding may push small eigenvalues below zero: bound the condition number instead, in C too,
+    # or what was lifted once sinks on.
     floor = jnp.finfo(covariance.dtype).eps * eigenvalues[-1]
-    return basis, jnp.sqrt(jnp.maximum(eigenvalues, floor))
+    lifted = jnp.maximum(eigenvalues, floor)
+    covariance = jnp.where(eigenvalues[0] < floor, (basis * lifted) @ basis.T, covariance)
+    return basis, jnp.sqrt(lifted), covariance, jnp.sqrt(unit)
 
 
 def cma_es(num_particles: int | None = None, *, sigma: float = 0.3, random: str = "hash") -> CMAES:

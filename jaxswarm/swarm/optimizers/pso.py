@@ -227,19 +227,20 @@ def spso(num_particles: int = 40, **parts: Any) -> PSO:
     return pso(num_particles, **(chosen | parts))
 
 
-def gpso(num_particles: int = 24, num_steps: int = 2000, **parts: Any) -> PSO:
+def gpso(num_particles: int = 24, num_steps: float | None = None, **parts: Any) -> PSO:
     """Global-best PSO of the RX60 paper: inertia falls linearly, velocities are limited.
 
-    w from 0.9 to 0.4 over ``num_steps``, c1 = c2 = 2, velocity limit 20 % of the range. Swarm size
-    and number of steps are those of the toolbox the authors likely used (a reconstruction).
+    w from 0.9 to 0.4 over ``num_steps``, c1 = c2 = 2, velocity limit 20 % of the range. The swarm
+    size is that of the toolbox the authors likely used (a reconstruction).
 
     Args:
       num_particles: n, at least 2.
-      num_steps: updates over which the inertia falls; give what ``minimize`` gets.
+      num_steps: updates over which the inertia falls; default as many as ``minimize`` makes (the
+        toolbox's 2000 where nobody says it).
       **parts: keyword arguments of :func:`pso`, which override the choices made here.
     """
     chosen = dict(
-        inertia=linear(0.9, 0.4, num_steps),
+        inertia=linear(0.9, 0.4, num_steps, by_hand=2000.0),
         cognitive=2.0,
         social=2.0,
         velocity_limit=0.2,

@@ -25,7 +25,8 @@ class Entry(NamedTuple):
       description: one line.
       reference: the publication of its rule.
       reconstruction: whether the rule, or a part of it, is not stated in its source.
-      scheduled: whether the factory takes ``num_steps``, the length of its schedules.
+      scheduled: whether the factory takes ``num_steps``, the length of its schedules; without it
+        they last as long as the run.
     """
 
     factory: Callable[..., Any]

@@ -86,7 +86,8 @@ def restart(
 ) -> Restart:
     """Wrap an optimizer so that it starts anew when it has stalled or collapsed.
 
-    The schedules of the wrapped optimizer begin again with every life.
+    The schedules of the wrapped optimizer begin again with every life; one without a length of its
+    own lasts as long as the whole run, which most lives do not reach.
 
     Args:
       inner: any optimizer, wrapped ones included.

@@ -44,7 +44,7 @@ SAD, HAPPY = 0.3, 0.6
 
 def sepso(
     num_particles: int = 40,
-    num_steps: int = 1000,
+    num_steps: float | None = None,
     *,
     variant: str = "R1",
     repulsion: float = 0.1,
@@ -54,7 +54,8 @@ def sepso(
 
     Args:
       num_particles: n, at least 4 (three of them are the worst).
-      num_steps: updates over which the inertia falls from 0.9 to 0.4.
+      num_steps: updates over which the inertia falls from 0.9 to 0.4; default as many as
+        ``minimize`` makes.
       variant: ``"R1"``, ``"R2"`` or ``"R3"``.
       repulsion: c3, push away from the worst particles (R1, R2).
       **parts: keyword arguments of :func:`pso`, which override the choices made here.

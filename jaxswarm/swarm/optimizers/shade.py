@@ -239,12 +239,12 @@ def shade(
     )
 
 
-def lshade(num_particles: int = 60, num_steps: int = 1000, **options: Any) -> SHADE:
+def lshade(num_particles: int = 60, num_steps: float | None = None, **options: Any) -> SHADE:
     """SHADE whose population falls linearly to 4 over ``num_steps``, with six remembered pairs.
 
     Args:
       num_particles: n, members at the start and trials in every step, at least 8.
-      num_steps: updates over which the population shrinks; give what ``minimize`` gets.
+      num_steps: updates over which the population shrinks; default as many as ``minimize`` makes.
       **options: keyword arguments of :func:`shade`.
     """
     optimizer = shade(num_particles, **(dict(num_memories=6) | options))

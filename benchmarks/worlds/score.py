@@ -1,0 +1,188 @@
+"""One diagnosis of one world, through the public functions, against what is true of it."""
+
+import json
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.worlds import plain
+from benchmarks.worlds.files import TESTS, declared_list, label, write_world
+from benchmarks.worlds.laws import LAWS
+from benchmarks.worlds.world import World
+from jaxswarm.diagnose.run import diagnose_files
+from jaxswarm.effects import REGISTRY
+from jaxswarm.identify.predict import predict_file
+from jaxswarm.identify.run import identify_files
+
+# Harm: an error on unseen motion this many times the declared model's, and above the noise.
+HARM = 1.1
+# The edit test is passed by a model that, less the named term, predicts the world without the effect no
+# worse than this many times what the whole model, or the floor, has on the same motion with the effect.
+_EDIT = 1.5
+# A verdict that all is explained contradicts an error on the fitted log beyond this many floors.
+NEAR_NOISE = 2.5
+_CONTENT = ("nothing missing", "explained")
+
+
+def score_world(world: World) -> dict:
+    """Write, diagnose and score a world; the row of the table."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        truth = write_world(world, folder)
+        robot, declare = str(folder / truth["robot_file"]), declared_list(world)
+        row = {key: truth[key] for key in _COPIED}
+        row |= {key: _labels(truth[key]) for key in ("effects", "outside", "inseparable")}
+        start = time.perf_counter()
+        try:
+            result = diagnose_files([folder / "train.npz"], robot, declare, folder / "final")
+        except Exception as error:  # a crash is a row too: it must not end the run
+            return {**row, "world": world.number, "error": f"{type(error).__name__}: {error}"[:300]}
+        row |= {"world": world.number, "seconds": time.perf_counter() - start}
+        row |= _names(result, world, truth)
+        identify_files([folder / "train.npz"], robot, declare, folder / "declared")
+        row |= _errors(world, folder, truth)
+        row |= _edit(world, folder, truth, row)
+    return row
+
+
+_COPIED = (
+    "name", "robot", "size", "motion", "duration", "controller", "control_rate", "rate", "declares",
+    "common", "attempt",
+)  # fmt: skip
+
+
+def _labels(entries: list[dict]) -> list[dict]:
+    return [
+        {
+            "label": _place(e["effect"], e.get("joint"), e.get("other")),
+            "kind": e["effect"],
+            "ratio": e["ratio"],
+            "visible": e["visible"],
+        }
+        for e in entries
+    ]
+
+
+def _place(effect: str, joint, other) -> str:
+    """``kind@joint2:joint3`` from names of joints, or from numbers that count from 1."""
+    names = [f"joint{x}" if isinstance(x, int) else x for x in (joint, other) if x is not None]
+    return effect + ("@" if names else "") + ":".join(names)
+
+
+def _names(result: dict, world: World, truth: dict) -> dict:
+    """What was added, undecided and unexplained; parameters against their intervals."""
+    added = [_place(e["effect"], e["joint"], e.get("other")) for e in result["effects"]]
+    intervals = []
+    for effect in world.effects:
+        for entry in result["effects"]:
+            if _place(entry["effect"], entry["joint"], entry.get("other")) == label(effect):
+                intervals += _intervals(entry, true_values(effect, world))
+    return {
+        "added": added,
+        "undecided": [
+            {"joint": u.get("joint"), "effects": u["effects"]} for u in result.get("undecided", [])
+        ],
+        "unexplained": [
+            {"joint": u["joint"], "depends_on": u["depends_on"], "share": u["share"]}
+            for u in result.get("unexplained", [])
+        ],
+        "verdict": result["verdict"],
+        "proof": result.get("proof"),
+        "residual_over_noise": result.get("residual_over_noise"),
+        "known": [kind for kind in LAWS if kind in REGISTRY],
+        "intervals": intervals,
+    }
+
+
+def true_values(effect, world: World) -> dict[str, float]:
+    """An effect's parameters as the catalog names them."""
+    p = effect.params
+    if effect.kind == "asymmetric_friction":
+        fc, b = world.arm.coulomb[effect.joint], world.arm.viscous[effect.joint]
+        return {"fc_pos": fc + p["fc_more"], "fc_neg": fc, "b_pos": b + p["b_more"], "b_neg": b}
+    if effect.kind == "contact":
+        return {"start": p["start"], "end": p["end"]}
+    return {k: v for k, v in p.items() if isinstance(v, (int, float))}
+
+
+def _intervals(entry: dict, true: dict) -> list[dict]:
+    rows = []
+    for name, found in entry["parameters"].items():
+        low, high = found.get("interval_95") or (None, None)
+        if name in true and low is not None and np.isfinite(low) and high > low:
+            hit = bool(low <= true[name] <= high)
+            span = {"true": float(true[name]), "low": low, "high": high}
+            rows.append({"parameter": name, **span, "hit": hit})
+    return rows
+
+
+def _predicted(model: Path, log: Path, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    predict_file(model, log, folder / "predicted.csv")
+    table = np.loadtxt(folder / "predicted.csv", delimiter=",", skiprows=1)
+    return table[:, 0], table[:, 1:]
+
+
+def _errors(world: World, folder: Path, truth: dict) -> dict:
+    """Errors per joint of declared, final and oracle models, on the fitted and the unseen logs."""
+    logs = {name: _load(folder, name) for name in ("train", *TESTS)}
+    train = plain.prepare(world, *logs["train"])
+    floor = plain.oracle_error(world, train, logs)
+    noise, rate = plain.band_noise(world), world.logging.rate
+    models = {k: folder / k / "model.json" for k in ("declared", "final")}
+    if not models["final"].exists():  # refused to judge: the declared model stands
+        models["final"] = models["declared"]
+    errors = {"floor": {k: np.maximum(v, noise) for k, v in floor.items()}}
+    for which, path in models.items():
+        errors[which] = {}
+        for name, (_, hidden) in logs.items():
+            t, tau = _predicted(path, folder / f"{name}.npz", folder)
+            errors[which][name] = plain.prediction_error(t, tau, hidden["tau_clean"], rate)
+    harmed = [
+        f"{name} joint{j + 1}: {errors['declared'][name][j]:.3g} -> {errors['final'][name][j]:.3g}"
+        for name in TESTS
+        for j in range(world.arm.size)
+        if errors["final"][name][j] > max(HARM * errors["declared"][name][j], noise[j])
+    ]
+    told = json.loads((folder / "final" / "diagnosis.json").read_text())
+    worst = float((errors["final"]["train"] / errors["floor"]["train"]).max())
+    return {
+        "noise": noise.tolist(),
+        "errors": {k: {m: v.tolist() for m, v in e.items()} for k, e in errors.items()},
+        "harm": harmed,
+        "train_over_floor": worst,
+        "consistent": not (told["verdict"] in _CONTENT and worst > NEAR_NOISE),
+    }
+
+
+def _load(folder: Path, name: str) -> tuple[dict, dict]:
+    log = dict(np.load(folder / f"{name}.npz"))
+    extra = folder / f"{name}_truth.npz"
+    return log, dict(np.load(extra)) if extra.exists() else log
+
+
+def _edit(world: World, folder: Path, truth: dict, row: dict) -> dict:
+    """Delete only the named term, and predict a log of the world without that effect."""
+    model = folder / "final" / "model.json"
+    if truth["edited"] is None or truth["edited"] not in row["added"] or not model.exists():
+        return {"edit": None}
+    content = json.loads(model.read_text())
+    kept = [
+        t
+        for t in content["terms"]
+        if _place(t["effect"], t["joint"], t["other"]) != truth["edited"]
+    ]
+    (folder / "edited.json").write_text(json.dumps({**content, "terms": kept}))
+    t, tau = _predicted(folder / "edited.json", folder / "edit_ptp.npz", folder)
+    log, hidden = _load(folder, "edit_ptp")
+    error = plain.prediction_error(t, tau, hidden["tau_clean"], world.logging.rate)
+    whole = np.array(row["errors"]["final"]["test_ptp"])
+    limit = _EDIT * np.maximum(whole, row["errors"]["floor"]["test_ptp"])
+    return {
+        "edit": {
+            "label": truth["edited"],
+            "error": error.tolist(),
+            "passed": bool((error <= limit).all()),
+        }
+    }

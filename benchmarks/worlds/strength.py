@@ -1,0 +1,207 @@
+"""Amplitudes from wanted strengths, and strengths from finished runs.
+
+The strength of an effect is the RMS torque on its strongest joint that the declared model cannot absorb
+(for a touch: within its window), in units of the larger of the torque's noise and what the declared model
+leaves of a run without the effect.
+"""
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+from scipy import signal
+
+from benchmarks.worlds.arm import GRAVITY, Arm
+from benchmarks.worlds.families import joint_scales
+from benchmarks.worlds.laws import LAWS, Effect, scaled, torque_of
+from benchmarks.worlds.record import measured_torque
+from benchmarks.worlds.rigid import ROWS, Absorber, declared_columns, inverse_dynamics, rms
+from benchmarks.worlds.simulate import Run
+
+STRENGTHS = (0.5, 1.0, 2.0, 4.0, 8.0)
+VISIBLE = 2.0
+# An effect of which less than this share is left beside the declared model cannot be named by anybody.
+ABSORBED = 0.02
+# RMS of an effect at most, in RMS torques of its joint: what is more would be another machine.
+_LARGEST = 1.0
+_LIMITS = {
+    "gain": 0.3,
+    "seconds": (0.002, 0.03),
+    "tilt": 1.5,
+    "dq0": (0.15, 0.02),
+    "hertz": (6.0, 60.0),
+}
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The run without undeclared effects, thinned, and what the declared model can absorb along it."""
+
+    arm: Arm
+    run: Run
+    absorber: Absorber
+    unit: np.ndarray
+
+
+def thin(run: Run) -> Run:
+    every = max(1, len(run.t) // ROWS)
+    q, dq, ddq, tau = (x[::every] for x in (run.q, run.dq, run.ddq, run.tau))
+    return Run(run.t[::every], q, dq, ddq, tau, run.parts[:, ::every])
+
+
+def make_ground(arm: Arm, declared, run: Run, noise: np.ndarray) -> Ground:
+    run = thin(run)
+    absorber = Absorber(declared_columns(arm, declared, run.q, run.dq, run.ddq), noise)
+    return Ground(arm, run, absorber, np.maximum(noise, rms(absorber.left(run.tau))))
+
+
+def size_effect(effect: Effect, wanted: float, ground: Ground) -> Effect:
+    """The effect with the amplitude that gives it the wanted strength, within what is sane."""
+    change = _change(effect, ground)
+    if change is None:
+        return effect
+    left = ground.absorber.left(change)
+    if effect.kind == "contact":
+        inside = np.abs(change).max(axis=1) > 0
+        change, left = change[inside], left[inside]
+    seen, whole = (rms(left) / ground.unit).max(), (rms(change) / ground.unit).max()
+    # What nobody can name is given the wanted size as a whole, not blown up until a trace is left.
+    factor = wanted / max(seen if seen > ABSORBED * whole else whole, 1e-12)
+    largest = _LARGEST * rms(ground.run.tau).clip(min=1e-9)
+    factor = min(factor, (largest / rms(change).clip(min=1e-12)).min())
+    return _grown(effect, factor, ground)
+
+
+def _grown(effect: Effect, factor: float, ground: Ground) -> Effect:
+    """The effect whose first guess is multiplied by ``factor``."""
+    p, j = effect.params, effect.joint
+    kind = effect.kind
+    if kind == "drive_gain":
+        return replace(
+            effect,
+            params={"gain": 1.0 + np.sign(p["gain"] - 1) * min(0.01 * factor, _LIMITS["gain"])},
+        )
+    if kind == "time_delay":
+        return replace(
+            effect, params={"seconds": float(np.clip(1e-3 * factor, *_LIMITS["seconds"]))}
+        )
+    if kind == "base_tilt":
+        factor = min(factor, _LIMITS["tilt"] / np.hypot(p["gx"], p["gy"]))
+        return replace(effect, params={k: v * factor for k, v in p.items()})
+    if kind == "encoder_offset":
+        limit = _LIMITS["dq0"][int(ground.arm.sliding[j])]
+        return replace(
+            effect, params={"dq0": np.sign(p["dq0"]) * min(abs(p["dq0"]) * factor, limit)}
+        )
+    if kind == "contact":
+        return replace(effect, params={**p, "tau": [float(x) * factor for x in p["tau"]]})
+    if kind == "joint_elasticity":
+        inertia = (joint_scales(ground.arm)[0] - ground.arm.rotor)[j]
+        low, high = (inertia * (2 * np.pi * f) ** 2 for f in _LIMITS["hertz"])
+        k = float(np.clip(p["k"] / factor, low, high))
+        return replace(effect, params={"k": k, "d": 0.2 * np.sqrt(k * inertia)})
+    return scaled(effect, factor)
+
+
+def _change(effect: Effect, ground: Ground) -> np.ndarray | None:
+    """Torque of the first guess of an effect along the ground's run, (T, n); None: cannot be said."""
+    arm, run, j = ground.arm, ground.run, effect.joint
+    change = np.zeros_like(run.tau)
+    if effect.kind == "drive_gain":
+        change[:, j] = 0.01 * run.tau[:, j]
+    elif effect.kind == "time_delay":
+        change = measured_torque(run, (replace(effect, params={"seconds": 1e-3}),)) - run.tau
+    elif effect.kind == "base_tilt":
+        gravity = GRAVITY + [effect.params["gx"], effect.params["gy"], 0.0]
+        still = np.zeros_like(run.q)
+        change = inverse_dynamics(arm, run.q, still, still, gravity)
+        change -= inverse_dynamics(arm, run.q, still, still)
+    elif effect.kind in ("encoder_offset", "joint_elasticity"):
+        e = np.zeros_like(run.q)
+        e[:, j] = effect.params["dq0"] if effect.kind == "encoder_offset" else _lag(effect, ground)
+        motion = [run.q - e]
+        for x in (run.dq, run.ddq):
+            e = np.gradient(e, run.t, axis=0)
+            motion.append(x - e)
+        change = inverse_dynamics(arm, *motion) - inverse_dynamics(arm, run.q, run.dq, run.ddq)
+    elif effect.kind == "backlash":
+        return None
+    else:
+        for joint, (dry, rest) in torque_of(effect, view(arm, run, effect)).items():
+            change[:, joint] = dry * np.tanh(run.dq[:, joint] / arm.width[joint]) + rest
+    return change
+
+
+def _lag(effect, ground):
+    """Deflection of a soft joint, quasi-static, below what its motion can follow."""
+    run, j = ground.run, effect.joint
+    load = inverse_dynamics(ground.arm, run.q, run.dq, run.ddq)[:, j]
+    rate = 1.0 / (run.t[1] - run.t[0])
+    sections = signal.butter(2, min(15.0, 0.4 * rate), fs=rate, output="sos")
+    return signal.sosfiltfilt(sections, load) / effect.params["k"]
+
+
+def view(arm: Arm, run: Run, effect: Effect) -> SimpleNamespace:
+    """A run as the laws read it: one row a joint."""
+    s = SimpleNamespace(q=run.q.T, dq=run.dq.T, ddq=run.ddq.T, t=run.t)
+    s.sign = np.tanh(run.dq / arm.width).T
+    s.load = inverse_dynamics(arm, run.q, run.dq, run.ddq).T
+    if effect.kind == "hysteresis":
+        s.bristle = bristle(run.t, run.dq[:, effect.joint], effect.params["x0"])
+    return s
+
+
+def bristle(t: np.ndarray, dq: np.ndarray, x0: float) -> np.ndarray:
+    """Deflection of a Dahl bristle in units of its level, exact for steady velocity between samples."""
+    z, state = np.zeros_like(dq), 0.0
+    steps = np.diff(t, append=t[-1])
+    for k in range(len(dq)):
+        z[k] = state
+        target = np.sign(dq[k])
+        state = target + (state - target) * np.exp(-abs(dq[k]) * steps[k] / x0)
+    return z
+
+
+def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarray:
+    """Torque of each effect along a finished run, as the encoder and the torque channel see it, (E, T, n).
+
+    What a structural effect does is what is left of the measured torque when the true bodies, friction
+    and rotors and all other effects are taken away.
+    """
+    parts = run.parts.copy()
+    structural = [
+        i for i, e in enumerate(effects) if LAWS[e.kind].torque is None and e.kind != "contact"
+    ]
+    if structural:
+        rest = measured_torque(run, effects) - declared_torque(arm, run) - parts.sum(axis=0)
+        parts[structural[0]] = rest
+    return parts
+
+
+def declared_torque(arm: Arm, run: Run) -> np.ndarray:
+    """Bodies, friction and rotors of the arm at the true parameters, (T, n)."""
+    torque = inverse_dynamics(arm, run.q, run.dq, run.ddq) + arm.rotor * run.ddq
+    return torque + arm.viscous * run.dq + arm.coulomb * np.tanh(run.dq / arm.width)
+
+
+def strengths(arm: Arm, declared, run: Run, effects, noise, unit) -> list[dict]:
+    """Strength of each effect in a finished run, per joint and at its strongest joint."""
+    slim = thin(run)
+    absorber = Absorber(declared_columns(arm, declared, slim.q, slim.dq, slim.ddq), noise)
+    rows = []
+    for effect, part in zip(effects, effect_torques(arm, slim, effects), strict=True):
+        left = absorber.left(part)
+        inside = slice(None)
+        if effect.kind == "contact":
+            inside = np.abs(part).max(axis=1) > 0
+        ratio = rms(left[inside]) / unit
+        share = rms(left[inside] / noise).max() / max(rms(part[inside] / noise).max(), 1e-12)
+        rows.append(
+            {
+                "ratio": float(ratio.max()),
+                "per_joint": [float(r) for r in ratio],
+                "visible": bool(ratio.max() >= VISIBLE),
+                "inseparable": bool(share < ABSORBED),
+            }
+        )
+    return rows

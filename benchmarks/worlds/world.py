@@ -1,0 +1,206 @@
+"""World ``k``: everything drawn from its number, its runs, and what is true of them.
+
+A draw is thrown away, and the next one of the same number taken, if a run diverges (tracking error beyond
+0.5 rad or 0.1 m), or if a torque is beyond ``SANE`` times the joint's RMS torque of usual motion.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from benchmarks.worlds import control, motion
+from benchmarks.worlds.arm import Arm
+from benchmarks.worlds.families import draw_arm, joint_scales
+from benchmarks.worlds.laws import GLOBAL, LAWS, Effect
+from benchmarks.worlds.plan import Plan, plan
+from benchmarks.worlds.record import Logging, draw_logging, quantum, record
+from benchmarks.worlds.simulate import DivergedError, Run, simulate
+from benchmarks.worlds.strength import (
+    STRENGTHS,
+    Ground,
+    effect_torques,
+    make_ground,
+    size_effect,
+    strengths,
+)
+
+SEED = 20261
+SANE = 15.0
+_ATTEMPTS = 30
+SCORED_SECONDS = 12.0
+_SHARE_OF_FRICTION = 0.8
+
+
+@dataclass(frozen=True)
+class World:
+    """One world with its runs: training and the two tests."""
+
+    number: int
+    attempt: int
+    plan: Plan
+    arm: Arm
+    declared: tuple[tuple[str, int], ...]
+    effects: tuple[Effect, ...]
+    control: control.Control
+    logging: Logging
+    motions: dict[str, motion.Motion]
+    runs: dict[str, Run]
+    told: list[dict]
+
+    @cached_property
+    def compliance(self) -> np.ndarray:
+        return joint_scales(self.arm)[0] - self.arm.rotor
+
+    def present(self, name: str) -> tuple[Effect, ...]:
+        """The effects in a run: a touch happens in the training run alone."""
+        return tuple(e for e in self.effects if name == "train" or e.kind != "contact")
+
+    def run(self, name: str, effects: tuple[Effect, ...] | None = None) -> Run:
+        """A run of one of the motions, with these effects in place of all."""
+        effects = self.present(name) if effects is None else effects
+        step = quantum(self.logging, self.arm)
+        return simulate(self.arm, effects, self.control, self.motions[name], step, self.compliance)
+
+    def log(self, name: str, run: Run, effects: tuple[Effect, ...] | None = None):
+        """A run as logged, and its hidden channels; training logs with all defects of the logger."""
+        effects = self.present(name) if effects is None else effects
+        torque = effect_torques(self.arm, run, effects).sum(axis=0)
+        rng = np.random.default_rng([SEED, self.number, len(effects), *name.encode()])
+        plain = name != "train"
+        return record(run, self.arm, effects, self.logging, self.control, torque, rng, plain)
+
+
+def make_world(number: int) -> World:
+    """The first draw of this number that can be run."""
+    for attempt in range(_ATTEMPTS):
+        try:
+            return _draw(number, attempt)
+        except DivergedError:
+            continue
+    raise RuntimeError(f"world {number}: no draw of {_ATTEMPTS} could be run")
+
+
+def _draw(number: int, attempt: int) -> World:
+    rng = np.random.default_rng([SEED, number, attempt])
+    # What the world is about must not depend on the attempt, or hard worlds would become rare.
+    wanted = plan(number, np.random.default_rng([SEED, number]))
+    arm = _friction(draw_arm(rng), wanted)
+    arm, declared, effects = _places(rng, arm, wanted)
+    torque = joint_scales(arm)[1]
+    bandwidth = 2 * np.pi * rng.uniform(3.0, 7.0)
+    kind, rate = str(rng.choice(control.KINDS)), int(rng.choice(control.RATES))
+    drive = control.Control(kind, rate, int(rng.integers(2**31)), bandwidth)
+    logger = draw_logging(rng, drive, torque)
+    seeds = rng.integers(2**31, size=3)
+    seconds = round(float(np.exp(rng.uniform(np.log(8.0), np.log(60.0)))), 1)
+    motions = {
+        "train": motion.Motion(str(rng.choice(motion.FAMILIES)), int(seeds[0]), seconds),
+        "test_ptp": motion.Motion("ptp", int(seeds[1]), SCORED_SECONDS),
+        "test_fourier": motion.Motion("fourier", int(seeds[2]), SCORED_SECONDS),
+    }
+    world = World(number, attempt, wanted, arm, declared, (), drive, logger, motions, {}, [])
+    run = world.run("train")
+    _check(run, torque)
+    ground = make_ground(arm, declared, run, logger.noise)
+    if effects:
+        arm, effects = _sized(rng, ground, effects, seconds)
+        world = replace(world, arm=arm, effects=effects)
+        run = world.run("train")
+        _check(run, torque)
+    told = strengths(arm, declared, run, effects, logger.noise, ground.unit)
+    runs = {"train": run}
+    for name in ("test_ptp", "test_fourier"):
+        runs[name] = world.run(name)
+        _check(runs[name], torque)
+    return replace(world, runs=runs, told=told)
+
+
+def _check(run: Run, torque: np.ndarray) -> None:
+    if not np.isfinite(run.tau).all() or (np.abs(run.tau) > SANE * torque).any():
+        raise DivergedError
+
+
+def _friction(arm: Arm, wanted: Plan) -> Arm:
+    """The arm with the rotors and the friction that the declared list allows for."""
+    zero = np.zeros(arm.size)
+    if wanted.declared != "friction and rotors":
+        arm = replace(arm, rotor=zero)
+    if wanted.declared == "nothing" and not wanted.common:
+        arm = replace(arm, viscous=zero, coulomb=zero)
+    return arm
+
+
+def _places(rng, arm: Arm, wanted: Plan):
+    """Arm without the friction that becomes an effect; declared terms; effects with unit amplitudes."""
+    n = arm.size
+    declared = []
+    if wanted.declared != "nothing":
+        declared = [(e, j) for e in ("viscous_friction", "coulomb_friction") for j in range(n)]
+    if wanted.declared == "friction and rotors":
+        declared += [("rotor_inertia", j) for j in range(n)]
+    effects = []
+    if wanted.common:
+        for j in range(n):
+            effects.append(Effect("viscous_friction", j, params={"b": float(arm.viscous[j])}))
+            effects.append(Effect("coulomb_friction", j, params={"fc": float(arm.coulomb[j])}))
+        arm = replace(arm, viscous=np.zeros(n), coulomb=np.zeros(n))
+    for kind in wanted.kinds:
+        effects.append(_placed(rng, arm, kind))
+        joint = effects[-1].joint
+        if (kind, joint) in declared:
+            declared.remove((kind, joint))
+            field = {"viscous_friction": "viscous", "coulomb_friction": "coulomb"}[kind]
+            arm = replace(arm, **{field: getattr(arm, field) * (np.arange(n) != joint)})
+    return arm, tuple(declared), tuple(effects)
+
+
+def _placed(rng, arm: Arm, kind: str) -> Effect:
+    """A kind on a joint, its shape drawn and its amplitude one."""
+    n = arm.size
+    if kind in GLOBAL:
+        joint, slide = None, False
+    else:
+        joint = int(rng.integers(n))
+        slide = bool(arm.sliding[joint])
+    params = {k: float(v) for k, v in LAWS[kind].draw(rng, slide).items()}
+    other = None
+    if LAWS[kind].pair:
+        other = int((joint + rng.integers(1, n)) % n)
+    if kind == "drive_gain":
+        params["gain"] = 1.0 + 0.01 * float(rng.choice([-1, 1]))
+    if kind == "base_tilt":
+        angle = rng.uniform(0, 2 * np.pi)
+        params = {"gx": 0.1 * np.cos(angle), "gy": 0.1 * np.sin(angle)}
+    if kind == "encoder_offset":
+        params["dq0"] = float(rng.choice([-1, 1])) * (1e-3 if slide else 1e-2)
+    if kind == "joint_elasticity":
+        params["k"] = 1e5 * float(arm.mass[joint:].sum())
+    if kind == "contact":
+        torque = joint_scales(arm)[1] * rng.normal(size=n) * (rng.random(n) < 0.6)
+        torque[rng.integers(n)] = joint_scales(arm)[1].max() * rng.choice([-1, 1])
+        params["tau"] = [float(x) for x in torque]
+    return Effect(kind, joint, other, params)
+
+
+def _sized(rng, ground: Ground, effects, seconds: float):
+    """The effects with drawn strengths, at times within the run; the arm with enough dry friction."""
+    arm, sized = ground.arm, []
+    for effect in effects:
+        p = dict(effect.params)
+        if effect.kind == "contact":
+            start = rng.uniform(0.1 * seconds, 0.9 * seconds - p["seconds"])
+            p = {"start": start, "end": start + p["seconds"], "tau": p["tau"]}
+        if effect.kind == "friction_change":
+            p["start"] = p["start"] * min(seconds, SCORED_SECONDS)
+        effect = replace(effect, params=p)
+        if len(effects) >= 2 * arm.size and effect.kind in ("viscous_friction", "coulomb_friction"):
+            sized.append(effect)  # common friction keeps its own size
+            continue
+        effect = size_effect(effect, float(rng.choice(STRENGTHS)), ground)
+        sized.append(effect)
+        if LAWS[effect.kind].resists:
+            needed = effect.params["fc"] / _SHARE_OF_FRICTION
+            own = np.arange(arm.size) == effect.joint
+            arm = replace(arm, coulomb=np.where(own, np.maximum(arm.coulomb, needed), arm.coulomb))
+    return arm, tuple(sized)

@@ -1,0 +1,113 @@
+"""The options of every command that takes a robot, and the commands about robots.
+
+A command declares ``robot: RobotName`` and is decorated with :func:`with_robot_options`; what it gets then
+is the name together with the options.
+"""
+
+import functools
+import inspect
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from jaxswarm import console
+
+RobotName = Annotated[
+    str, typer.Option("--robot", help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
+]
+RobotArgument = Annotated[
+    str, typer.Argument(help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
+]
+Picture = Annotated[
+    Path | None, typer.Option("--out", help="PNG file: the skeleton with its axes.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
+_OPTIONS = {
+    "joints": Annotated[
+        str | None,
+        typer.Option("--joints", help="A,B,...: joints of interest; every other one is locked."),
+    ],
+    "lock": Annotated[
+        str | None,
+        typer.Option(
+            "--lock", help="A[=POSITION],...: joints held still (rad, m), by default at 0."
+        ),
+    ],
+    "tool": Annotated[
+        str | None,
+        typer.Option(
+            "--tool",
+            help="MASS,X,Y,Z[,IXX,IXY,IYY,IXZ,IYZ,IZZ]: a body on the last link, in its frame (kg, m).",
+        ),
+    ],
+    "gravity": Annotated[
+        str | None, typer.Option("--gravity", help="X,Y,Z: free fall in base axes (m/s^2).")
+    ],
+}
+
+
+def with_robot_options(start: Callable[[], None]) -> Callable:
+    """Give a command with a parameter ``robot`` the options about it; the robot's notes go to stderr.
+
+    Args:
+        start: Called before the library is loaded.
+    """
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(command)
+        def run(**arguments: Any) -> Any:
+            texts = {name: arguments.pop(name) for name in _OPTIONS}
+            start()
+            from jaxswarm.robot import RobotChoice, describe_robot, parse_options
+
+            choice = RobotChoice(arguments["robot"], parse_options(**texts))
+            result = command(**{**arguments, "robot": choice})
+            for note in describe_robot(choice).notes:
+                print(f"note: {choice}: {note}", file=sys.stderr)
+            return result
+
+        signature = inspect.signature(command)
+        kind = inspect.Parameter.KEYWORD_ONLY
+        added = [
+            inspect.Parameter(name, kind, default=None, annotation=option)
+            for name, option in _OPTIONS.items()
+        ]
+        own = [p.replace(kind=kind) for p in signature.parameters.values()]
+        run.__signature__ = signature.replace(parameters=[*own, *added])
+        return run
+
+    return decorate
+
+
+def robot_commands(start: Callable[[], None]) -> typer.Typer:
+    """Return ``robots`` and ``robots show``."""
+    commands = typer.Typer(invoke_without_command=True)
+
+    @commands.callback()
+    def robots(context: typer.Context, json: Json = False) -> None:
+        """List the built-in robots; ``robots show ROBOT`` prints and draws one."""
+        if context.invoked_subcommand is not None:
+            return
+        from jaxswarm.catalog import BUILTIN
+
+        rows = [
+            {"robot": name, "joints": list(joints), "about": about}
+            for name, (joints, about) in sorted(BUILTIN.items())
+        ]
+        console.table(rows, json, ("robot", "joints", "about"))
+
+    @commands.command()
+    @with_robot_options(start)
+    def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
+        """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
+        from jaxswarm.robot.show import draw, print_robot, summary
+
+        result = summary(robot)
+        if out is not None:
+            draw(robot, out)
+        console.show(result, json, lambda: print_robot(result))
+
+    return commands

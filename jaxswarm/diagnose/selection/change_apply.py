@@ -1,0 +1,123 @@
+"""Changes as values with doubts and bounds, and the earlier model with them in it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
+from jaxswarm.diagnose.selection.changed_model import apply_change
+from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import Model
+
+# A value may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
+_DOUBT = 2.0
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that changed since the model was identified.
+
+    Attributes:
+        term: Effect and joint; its values are the change.
+        std_errors: Of the values; NaN where a value cannot be told from others.
+        known: Whether the model held the effect already, so that the values are differences.
+        score: What it was worth when it was found.
+        others: Runners-up.
+        now: Where the effect was known, its values with the change in them,
+        now_errors: and their standard errors.
+        further: Torque (T', n) of a candidate's columns beyond its parameters, such as of masses that
+            only another gravity loads; None: there are none.
+    """
+
+    term: Term
+    std_errors: dict[str, float]
+    known: bool
+    score: Score
+    others: tuple[Score, ...]
+    now: dict[str, float] = field(default_factory=dict)
+    now_errors: dict[str, float] = field(default_factory=dict)
+    further: np.ndarray | None = None
+
+
+def changes_of(
+    before: Estimate, picked: Sequence[tuple[Candidate, Score, tuple[Score, ...]]]
+) -> tuple[Change, ...]:
+    """Fit all picked changes together on what the earlier model leaves."""
+    held = {t.identity: t for t in before.model.terms}
+    found = fit_changes(before, [candidate for candidate, _, _ in picked])
+    changes, start = [], 0
+    for candidate, worth, others in picked:
+        own = slice(start, start + candidate.columns[0].shape[2])
+        start = own.stop
+        term = candidate.term
+        values, errors = _values(term, own, found, before.model.robot.joints)
+        term, further = replace(term, values=values), None
+        told = len(term.law.candidate_names(before.model.robot.joints))
+        if 0 < told < own.stop - own.start:
+            further = candidate.columns[0][:, :, told:] @ found.values[own][told:]
+        old = held.get(term.identity)
+        now, now_errors = ({}, {}) if old is None else _now(before, old, term, own, found)
+        changes.append(
+            Change(term, errors, old is not None, worth, others, now, now_errors, further)
+        )
+    return tuple(changes)
+
+
+def doubt_of(change: Change) -> str | None:
+    """Why a change cannot be believed: a value beyond its bounds, or none that differs from zero."""
+    term, errors = change.term, change.std_errors
+    values = {**term.values, **change.now}
+    spread = {**errors, **change.now_errors}
+    for p in term.law.parameters:
+        slack = _DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
+        if not p.lower - slack <= values[p.name] <= p.upper:
+            return (
+                f"{p.name} would be {values[p.name]:.3g} {p.unit}, outside "
+                f"[{p.lower:g}, {p.upper:g}]: no value that it can have"
+            )
+    told = [n for n, e in errors.items() if np.isfinite(e)]
+    neutral = term.law.neutral()
+    change_of = {n: term.values[n] - neutral.get(n, 0.0) for n in told}
+    if told and not any(abs(change_of[n]) > _DOUBT * errors[n] for n in told):
+        return "is no larger than its doubt, with that of the earlier model in it"
+    return None
+
+
+def _values(term: Term, own: slice, found: Coefficients, joints) -> tuple[dict, dict]:
+    """Values and standard errors by name from the coefficients of a term's columns."""
+    neutral, names = term.law.neutral(), term.law.candidate_names(joints)
+    doubt = np.sqrt(np.diag(found.covariance)[own])
+    pairs = zip(names, found.values[own], strict=False)
+    table = {**term.values, **{n: float(neutral.get(n, 0.0) + x) for n, x in pairs}}
+    return table, {n: float(x) for n, x in zip(names, doubt, strict=False)} if names else {}
+
+
+def _now(before: Estimate, old: Term, term: Term, own: slice, found: Coefficients):
+    """Values of a term that an earlier model held, with the change in them, and standard errors.
+
+    An error of the earlier value comes out in the change with the other sign and is gone from the sum.
+    """
+    names = [p.name for p in old.law.linear]
+    now = {**old.values, **{n: old.values[n] + term.values[n] for n in names}}
+    places = [before.regression.names.index(c) for c in old.columns(before.model.robot.joints)]
+    earlier, errors = earlier_covariance(before), {}
+    for k, (name, column) in enumerate(zip(names, places, strict=True)):
+        row = found.response[own][k]
+        total = row.copy()
+        total[column] -= 1.0
+        drawn = found.covariance[own, own][k, k] - row @ earlier @ row + total @ earlier @ total
+        errors[name] = float(np.sqrt(np.maximum(drawn, 0.0)))
+    return now, errors
+
+
+def with_changes(before: Estimate, changes: Sequence[Change]) -> Model:
+    """The earlier model with changes in it; how certain it is now is not known."""
+    model = before.model
+    for change in changes:
+        model = apply_change(change.term.law, model, change, before.motions)
+    return replace(model, uncertainty=None) if changes else model
