@@ -14,6 +14,8 @@ diffrax with the same four stages, MuJoCo); the same as output-error values; the
 general tree against a closed form by hand. Rates are medians of interleaved rounds, on the clock and
 per second that a core computed; ratios are medians of the ratios within a round.
 
+The last table is of :mod:`benchmarks.dynamics_joints`: compile and run times of 3 to 50 joints.
+
 What bounds it. One pass over all lanes is bound by memory and by the scheduling of some hundred short
 passes; in blocks of 64 lanes the arithmetic is: about 1100 additions and multiplications for the
 inverse dynamics of six joints, 40 of them for each sine and cosine. The general tree computes
@@ -26,6 +28,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from benchmarks.dynamics_joints import joint_rows
 from benchmarks.dynamics_peers import frax_rates, mjx_rates, mujoco_rate, pinocchio_rates
 from benchmarks.dynamics_rx60 import check, rx60_candidates
 from benchmarks.dynamics_two_link import PARTICLES, output_error_candidates, two_link_candidates
@@ -182,6 +185,7 @@ def main() -> None:
     rows += compare("RX60, three links", three, rounds)
     print()
     rows += table(fast, rounds)
+    rows += joint_rows(fast, rounds)
     rows.append(machine())
     print(f"written to {write_lines('dynamics.jsonl', rows)}")
 

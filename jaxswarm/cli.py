@@ -2,15 +2,16 @@
 
 import gc
 import os
-import sys
+from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from jaxswarm import console
+from jaxswarm import console, terminal
 from jaxswarm.cli_robot import RobotName, robot_commands, with_robot_options
-from jaxswarm.errors import InputError
+from jaxswarm.errors import InputError, printable
+from jaxswarm.work import run, work
 
 app = typer.Typer(
     name="jaxswarm",
@@ -23,25 +24,43 @@ app = typer.Typer(
 Logs = Annotated[list[Path], typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 Validation = Annotated[Path | None, typer.Option("--validation", help="Log to score on.")]
+# Seeds are 64-bit integers with a sign wherever random numbers are made.
+_LARGEST_SEED = 2**63 - 1
+# Runs and steps are counted in 32 bits on devices.
+_MOST = 2**31 - 1
+Seed = Annotated[
+    int, typer.Option(min=0, max=_LARGEST_SEED, help="Draws whatever is drawn; repeats exactly.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
+
+
+def _finite(number: float | None) -> float | None:
+    if number is not None and not isfinite(number):
+        raise typer.BadParameter(f"{number} is no finite number.")
+    return number
+
+
 MotionCutoff = Annotated[
-    float | None, typer.Option(min=0.01, help="Low-pass of the motion [Hz]; found from the data.")
+    float | None,
+    typer.Option(
+        min=0.01, callback=_finite, help="Low-pass of the motion [Hz]; found from the data."
+    ),
 ]
 TorqueCutoff = Annotated[
-    float | None, typer.Option(min=0.01, help="Low-pass shared by torque and model [Hz].")
+    float | None,
+    typer.Option(min=0.01, callback=_finite, help="Low-pass shared by torque and model [Hz]."),
 ]
+
+
+# What the commands write into their folder, and would overwrite there.
+_IDENTIFIED = ("model.json", "identification.json")
+_DIAGNOSED = ("model.json", "diagnosis.json", "report.html")
+_EXCITED = ("trajectory.csv", "excitation.json")
 
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
-    try:
-        app(standalone_mode=True)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        raise SystemExit(130) from None
+    run(lambda: app(standalone_mode=True))
 
 
 def _start() -> None:
@@ -52,12 +71,13 @@ def _start() -> None:
     # Imports and tracing make many objects that stay: to look for garbage among them after every 700
     # takes a tenth of a short run.
     gc.set_threshold(100_000, 20, 20)
+    home = terminal.find_home()
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-        home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        jax.config.update("jax_compilation_cache_dir", str(home / "jaxswarm" / "compiled"))
+    cache = os.environ.get("XDG_CACHE_HOME") or (home and home / ".cache")
+    if "JAX_COMPILATION_CACHE_DIR" not in os.environ and cache:
+        jax.config.update("jax_compilation_cache_dir", str(Path(cache) / "jaxswarm" / "compiled"))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
@@ -66,7 +86,10 @@ app.add_typer(robot_commands(_start), name="robots")
 
 @app.command()
 def demo(
-    seed: Annotated[int, typer.Option(min=0, help="Draws the arm, its motion and the effect.")] = 0,
+    seed: Annotated[
+        int,
+        typer.Option(min=0, max=_LARGEST_SEED, help="Draws the arm, its motion and the effect."),
+    ] = 0,
     out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path("out/demo"),
     json: Json = False,
 ) -> None:
@@ -76,11 +99,11 @@ def demo(
     from jaxswarm.diagnose.demo import run_demo
     from jaxswarm.diagnose.report.text import where
 
-    with console.status() as status:
+    with work(out, (), _DIAGNOSED) as status:
         result, truth = run_demo(seed, out, status)
 
     def text() -> None:
-        print_diagnosis(result, out)
+        print_diagnosis(console.safe(result), console.safe(out))
         values = ", ".join(f"{k} = {v:.5g}" for k, v in truth["values"].items())
         print(f"the truth: {where(truth)} ({values})")
 
@@ -94,7 +117,7 @@ def study(
     fast: Annotated[
         bool, typer.Option("--fast", help="Fewer runs: a minute, not minutes.")
     ] = False,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
+    seed: Seed = 0,
     json: Json = False,
 ) -> None:
     """Run the experiments of one of the two papers and write the report."""
@@ -106,9 +129,9 @@ def study(
     if name not in STUDIES:
         raise InputError(f"unknown study {name!r}. {nearest(name, STUDIES)}")
     check_folder(out)
-    with console.status() as status:
+    with work(out, (), ("report.html",)) as status:
         result = STUDIES[name](out, fast=fast, seed=seed, progress=status)
-    console.show(result, json, lambda: print(f"report: {out / 'report.html'}"))
+    console.show(result, json, lambda: print(printable(f"report: {out / 'report.html'}")))
 
 
 @app.command()
@@ -120,13 +143,13 @@ def identify(
     out: Out,
     validation: Validation = None,
     optimizer: Annotated[str, typer.Option(help="least_squares or a swarm.")] = "least_squares",
-    runs: Annotated[int, typer.Option(min=1, help="Runs of the swarm.")] = 10,
-    steps: Annotated[int, typer.Option(min=1, help="Steps of the swarm.")] = 500,
+    runs: Annotated[int, typer.Option(min=1, max=_MOST, help="Runs of the swarm.")] = 10,
+    steps: Annotated[int, typer.Option(min=1, max=_MOST, help="Steps of the swarm.")] = 500,
     whiten: Annotated[
         bool,
         typer.Option("--whiten/--raw", help="Swarm: coordinates whitened by R, or parameters."),
     ] = True,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the swarm.")] = 0,
+    seed: Seed = 0,
     motion_cutoff: MotionCutoff = None,
     torque_cutoff: TorqueCutoff = None,
     free_base: Annotated[
@@ -143,9 +166,13 @@ def identify(
 
     effects = with_free_base(effects) if free_base else effects
     options = Options(optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff)
-    with console.status() as status:
+    inputs = (*logs, validation, Path(robot))
+    with work(out, inputs, _IDENTIFIED) as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
-    console.show(report, json, lambda: print_identification(report, out))
+    console.notes([*report["logs"], *report["validation_logs"]])
+    console.show(
+        report, json, lambda: print_identification(console.safe(report), console.safe(out))
+    )
 
 
 @app.command()
@@ -164,7 +191,7 @@ def diagnose(
     validation: Annotated[
         list[Path] | None, typer.Option(help="Log to score on; may be repeated.")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the searches.")] = 0,
+    seed: Seed = 0,
     motion_cutoff: MotionCutoff = None,
     torque_cutoff: TorqueCutoff = None,
     json: Json = False,
@@ -178,19 +205,17 @@ def diagnose(
     options = Options(seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff)
     if model is not None and declare is not None:
         raise InputError("--declare and --model exclude each other; a model holds what is declared")
-    try:
-        with console.status() as status:
-            if model is not None:
-                from jaxswarm.diagnose.run_against import compare_files
+    inputs = (*logs, *(validation or ()), model, Path(robot))
+    with work(out, inputs, _DIAGNOSED, resumable=True) as status:
+        if model is not None:
+            from jaxswarm.diagnose.run_against import compare_files
 
-                result = compare_files(logs, robot, model, out, validation, options, status)
-            else:
-                declare = declare or "none"
-                result = diagnose_files(logs, robot, declare, out, validation, options, status)
-    except KeyboardInterrupt:
-        print(f"the same command goes on from what is kept in {out}", file=sys.stderr)
-        raise
-    console.show(result, json, lambda: print_diagnosis(result, out))
+            result = compare_files(logs, robot, model, out, validation, options, status)
+        else:
+            declare = declare or "none"
+            result = diagnose_files(logs, robot, declare, out, validation, options, status)
+    console.notes([*result["logs"], *result.get("validation_logs", ())])
+    console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))
 
 
 @app.command()
@@ -204,10 +229,11 @@ def predict(
     _start()
     from jaxswarm.identify.predict import predict_file
 
-    result = predict_file(model, log, out)
-    console.show(
-        result, json, lambda: print(f"{result['samples']} samples written to {result['out']}")
-    )
+    with work(out, (model, log)):
+        result = predict_file(model, log, out)
+    console.notes([{"source": result["log"], "notes": result["notes"]}])
+    text = f"{result['samples']} samples written to {printable(result['out'])}"
+    console.show(result, json, lambda: print(text))
 
 
 @app.command()
@@ -226,16 +252,16 @@ def excite(
     duration: Annotated[
         float | None, typer.Option(min=0.1, help="Length [s]; default one period.")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0,
+    seed: Seed = 0,
     json: Json = False,
 ) -> None:
     """Plan a motion within limits on which the parameters can be told apart best."""
     _start()
     from jaxswarm.identify.excite_run import excite_file, print_excitation
 
-    with console.status() as status:
+    with work(out, (limits, Path(robot)), _EXCITED) as status:
         result = excite_file(robot, limits, out, effects, duration, seed, status)
-    console.show(result, json, lambda: print_excitation(result, out))
+    console.show(result, json, lambda: print_excitation(console.safe(result), console.safe(out)))
 
 
 @app.command()

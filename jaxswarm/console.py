@@ -1,9 +1,12 @@
 """What a command says: stage and time on stderr while it works, text, tables or JSON on stdout at the end."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+
+from jaxswarm.errors import InputError, printable
 
 
 @contextmanager
@@ -12,13 +15,51 @@ def status() -> Iterator[Callable[[str], None]]:
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    columns = SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
     console = Console(stderr=True)
+    # The usual spinner is drawn in Braille, which not every terminal can show.
+    spinner = SpinnerColumn("line" if console.options.ascii_only else "dots")
+    columns = spinner, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
     # A disabled display prints nothing at all; a live one ends with an empty line even in a file.
     hidden = not console.is_terminal
     with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
         task = progress.add_task("starting", total=None)
-        yield lambda text: progress.update(task, description=text)
+        yield lambda text: progress.update(task, description=printable(text))
+
+
+@contextmanager
+def working(inputs: Sequence[Path]) -> Iterator[Callable[[str], None]]:
+    """Show the stage of the work, and turn a numerical failure in it into a message.
+
+    Args:
+        inputs: What the work is about, named in the message.
+
+    Raises:
+        InputError: Naming inputs and stage, where the numbers of the inputs led to a singular matrix, a
+            division by zero, an overflow, or to more than the memory holds. Anything else is a
+            mistake of ours and stays what it is.
+    """
+    import numpy as np
+
+    stage = "starting"
+
+    def progress(text: str) -> None:
+        nonlocal stage
+        stage = text
+        tell(text)
+
+    named = ", ".join(map(str, inputs)) or "a log made by this command"
+    try:
+        with status() as tell:
+            yield progress
+    except MemoryError as error:
+        raise InputError(
+            f"{named}: not enough memory while {stage} ({error}); use shorter logs or a lower rate"
+        ) from error
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        raise InputError(
+            f"{named}: the numbers failed while {stage} ({type(error).__name__}: {error}). Look at the "
+            "log for values that cannot be, declare fewer effects, or log more motion"
+        ) from error
 
 
 def show(result: Any, json: bool, text: Callable[[], None]) -> None:
@@ -31,6 +72,30 @@ def show(result: Any, json: bool, text: Callable[[], None]) -> None:
         text()
 
 
+def safe(content: Any) -> Any:
+    """The same nested dicts and lists with every text fit for rich: no markup, no control characters.
+
+    >>> safe({"a[/b]": ["x\\x1b"]})
+    {'a\\\\[/b]': ['x\\\\x1b']}
+    """
+    from rich.markup import escape
+
+    if isinstance(content, dict):
+        return {safe(key): safe(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return type(content)(safe(value) for value in content)
+    if isinstance(content, Path):
+        return Path(safe(str(content)))
+    return escape(printable(content)) if isinstance(content, str) else content
+
+
+def notes(logs: Sequence[dict]) -> None:
+    """Print on stderr what was found in logs while they were read."""
+    for log in logs:
+        for note in log.get("notes", ()):
+            print(f"note: {printable(str(log['source']))}: {printable(note)}", file=sys.stderr)
+
+
 def table(rows: list[dict], json: bool, columns: tuple[str, ...]) -> None:
     """Print rows as JSON or as a table of some of their columns."""
 
@@ -39,7 +104,7 @@ def table(rows: list[dict], json: bool, columns: tuple[str, ...]) -> None:
         from rich.table import Table
 
         grid = Table(*columns)
-        for row in rows:
+        for row in safe(rows):
             cells = (row[c] for c in columns)
             grid.add_row(*(", ".join(c) if isinstance(c, list) else str(c) for c in cells))
         Console().print(grid)

@@ -1,4 +1,4 @@
-"""The one exception that stands for bad user input, and the helper that suggests the near miss.
+"""Bad user input, what a user should know though the work went on, and helpers for their words.
 
 The command line turns :class:`InputError` into one message and exit code 2; library users may catch
 it as the ``ValueError`` it is.
@@ -10,6 +10,21 @@ from collections.abc import Iterable
 
 class InputError(ValueError):
     """Input that cannot be used: the message names it, shows its value and says what to do."""
+
+
+class Notice(UserWarning):
+    """Something a user should know although the work goes on; the command line prints it on stderr."""
+
+
+def printable(text: str) -> str:
+    r"""Escape control characters and whatever else moves a cursor or hides text on a terminal.
+
+    >>> printable("joint\x1b[31m\n2")
+    'joint\\x1b[31m\\n2'
+    >>> printable("Gelenk Größe")
+    'Gelenk Größe'
+    """
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -1,14 +1,34 @@
-"""Writing results: a folder that is checked before the work and filled only after it, file by file whole."""
+"""Writing results: a folder that is checked before the work and filled only after it, whole or not at all.
 
+Every file of a set is written beside its place first; only when all of them are complete are they moved
+there. A hidden manifest remembers which files a command wrote, with their digests: a later set that
+shares a name with them replaces all of them, so that no picture of an earlier run stands beside the
+numbers of this one. Files that nobody here wrote, or that were changed since, are never deleted.
+"""
+
+import hashlib
 import json
 import os
+import platform
+import re
 import tempfile
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
-from jaxswarm.errors import InputError
+from jaxswarm.errors import InputError, Notice, printable
+
+MANIFEST = ".jaxswarm.json"
+_PART = ".jaxswarm-part-"
+# What neither a shell nor any file system takes as it is: separators, wild cards, quotes, control characters.
+_UNSAFE = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|$\[\]]')
+
+# Characters of a stem or an ending: short enough for the usual limit of 255 bytes.
+_LONGEST_NAME = 60
+
+Content = str | bytes | Callable[[Path], None]
 
 
 def check_folder(folder: Path) -> Path:
@@ -18,61 +38,212 @@ def check_folder(folder: Path) -> Path:
         InputError: If the path or the nearest existing parent is no writable folder.
     """
     folder = Path(folder)
-    parent = folder
-    while not parent.exists() and parent != parent.parent:
-        parent = parent.parent
-    if not parent.is_dir():
-        raise InputError(f"--out {folder}: {parent} is not a folder; choose another output folder")
     try:
+        parent = _nearest(folder)
+        if not parent.is_dir():
+            raise InputError(
+                f"--out {folder}: {parent} is not a folder; choose another output folder"
+            )
         with tempfile.TemporaryFile(dir=parent):
             pass
     except OSError as error:
-        raise InputError(
-            f"--out {folder}: cannot write there ({error.strerror}); choose another output folder"
-        ) from None
+        raise _refusal(folder, error) from None
     return folder
 
 
-def write_files(folder: Path, files: dict[str, str | bytes | Callable[[Path], None]]) -> list[Path]:
-    """Write files into a folder, each whole or not at all.
+def check_file(path: Path) -> Path:
+    """Refuse an output file that could not be written, as :func:`check_folder` does.
+
+    Raises:
+        InputError: If it is a folder, or its folder or its name cannot be used.
+    """
+    path = Path(path)
+    check_folder(path.parent)
+    try:
+        _nearest(path)
+    except OSError as error:
+        raise _refusal(path, error) from None
+    if path.is_dir():
+        raise InputError(f"--out {path}: is a folder; name a file such as {path / 'pred.csv'}")
+    return path
+
+
+def write_results(folder: Path, files: dict[str, Content]) -> list[Path]:
+    """Write a set of results; earlier sets that share a name with it are replaced whole.
 
     Args:
         folder: Created if missing.
-        files: Content by name: text, bytes, or a function that writes to the path it is given.
+        files: Content by name, see :func:`write_files`; what no file name may hold is replaced, see
+            :func:`file_name`.
 
     Returns:
         The paths, in order.
     """
     folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        done = []
-        for name, content in files.items():
-            handle, temporary = tempfile.mkstemp(dir=folder, suffix=Path(name).suffix)
-            os.close(handle)
-            part = Path(temporary)
-            try:
-                if callable(content):
-                    content(part)
-                elif isinstance(content, bytes):
-                    part.write_bytes(content)
-                else:
-                    part.write_text(content, encoding="utf-8")
-                part.chmod(0o644)
-                os.replace(part, folder / name)
-            finally:
-                part.unlink(missing_ok=True)
-            done.append(folder / name)
-    except OSError as error:
-        raise InputError(
-            f"--out {folder}: cannot write ({error.strerror}); choose another output folder"
-        ) from None
+    files = dict(zip(_distinct([file_name(name) for name in files]), files.values(), strict=True))
+    sets = _manifest(folder)
+    stale = [known for known in sets if known.keys() & files.keys()]
+    ours = {name: digest for known in stale for name, digest in known.items()}
+    replaced = [n for n in files if (folder / n).exists() and not _is(folder / n, ours.get(n))]
+    done = write_files(folder, files)
+    if replaced:
+        # Told afterwards: whatever is told before could still fail.
+        told = ", ".join(printable(name) for name in replaced)
+        warnings.warn(f"{folder}: overwritten, not made by an earlier run: {told}", Notice, 2)
+    for name, digest in ours.items():
+        if name not in files and _is(folder / name, digest):
+            (folder / name).unlink(missing_ok=True)
+    kept = [known for known in sets if known not in stale]
+    written = {path.name: _digest(path) for path in done}
+    write_files(folder, {MANIFEST: to_json({"sets": [*kept, written]})})
     return done
+
+
+def write_files(folder: Path, files: dict[str, Content]) -> list[Path]:
+    """Write files into a folder, all of them or none.
+
+    Args:
+        folder: Created if missing, and removed again if nothing could be written.
+        files: Content by name: text, bytes, or a function that writes to the path it is given.
+
+    Returns:
+        The paths, in order.
+
+    Raises:
+        InputError: If they cannot be written; the folder is as it was then.
+    """
+    folder = Path(folder)
+    parts: list[tuple[Path, Path]] = []
+    created: list[Path] = []
+    try:
+        missing = folder
+        while not missing.exists():
+            created.append(missing)
+            missing = missing.parent
+        folder.mkdir(parents=True, exist_ok=True)
+        _sweep(folder)
+        for name, content in files.items():
+            target = folder / name
+            if target.is_dir():
+                raise InputError(f"--out {folder}: {target} is a folder; move it away")
+            handle, temporary = tempfile.mkstemp(dir=folder, prefix=_mark(), suffix=target.suffix)
+            os.close(handle)
+            parts.append((Path(temporary), target))
+            _write(parts[-1][0], content)
+        for part, target in parts:
+            os.replace(part, target)
+        return [target for _, target in parts]
+    except OSError as error:
+        raise _refusal(folder, error) from None
+    finally:
+        for part, _ in parts:
+            part.unlink(missing_ok=True)
+        for path in created:
+            if path.is_dir() and not any(path.iterdir()):
+                path.rmdir()
+
+
+def file_name(name: str) -> str:
+    """Replace what a file name cannot hold, such as the slash in the name of a joint.
+
+    >>> file_name("unexplained_arm/joint1.png")
+    'unexplained_arm_joint1.png'
+    """
+    clean = Path(_UNSAFE.sub("_", name.encode("utf-8", "replace").decode()))
+    return f"{clean.stem[:_LONGEST_NAME]}{clean.suffix[:_LONGEST_NAME]}"
 
 
 def to_json(content) -> str:
     """JSON text of nested dicts, lists, numbers and arrays; NaN and infinity become null."""
-    return json.dumps(_plain(content), indent=1, ensure_ascii=False) + "\n"
+    text = json.dumps(_plain(content), indent=1, ensure_ascii=False) + "\n"
+    # Bytes of a path that are no UTF-8 are lone surrogates here; JSON has an escape for them.
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def _write(part: Path, content: Content) -> None:
+    if callable(content):
+        content(part)
+    elif isinstance(content, bytes):
+        part.write_bytes(content)
+    else:
+        part.write_bytes(content.encode("utf-8", "backslashreplace"))
+    part.chmod(0o644)
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Number names that have become the same."""
+    return [
+        name if name not in names[:k] else f"{Path(name).stem}_{k}{Path(name).suffix}"
+        for k, name in enumerate(names)
+    ]
+
+
+def _nearest(path: Path) -> Path:
+    """The path or its nearest parent that exists.
+
+    Raises:
+        OSError: If the file system does not take one of the names below it, too long ones for example.
+    """
+    parent, missing = path, []
+    while not os.path.lexists(parent) and parent != parent.parent:
+        missing.append(parent.name)
+        parent = parent.parent
+    for name in missing:
+        try:
+            os.lstat(parent / name)
+        except (FileNotFoundError, NotADirectoryError):
+            pass
+    return parent
+
+
+def _refusal(folder: Path, error: OSError) -> InputError:
+    return InputError(
+        f"--out {folder}: cannot write there ({error.strerror}); choose another output folder"
+    )
+
+
+def _manifest(folder: Path) -> list[dict[str, str]]:
+    """The sets written into a folder: name to digest; whatever cannot be read counts as nothing."""
+    try:
+        sets = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sets"]
+        # A name with a separator could lead out of the folder.
+        return [{n: str(d) for n, d in one.items() if n == Path(n).name} for one in sets]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
+
+
+def _is(path: Path, digest: str | None) -> bool:
+    return digest is not None and path.is_file() and _digest(path) == digest
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _mark() -> str:
+    """Prefix of unfinished files: the machine and the process they belong to."""
+    return f"{_PART}{file_name(platform.node())}-{os.getpid()}-"
+
+
+def _sweep(folder: Path) -> None:
+    """Remove unfinished files of processes of this machine that are no more."""
+    machine = _mark().removesuffix(f"{os.getpid()}-")
+    for path in folder.glob(f"{_PART}*"):
+        process = path.name.removeprefix(machine).split("-")[0]
+        if path.name.startswith(machine) and process.isdigit() and not _alive(int(process)):
+            path.unlink(missing_ok=True)
+
+
+def _alive(process: int) -> bool:
+    if os.name == "nt":  # there, signal 0 ends a process
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass  # it lives, but is another user's
+    return True
 
 
 def _plain(x):

@@ -5,6 +5,8 @@ import io
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.ticker import FixedFormatter, FuncFormatter
 
 MEASURED, MODEL, RESIDUAL, ACCENT = "#5b6770", "#d1495b", "#2e6f95", "#edae49"
 _DPI = 110
@@ -154,6 +156,21 @@ def png(figure: Figure):
 def png_bytes(figure: Figure) -> bytes:
     """The figure as a PNG file's content."""
     buffer = io.BytesIO()
+    _take_text_literally(figure)
     # savefig() draws everything twice, the first time for a bounding box that is not asked for here.
     FigureCanvasAgg(figure).print_png(buffer)
     return buffer.getvalue()
+
+
+def _take_text_literally(figure: Figure) -> None:
+    """Names are no formulas, whatever dollar signs they hold; the numbers of an axis may be."""
+    numbers = set()
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if not isinstance(axis.get_major_formatter(), FixedFormatter | FuncFormatter):
+                numbers |= {axis.offsetText, *axis.get_ticklabels(which="both")}
+    for text in figure.findobj(Text):
+        if text not in numbers:
+            text.set_parse_math(False)
+            # Bytes of a path that are no UTF-8 cannot be drawn.
+            text.set_text(text.get_text().encode("utf-8", "backslashreplace").decode("utf-8"))

@@ -13,8 +13,11 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "outputs": set(),
+    "claim": set(),
+    "terminal": set(),
     "console": {"outputs"},
     "catalog": set(),
+    "work": {"claim", "console", "terminal"},
     "plots": set(),
     "swarm": set(),
     "robot": set(),
@@ -25,8 +28,11 @@ ALLOWED = {
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "testing": {"effects", "swarm"},
-    "cli": {*PHYSICS, "swarm", "identify", "diagnose", "studies", "outputs", "console", "cli_robot"},
     "cli_robot": {"robot", "console", "catalog"},
+    "cli": {
+        *(*PHYSICS, "swarm", "identify", "diagnose", "studies"),
+        *("outputs", "console", "work", "terminal", "cli_robot"),
+    },
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from jaxswarm import outputs, plots
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
@@ -17,9 +15,15 @@ from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.forward.model import model_torque, save_model
 from jaxswarm.identify.report.summary import units
-from jaxswarm.identify.run import Options, read_motions
-from jaxswarm.logs import read_log, summarize
-from jaxswarm.logs.motion import Filtering, Motion, prepare
+from jaxswarm.identify.run import (
+    Options,
+    described,
+    read_motions,
+    refuse_missing_channels,
+    refuse_undeclarable,
+)
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot.load import load_robot
 
 
@@ -52,31 +56,35 @@ def diagnose_files(
     options = options or Options()
     robot = load_robot(robot_spec)
     terms = parse_terms(declare, robot.joints)
+    refuse_undeclarable(terms)
     outputs.check_folder(out)
     progress("reading logs")
     filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
-    logs, motions = read_motions(paths, robot, filtering)
+    further = list(validation or ())
+    # What cannot be scored on is refused before the work, not after it.
+    read, prepared = read_motions([*paths, *further], robot, filtering)
+    logs, scored = read[: len(paths)], read[len(paths) :]
+    refuse_missing_channels(terms, read)
+    motions = [part for parts in prepared[: len(paths)] for part in parts]
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
     short = too_short(motions, columns)
     if short:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*short, *reasons])
-        outputs.write_files(out, {"diagnosis.json": outputs.to_json(result)})
+        result["logs"] = described(logs)
+        outputs.write_results(out, {"diagnosis.json": outputs.to_json(result)})
         return result
-    gains = np.asarray(robot.drive_gain)
-    further = [read_log(path, robot.joints, gains) for path in validation or ()]
-    band = motions[0].filtering
-    for log in further:  # what cannot be scored on is refused before the work, not after it
-        prepare(log, band)
     journal = Journal(out, fingerprint(robot, motions, terms, options.seed))
     diagnosis = diagnose(
         robot, terms, motions, seed=options.seed, progress=progress, journal=journal
     )
-    unseen = [prepare(log, diagnosis.final.model.filtering) for log in further]
+    band = diagnosis.final.model.filtering
+    unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
     result["reasons"] = reasons
-    result["logs"] = [{**summarize(log).to_dict(), "notes": log.notes} for log in logs]
+    result["logs"] = described(logs)
+    result["validation_logs"] = described(scored)
     write_report(diagnosis, left, result, unseen, out, progress)
     journal.close()
     return result
@@ -132,7 +140,7 @@ def write_report(
     )
     figures["residual.png"] = pictures.remaining(diagnosis, "what the final model leaves")
     images = {name: plots.png_bytes(figure) for name, figure in figures.items()}
-    outputs.write_files(
+    outputs.write_results(
         out,
         {
             "diagnosis.json": outputs.to_json(result),

@@ -19,9 +19,13 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
-from jaxswarm.identify.run import Options, refuse_resting_joints
-from jaxswarm.logs import read_log, summarize
-from jaxswarm.logs.motion import prepare
+from jaxswarm.identify.run import (
+    Options,
+    described,
+    read_motions,
+    refuse_missing_channels,
+    refuse_resting_joints,
+)
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -63,18 +67,20 @@ def compare_files(
         )
     outputs.check_folder(out)
     progress("reading logs")
+    further = list(validation or ())
     gains = np.asarray(model.robot.drive_gain)
-    logs = [read_log(path, robot.joints, gains) for path in paths]
-    refuse_resting_joints(logs, robot)
-    further = [read_log(path, robot.joints, gains) for path in validation or ()]
-    motions = [prepare(log, model.filtering) for log in logs]
-    unseen = [prepare(log, model.filtering) for log in further]
+    read, prepared = read_motions([*paths, *further], robot, model.filtering, gains)
+    refuse_missing_channels(model.terms, read)
+    refuse_resting_joints(read[: len(paths)], robot)
+    motions = [part for parts in prepared[: len(paths)] for part in parts]
+    unseen = [part for parts in prepared[len(paths) :] for part in parts]
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
     found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
     result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
     result["model"] = str(model_path)
-    result["logs"] = [{**summarize(log).to_dict(), "notes": log.notes} for log in logs]
+    result["logs"] = described(read[: len(paths)])
+    result["validation_logs"] = described(read[len(paths) :])
     write_report(diagnosis, left, result, unseen, out, progress)
     journal.close()
     return result

@@ -51,9 +51,11 @@ class Effect:
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
-        recurring: Whether a model may hold it several times in one place.
+        recurring: Whether it is an event of one log, of which there may be several, and not a property
+            of the robot.
         lasting: Whether it acts all the time, so that every stretch of a log repeats the evidence.
-        reference_only: Whether it shows only against a model identified before.
+        reference_only: Whether it shows only against an earlier model or on part of a log, so that
+            one fit to whole logs cannot hold it.
         shown_against: Horizontal axis of its picture, one of :data:`AXES`.
         grid_size: Points of the first look at its nonlinear parameters; None: the usual number.
         stepwise: Whether the torque has small steps along its nonlinear parameters.
@@ -62,7 +64,6 @@ class Effect:
         uses_direction: Whether its torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
-        requires: Channels of the log it needs beside motion and torque, by name.
     """
 
     name: str
@@ -85,7 +86,6 @@ class Effect:
     uses_direction: bool = False
     uses_load: bool = False
     derived: Callable[[dict], dict] | None = None
-    requires: tuple[str, ...] = ()
 
     @property
     def linear(self) -> tuple[Parameter, ...]:

@@ -160,6 +160,7 @@ class ExternalTorque(Effect):
 
     lasting: bool = False
     recurring: bool = True
+    reference_only: bool = True
     identity: tuple[str, ...] = ("start",)
     profile: Callable[[np.ndarray], np.ndarray] = _constant
 

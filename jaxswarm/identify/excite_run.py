@@ -15,6 +15,7 @@ from jaxswarm.identify.excitation.columns import refuse_terms
 from jaxswarm.identify.excitation.fourier import Fourier
 from jaxswarm.identify.excitation.limits import Limits, read_limits
 from jaxswarm.identify.excitation.search import Excitation, excite
+from jaxswarm.logs.write import write_table
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -86,13 +87,13 @@ def excite_file(
         "law": "q = offset + sum over l of sine[l] sin(2 pi l fundamental t) + cosine[l] cos(..)",
     }
     progress("writing")
-    header = ",".join(["t", *(f"{x}_{j}" for x in ("q", "dq", "ddq") for j in robot.joints)])
+    header = ["t", *(f"{x}_{j}" for x in ("q", "dq", "ddq") for j in robot.joints)]
     table = np.column_stack([t, *motion])
 
     def write(path: Path) -> None:
-        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.9g")
+        write_table(path, header, table, "%.9g")
 
-    outputs.write_files(
+    outputs.write_results(
         out,
         {
             "trajectory.csv": write,

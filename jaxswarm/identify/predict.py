@@ -5,12 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm import outputs
-from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.model import Model, load_model, model_torque
+from jaxswarm.identify.run import refuse_missing_channels
 from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.clock import with_sample_times
-from jaxswarm.logs.motion import Motion, prepare
+from jaxswarm.logs.log import take
+from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.segments import prepare_segments, split_at_gaps, unfiltered
+from jaxswarm.logs.write import write_table
 
 
 def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
@@ -20,31 +23,45 @@ def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
         InputError: If the model or the log cannot be used, or the file not be written.
     """
     model = load_model(model_path)
-    out = Path(out)
-    outputs.check_folder(out.parent)
-    if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; name a file such as {out / 'pred.csv'}")
+    out = outputs.check_file(out)
     robot = model.robot
     log = read_log(log_path, robot.joints, np.asarray(robot.drive_gain), require_torque=False)
-    t, tau, motion = predict_log(model, log)
-    header = ",".join(["t", *(f"tau_{j}" for j in robot.joints)])
+    refuse_missing_channels(model.terms, [log])
+    noted, tau, motions = predict_log(model, log)
+    t = log.t
+    header = ["t", *(f"tau_{j}" for j in robot.joints)]
     table = np.column_stack([t, tau])
 
     def write(path: Path) -> None:
-        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.10g")
+        write_table(path, header, table, "%.10g")
 
     outputs.write_files(out.parent, {out.name: write})
-    result = {"log": str(log_path), "samples": len(t), "out": str(out)}
-    if motion.tau is not None:
-        result["error"] = log_errors(model, motion)
+    result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": list(noted.notes)}
+    if log.tau is not None:
+        result["error"] = log_errors(model, *motions)
     return result
 
 
-def predict_log(model: Model, log: Log) -> tuple[np.ndarray, np.ndarray, Motion]:
-    """Torque of a model at a log's own time stamps: times (T,), torque (T, n), and the motion used."""
-    motion = prepare(log, model.filtering)
-    torque = model_torque(model, motion)
+def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
+    """Torque of a model at a log's own time stamps.
+
+    Returns:
+        The log with notes on what was done, torque (T, n), and the motions used.
+
+    Raises:
+        InputError: If no stretch of the log is long enough to differentiate.
+    """
+    noted, motions = prepare_segments(log, model.filtering)
     own = with_sample_times(log).t
     own = own - own[0]
-    columns = [np.interp(own, motion.t, torque[:, j]) for j in range(torque.shape[1])]
-    return log.t, np.column_stack(columns), motion
+    torque = np.empty((len(own), len(log.joints)))
+    rows = np.split(np.arange(len(own)), np.cumsum([len(p.t) for p in split_at_gaps(log)])[:-1])
+    for part in rows:
+        # Every stamp is answered: a stretch too short to filter is differentiated as it stands.
+        start, end = own[part[0]], own[part[-1]]
+        inside = [m for m in motions if m.t[0] <= end and m.t[-1] >= start]
+        motion = inside[0] if inside else unfiltered(take(log, part), motions[0], start)
+        predicted = model_torque(model, motion)
+        for j, column in enumerate(predicted.T):
+            torque[part, j] = np.interp(own[part], motion.t, column)
+    return noted, torque, motions

@@ -1,5 +1,6 @@
 """The command ``identify``, from files to files."""
 
+import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -7,14 +8,16 @@ import jax
 import numpy as np
 
 from jaxswarm import outputs
-from jaxswarm.effects.term import parameter_bounds, parse_terms
+from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.swarm_fit import swarm_fit
 from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.report.report import pictures_of, report_of
 from jaxswarm.logs import Log, read_log, summarize
-from jaxswarm.logs.motion import Filtering, prepare
+from jaxswarm.logs.consistency import refuse_dead_torque
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 from jaxswarm.swarm import find_optimizer
@@ -33,16 +36,56 @@ class Options:
     torque_cutoff: float | None = None
 
 
-def read_motions(paths: list[Path], robot: Robot, filtering: Filtering) -> tuple[list, list]:
-    """Read and prepare training logs; the first log's frequencies hold for all of them."""
+def read_motions(
+    paths: list[Path], robot: Robot, filtering: Filtering, drive_gain=None
+) -> tuple[list[Log], list[list[Motion]]]:
+    """Read logs and prepare their stretches between gaps; the first log's frequencies hold for all.
+
+    Args:
+        paths: Logs, each with another content.
+        robot: The robot.
+        filtering: Frequencies; those that are None come from the first log.
+        drive_gain: Torque per current, shape (n,); None: the robot's own.
+
+    Returns:
+        The logs with notes, and the motions of each.
+    """
+    refuse_repeated(paths)
+    gains = np.asarray(robot.drive_gain if drive_gain is None else drive_gain)
     logs, motions = [], []
     for path in paths:
-        log = read_log(path, robot.joints, np.asarray(robot.drive_gain))
-        motion = prepare(log, filtering)
-        filtering = motion.filtering
+        log = read_log(path, robot.joints, gains)
+        refuse_dead_torque(log)
+        log, parts = prepare_segments(log, filtering)
+        filtering = parts[0].filtering
         logs.append(log)
-        motions.append(motion)
+        motions.append(parts)
     return logs, motions
+
+
+def described(logs: list[Log]) -> list[dict]:
+    """Summaries of logs with their notes, as the results hold them."""
+    return [{**summarize(log).to_dict(), "notes": list(log.notes)} for log in logs]
+
+
+def refuse_repeated(paths: list[Path]) -> None:
+    """Refuse the same content twice: it would count as twice the evidence.
+
+    Raises:
+        InputError: Naming both files.
+    """
+    seen: dict[str, Path] = {}
+    for path in paths:
+        if not Path(path).is_file():
+            continue
+        with open(path, "rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        if digest in seen:
+            raise InputError(
+                f"{path}: holds the same as {seen[digest]}; the same motion twice is no second "
+                "proof, name every log once and score on another one"
+            )
+        seen[digest] = path
 
 
 def refuse_resting_joints(logs: list[Log], robot: Robot) -> None:
@@ -54,6 +97,32 @@ def refuse_resting_joints(logs: list[Log], robot: Robot) -> None:
                 f"{logs[0].source}: {joint} never moves, so its friction and rotor inertia and the "
                 f"inertia of link {j + 1} about its own axis (I..{j + 1}, and what merges into them) "
                 f"cannot be identified; excite {joint} in the log (jaxswarm excite makes a motion)"
+            )
+
+
+def refuse_undeclarable(terms: tuple[Term, ...]) -> None:
+    """Refuse terms that one fit to whole logs cannot hold."""
+    for term in terms:
+        if term.law.reference_only:
+            raise InputError(
+                f"{term.effect} cannot be declared: in a fit to whole logs nothing tells it from the "
+                "arm. Leave it out; jaxswarm diagnose finds what happened once, and with --model "
+                "what changed since an earlier model, such as a load on the last link"
+            )
+
+
+def refuse_missing_channels(terms: tuple[Term, ...], logs: list[Log]) -> None:
+    """Refuse logs without the channel that a declared law needs on its joint."""
+    needed = [(term, name, log) for term in terms for name in term.law.requires for log in logs]
+    for term, name, log in needed:
+        values = log.channels.get(name)
+        # A channel without a joint has one column for all, which no law reads.
+        given = values is not None and values.ndim == 2
+        if not given or not np.isfinite(values[:, term.joint]).all():
+            joint = log.joints[term.joint]
+            raise InputError(
+                f"{log.source}: {term.effect} on {joint} needs the channel {name}_{joint} in every "
+                f"log, complete; log it, or leave {term.effect} out"
             )
 
 
@@ -86,22 +155,21 @@ def identify_files(
     options = options or Options()
     robot = load_robot(robot_spec)
     terms = parse_terms(effects, robot.joints)
+    refuse_undeclarable(terms)
     if options.optimizer != "least_squares":
         find_optimizer(options.optimizer)
     outputs.check_folder(out)
     progress("reading logs")
-    logs, motions = read_motions(
-        paths, robot, Filtering(options.motion_cutoff, options.torque_cutoff)
-    )
+    further = [] if validation is None else [validation]
+    filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
+    logs, motions = read_motions([*paths, *further], robot, filtering)
+    unseen = motions.pop() if further else None
+    validated = logs[len(paths) :]
+    logs = logs[: len(paths)]
     refuse_resting_joints(logs, robot)
-    unseen = None
-    if validation is not None:
-        filtering = motions[0].filtering
-        unseen = prepare(
-            read_log(validation, robot.joints, np.asarray(robot.drive_gain)), filtering
-        )
+    refuse_missing_channels(terms, [*logs, *validated])
     progress("fitting")
-    found = estimate(robot, terms, motions)
+    found = estimate(robot, terms, [part for parts in motions for part in parts])
     search = None
     if options.optimizer != "least_squares":
         progress(f"searching with {options.optimizer}")
@@ -119,13 +187,15 @@ def identify_files(
         found = with_values(found, search.values)
     progress("scoring")
     report = report_of(found, logs, unseen, validation, search)
+    report["validation_logs"] = described(validated)
+    shown = max(unseen or found.motions, key=lambda motion: len(motion.t))
     progress("writing")
-    outputs.write_files(
+    outputs.write_results(
         out,
         {
             "model.json": lambda path: save_model(found.model, path),
             "identification.json": outputs.to_json(report),
-            **pictures_of(found, unseen or found.motions[0], search),
+            **pictures_of(found, shown, search),
         },
     )
     return report

@@ -9,6 +9,7 @@ import numpy as np
 from jaxswarm.errors import InputError
 from jaxswarm.logs.columns import Arranged
 from jaxswarm.logs.names import QUANTITIES
+from jaxswarm.logs.sampling import usual_period
 from jaxswarm.logs.table import Table
 
 # No robot moves at less than two samples a second in a useful log; clocks in ms, us or ns look so.
@@ -103,7 +104,7 @@ def check_time(table: Table, time: np.ndarray, rows: np.ndarray) -> None:
             f"{table.source}: {where}, column t: time {now:.10g} s is given twice with different "
             f"values ({count} such rows). Write time with more digits, or keep one row per time."
         )
-    usual = float(np.median(period))
+    usual = usual_period(time)
     if usual > _SLOWEST_PERIOD:
         unit = "ms" if usual < 200 else "us" if usual < 2e5 else "ns"
         raise InputError(

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.bounds import refuse_large
 from jaxswarm.logs.table import Table
 
 
@@ -51,6 +52,7 @@ def read_csv(path: Path) -> Table:
 
 def _lines(path: Path) -> list[tuple[int, str]]:
     """Lines that are not blank, with their numbers from 1."""
+    refuse_large(path, path.stat().st_size)
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:

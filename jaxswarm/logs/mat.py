@@ -7,6 +7,7 @@ known how many joints the robot has.
 from pathlib import Path
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.bounds import needed_arrays, refuse_large
 from jaxswarm.logs.matfile import Other, parse_mat
 from jaxswarm.logs.npz import joint_names
 from jaxswarm.logs.table import Table, as_numbers
@@ -24,13 +25,21 @@ def read_mat(path: Path) -> Table:
     Raises:
         InputError: If the file is of version 7.3 or keeps the log inside one structure.
     """
+    refuse_large(path, path.stat().st_size)
     content = path.read_bytes()
     if content.startswith(b"MATLAB 7.3") or b"HDF" in content[:8] + content[512:520]:
         raise InputError(
             f"{path}: MAT version 7.3 is not read. Save it in MATLAB with save('log.mat', '-v7', "
             "'t', 'q', 'tau')."
         )
-    variables = parse_mat(content)
+    notes: dict[str, str] = {}
+
+    def choose(shapes: dict[str, tuple[int, ...]], lengths: dict[str, int]) -> set[str]:
+        needed, left_out = needed_arrays(path, shapes, lengths)
+        notes.update(left_out)
+        return needed
+
+    variables = parse_mat(content, choose)
     structures = [name for name, value in variables.items() if _is_structure(value)]
     if "t" not in variables and structures:
         raise InputError(
@@ -48,7 +57,7 @@ def read_mat(path: Path) -> Table:
         else:
             wide = numbers.ndim == 2 and numbers.shape[0] == 1 < numbers.shape[1]
             columns[name] = numbers[0] if wide else numbers
-    return Table(str(path), columns, joints, rejected)
+    return Table(str(path), columns, joints, rejected, notes=tuple(notes.values()))
 
 
 def _is_structure(value) -> bool:

@@ -10,7 +10,7 @@ Reference: MAT-File Format, MathWorks, chapter 1 (level 5).
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass
 from math import prod
 
@@ -40,6 +40,10 @@ _CLASSES = {
 }
 _NUMBERS = range(6, 16)
 _COMPLEX = 0x0800
+# Bytes that hold the tag, flags, sizes and name of any variable.
+_HEAD = 4096
+
+Choose = Callable[[dict[str, tuple[int, ...]], dict[str, int]], Container[str]]
 
 
 @dataclass(frozen=True)
@@ -49,11 +53,13 @@ class Other:
     kind: str
 
 
-def parse_mat(content: bytes) -> dict[str, np.ndarray | Other]:
+def parse_mat(content: bytes, choose: Choose | None = None) -> dict[str, np.ndarray | Other]:
     """Parse the variables of a MAT file.
 
     Args:
         content: The whole file.
+        choose: Given the declared sizes of all variables by name, and their lengths in bytes, returns the
+            names to read; nothing of the others is unpacked. None: all are read.
 
     Returns:
         Name to array: numbers as stored, of the sizes MATLAB shows; characters as one string per row.
@@ -64,17 +70,53 @@ def parse_mat(content: bytes) -> dict[str, np.ndarray | Other]:
     order = {b"IM": "<", b"MI": ">"}.get(content[126:128])
     if order is None:
         raise ValueError("no MAT file of version 5 to 7.2")
-    variables = {}
+    found = []
     for kind, data in _elements(content[128:], order):
-        if kind == _COMPRESSED:
-            ((kind, data),) = _elements(zlib.decompress(data), order)
-        if kind != _MATRIX:
-            raise ValueError(f"element of type {kind} where a variable is expected")
-        name, value = _matrix(data, order)
-        if name in variables:
+        head = zlib.decompressobj().decompress(data, _HEAD) if kind == _COMPRESSED else None
+        length = len(data)
+        if head is not None:
+            if len(head) < 8:
+                raise ValueError("a compressed variable is empty")
+            inner, length = struct.unpack_from(f"{order}II", head)
+        else:
+            inner, head = kind, bytes(8) + data[:_HEAD]
+        if inner != _MATRIX:
+            raise ValueError(f"element of type {inner} where a variable is expected")
+        name, shape = _heading(head[8:], order)
+        if any(name == other for other, *_ in found):
             raise ValueError(f"variable {name} appears twice")
-        variables[name] = value
+        found.append((name, shape, length, kind, data))
+    shapes = {name: shape for name, shape, *_ in found}
+    lengths = {name: length for name, _, length, *_ in found}
+    wanted = choose(shapes, lengths) if choose else shapes
+    variables = {}
+    for name, _, length, kind, data in found:
+        if name in wanted:
+            if kind == _COMPRESSED:
+                data = _unpack(data, length, order)
+            variables[name] = _matrix(data, order)[1]
     return variables
+
+
+def _unpack(data: bytes, length: int, order: str) -> bytes:
+    """The data of a compressed variable, which has to be as long as it says."""
+    tool = zlib.decompressobj()
+    # The tag, the data, and one byte more to see whether there is more than declared.
+    whole = tool.decompress(data, 8 + length + 1)
+    ((_, unpacked),) = _elements(whole, order)
+    return unpacked
+
+
+def _heading(head: bytes, order: str) -> tuple[str, tuple[int, ...]]:
+    """Name and sizes of a variable, from the begin of its data; empty ones where it has none."""
+    if not head:
+        return "", ()
+    parts = _elements(head, order)
+    flags = int(_numbers(*next(parts), order)[0])
+    if flags & 0xFF == _OPAQUE:
+        return next(parts)[1].decode("ascii"), ()
+    shape = tuple(int(size) for size in _numbers(*next(parts), order))
+    return next(parts)[1].decode("ascii"), shape
 
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:

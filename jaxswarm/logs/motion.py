@@ -15,11 +15,23 @@ from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
 from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
+from jaxswarm.logs.sampling import usual_period
 from jaxswarm.logs.smoothing import smooth
 
 # Working rate per band of the motion: friction jumps where a joint reverses, and a jump between samples
 # folds back into the band, which moves the sign's width and every delay.
 _RATE = 16.0
+
+
+# Samples that a spline of fifth order and the smoothing of a motion need at the working rate.
+_LEAST_SAMPLES = 20
+_LEAST_WORKING = 10
+# The low-pass before thinning looks three filter lengths beyond either end.
+_LEAST_THINNED = 28
+
+
+class TooShort(InputError):
+    """A log, or a stretch of one, with too few samples to filter."""
 
 
 @dataclass(frozen=True)
@@ -95,8 +107,8 @@ class Motion:
 
 
 def _uniform(log: Log) -> tuple[np.ndarray, float]:
-    """A uniform clock at the log's median rate, over the log's time."""
-    step = float(np.median(np.diff(log.t)))
+    """A uniform clock at the log's usual rate, over the log's time."""
+    step = usual_period(log.t)
     count = int(round((log.t[-1] - log.t[0]) / step)) + 1
     rate = (count - 1) / (log.t[-1] - log.t[0])
     return log.t[0] + np.arange(count) / rate, rate
@@ -121,9 +133,10 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         InputError: If the log is too short to filter.
     """
     filtering = filtering or Filtering()
-    if len(log.t) < 20:
-        raise InputError(
-            f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least 20"
+    if len(log.t) < _LEAST_SAMPLES:
+        raise TooShort(
+            f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least "
+            f"{_LEAST_SAMPLES}"
         )
     log = with_sample_times(log)
     full_clock, rate = _uniform(log)
@@ -140,6 +153,13 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
             "half the sampling rate; choose a lower one"
         )
     stride = max(1, int(rate / (_RATE * band.motion.max())))
+    thinned_away = stride > 1 and len(full_clock) < _LEAST_THINNED
+    if thinned_away or len(full_clock[::stride]) < _LEAST_WORKING:
+        least = max(_LEAST_THINNED, _LEAST_WORKING * stride) / rate
+        raise TooShort(
+            f"{log.source}: {log.t[-1] - log.t[0]:.3g} s are too short for motion below "
+            f"{band.motion.max():.3g} Hz; log at least {least:.2g} s, or raise --motion-cutoff"
+        )
     working = rate / stride
     clock = full_clock[::stride]
     velocity = None if band.ratio is None else _thin(logged, rate, stride)

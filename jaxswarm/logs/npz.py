@@ -3,13 +3,22 @@
 Pickled objects are never loaded: a log is numbers.
 """
 
+import zipfile
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.bounds import needed_arrays
 from jaxswarm.logs.table import Table, as_numbers
+
+# A file of a single array begins so, and so does every array of an archive.
+_SINGLE = b"\x93NUMPY"
+_HEADERS = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
 
 
 def read_npz(path: Path) -> Table:
@@ -29,18 +38,22 @@ def read_npz(path: Path) -> Table:
 
 
 def _read(path: Path, handle: BinaryIO) -> Table:
-    archive = np.load(handle, allow_pickle=False)
-    if isinstance(archive, np.ndarray):
+    if handle.read(len(_SINGLE)) == _SINGLE:
         raise InputError(
             f"{path}: holds a single array. Write a log with numpy.savez(path, t=t, q=q, ...)."
         )
+    handle.seek(0)
+    archive = np.load(handle, allow_pickle=False)
     columns, rejected, joints = {}, {}, None
     with archive:
+        needed, notes = needed_arrays(path, *_declared(archive.zip))
         for name in archive.files:
             if archive.files.count(name) > 1:
                 raise InputError(
                     f"{path}: key {name} appears twice in the archive. Keep one of them."
                 )
+            if name not in needed:
+                continue
             try:
                 values = archive[name]
             except ValueError as error:
@@ -56,7 +69,27 @@ def _read(path: Path, handle: BinaryIO) -> Table:
                 rejected[name] = f"{name} holds {values.dtype}, no real numbers."
             else:
                 columns[name] = numbers
-    return Table(str(path), columns, joints, rejected)
+    return Table(str(path), columns, joints, rejected, notes=tuple(notes.values()))
+
+
+def _declared(archive: zipfile.ZipFile) -> tuple[dict[str, tuple[int, ...]], dict[str, int]]:
+    """Shapes of the arrays by name, and the bytes of those that are no numbers, from their headers."""
+    shapes, sizes = {}, {}
+    for member in archive.namelist():
+        name = member.removesuffix(".npy")
+        shapes[name] = ()
+        with archive.open(member) as file:
+            if file.read(len(_SINGLE)) != _SINGLE:
+                sizes[name] = archive.getinfo(member).file_size  # no array: read as it stands
+                continue
+            version = tuple(file.read(2))
+            read = _HEADERS.get(version)
+            if read is None:
+                raise ValueError(f"{name} is of the unknown NPY version {version}")
+            shapes[name], _, kind = read(file)
+            if kind.kind not in "biuf":
+                sizes[name] = kind.itemsize * int(np.prod(shapes[name], dtype=object))
+    return shapes, sizes
 
 
 def joint_names(path: Path, values: np.ndarray) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.bounds import refuse_large
 from jaxswarm.logs.table import Table, as_numbers
 
 
@@ -28,12 +29,22 @@ def read_parquet(path: Path) -> Table:
         ) from None
     # A file handle instead of a name: pyarrow would read "a=1" folders in the path as columns.
     with path.open("rb") as handle:
-        table = parquet.ParquetFile(handle).read()
+        file = parquet.ParquetFile(handle)
+        fields = {}
+        for field in file.schema_arrow:
+            if field.name in fields:
+                raise InputError(f"{path}: column {field.name} appears twice. Keep one of them.")
+            fields[field.name] = field.type
+        numeric = [name for name, kind in fields.items() if _may_be_numbers(kind)]
+        _refuse_large_columns(path, file.metadata, numeric)
+        table = file.read(columns=numeric)
     names = table.column_names
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{path}: column {name} appears twice. Keep one of them.")
-    columns, rejected = {}, {}
+    columns = {}
+    rejected = {
+        name: f"{name} holds {kind}, no real numbers of one length."
+        for name, kind in fields.items()
+        if name not in numeric
+    }
     for name, column in zip(names, table.columns, strict=True):
         if name == "__index_level_0__":
             continue
@@ -46,6 +57,34 @@ def read_parquet(path: Path) -> Table:
         else:
             columns[name] = numbers
     return Table(str(path), columns, rejected=rejected)
+
+
+def _may_be_numbers(kind) -> bool:
+    """Whether a column of this type can be read as numbers at all."""
+    import pyarrow as arrow
+
+    types = arrow.types
+    lists = (types.is_list, types.is_large_list, types.is_fixed_size_list)
+    if any(check(kind) for check in lists):
+        return _may_be_numbers(kind.value_type)
+    if types.is_dictionary(kind):
+        return _may_be_numbers(kind.value_type)
+    numbers = (types.is_integer, types.is_floating, types.is_boolean, types.is_null)
+    return any(check(kind) for check in numbers)
+
+
+def _refuse_large_columns(path: Path, metadata, names: list[str]) -> None:
+    """Add up the values of columns, which a few bytes can repeat a billion times."""
+    count = 0
+    for group in range(metadata.num_row_groups):
+        row_group = metadata.row_group(group)
+        for k in range(row_group.num_columns):
+            column = row_group.column(k)
+            # A list column "q" is stored as "q.list.element".
+            path_parts = column.path_in_schema.split(".")
+            if any(".".join(path_parts[: n + 1]) in names for n in range(len(path_parts))):
+                count += max(column.num_values, row_group.num_rows)
+    refuse_large(path, 8 * count)
 
 
 def _lists(values: np.ndarray) -> np.ndarray | None:

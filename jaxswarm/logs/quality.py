@@ -7,6 +7,8 @@ gives third differences of :math:`\sqrt{20}\,\sigma`.
 
 import numpy as np
 
+from jaxswarm.logs.sampling import usual_period
+
 # Steps below these shares of the largest value are digits of the number format, not of a sensor.
 _SINGLE_DIGITS = 4e-7
 _DOUBLE_DIGITS = 1e-13
@@ -85,7 +87,7 @@ def slowest_motion(time: np.ndarray, position: np.ndarray, speed: np.ndarray, st
         speed: Absolute velocity, shape (T,).
         step: Quantum of the position, 0 if none.
     """
-    window = 2 * _half_window(time) * float(np.median(np.diff(time)))
+    window = 2 * _half_window(time) * usual_period(time)
     # Smooth motion counts least at the short lag, values held by a slow source at the long one.
     noise = min(_noise(position), _noise(position[:: 2 * _half_window(time)]))
     return max(
@@ -192,5 +194,5 @@ def longest_stuck(values: np.ndarray, position: np.ndarray, least_motion: float)
 
 
 def _half_window(time: np.ndarray) -> int:
-    period = float(np.median(np.diff(time)))
+    period = usual_period(time)
     return int(np.clip(round(0.5 * _VELOCITY_WINDOW / period), 1, max(1, (len(time) - 1) // 2)))

@@ -96,6 +96,8 @@ def _table(path: Path, joints: tuple[str, ...]) -> Table:
         raise InputError(
             f"{path}: is a folder without a rosbag2 metadata.yaml. Give the log file itself."
         )
+    if not path.is_dir() and not path.is_file():
+        raise InputError(f"{path}: is no file but a device or a pipe. Give the log file itself.")
     reader = _READERS.get(path.suffix.lower())
     if reader is None and not recording:
         raise InputError(

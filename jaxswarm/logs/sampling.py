@@ -1,7 +1,7 @@
 """The clock of a log: its rate, its jitter, and where it stops or jumps.
 
-A period of more than five usual ones is a gap. If the joints moved across it no further than in a
-few usual periods, nothing is missing and the clock itself jumped.
+A period of more than five usual ones is a gap, unless stamps come in bursts. If the joints moved
+across it no further than in a few usual periods, nothing is missing and the clock itself jumped.
 """
 
 from dataclasses import dataclass
@@ -9,6 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 _GAP_PERIODS = 5.0
+# Stamps come in bursts where most follow another within a millisecond, but so many do not that they
+# cannot be pauses. Three of the longest common periods are a gap then.
+_BURST_PERIOD = 1e-3
+_COMMON, _COMMON_PERIODS = 0.98, 3.0
 # Motion across a gap, in steps of its neighborhood, up to which the samples follow on each other.
 _ADJACENT_STEPS = 3.0
 
@@ -48,6 +52,32 @@ class Sampling:
     gaps: tuple[Gap, ...]
 
 
+def usual_period(time: np.ndarray) -> float:
+    """The period of a clock [s]: the median, or the mean where the stamps come in bursts.
+
+    Half the stamps of a log may follow others by microseconds, while the samples were taken regularly:
+    the median is then no period of anything. The longest periods, which may be gaps, do not count.
+
+    Args:
+        time: Time stamps [s], shape (T,), increasing, T > 1.
+
+    >>> bursts = (np.arange(100)[:, None] * 0.01 + np.arange(5) * 1e-6).ravel()
+    >>> round(usual_period(np.arange(100) * 0.01), 6), 0.001 < usual_period(bursts) < 0.003
+    (0.01, True)
+    """
+    period = np.diff(time)
+    return _common_mean(period) if _in_bursts(period) else float(np.median(period))
+
+
+def _common_mean(period: np.ndarray) -> float:
+    return float(np.mean(period[period <= np.quantile(period, _COMMON)]))
+
+
+def _in_bursts(period: np.ndarray) -> bool:
+    median = float(np.median(period))
+    return median < _BURST_PERIOD and median < 0.5 * _common_mean(period)
+
+
 def sampling(time: np.ndarray, q: np.ndarray) -> Sampling:
     """Describe the clock of a log.
 
@@ -61,8 +91,9 @@ def sampling(time: np.ndarray, q: np.ndarray) -> Sampling:
     (100, 49, False)
     """
     period = np.diff(time)
-    usual = float(np.median(period))
-    long = period > _GAP_PERIODS * usual
+    usual = usual_period(time)
+    bursts = _COMMON_PERIODS * float(np.quantile(period, _COMMON)) if _in_bursts(period) else 0.0
+    long = period > max(_GAP_PERIODS * usual, bursts)
     kept = period[~long]
     mean = float(np.mean(kept))
     gaps = tuple(

@@ -3,11 +3,13 @@
 Numbers keep all their digits, so a log survives the round trip bit for bit.
 """
 
+import csv
+import io
 from pathlib import Path
 
 import numpy as np
 
-from jaxswarm.errors import InputError
+from jaxswarm.errors import InputError, printable
 from jaxswarm.logs.log import Log
 
 
@@ -53,13 +55,30 @@ def _write_csv(log: Log, path: Path) -> None:
             if np.isfinite(column).any():
                 names.append(f"{name}_{joint}")
                 columns.append(column)
+    write_table(path, names, np.stack(columns, axis=1), "%.17g")
+
+
+def write_table(path: Path, names: list[str], table: np.ndarray, form: str) -> None:
+    """Write numbers as CSV in UTF-8 under a header that any reader, a spreadsheet too, takes as names.
+
+    Args:
+        path: File to write.
+        names: Names of the k columns; quoted where they hold commas, control characters escaped.
+        table: Shape (T, k).
+        form: Format of a number, such as ``"%.10g"``.
+    """
+    header = io.StringIO()
+    # A spreadsheet computes what begins so; none of our quantities does, channels of a user may.
+    names = [f"'{name}" if name[:1] in "=+-@" else name for name in map(printable, names)]
+    csv.writer(header, lineterminator="").writerow(names)
     np.savetxt(
         path,
-        np.stack(columns, axis=1),
-        fmt="%.17g",
+        table,
+        fmt=form,
         delimiter=",",
-        header=",".join(names),
+        header=header.getvalue(),
         comments="",
+        encoding="utf-8",
     )
 
 

@@ -19,18 +19,22 @@ import numpy as np
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.model import Robot
 
-# Written out, 20 joints compile as fast as a loop does and run three times faster over many lanes; 50
-# joints compile ten times slower.
-MANY = 24
-
+# As loops, 20 joints compile seven times faster and run 1.1 (regressor) to 1.7 times (inverse dynamics) as
+# long; an arm of seven gains little and loses the same (benchmarks/dynamics_joints.py).
+MANY = 14
 # The mass matrix has a number for each pair and its factors feed on each other: 7 joints compile in 1 s,
 # 20 in 200 s.
 MANY_IN_PAIRS = 10
 
 
-def is_many(robot: Robot, limit: int = MANY) -> bool:
+def is_many(robot: Robot) -> bool:
     """Tell whether a robot has so many joints that loops serve it better than written-out code."""
-    return robot.num_joints > limit
+    return robot.num_joints > MANY
+
+
+def is_many_in_pairs(robot: Robot) -> bool:
+    """Tell the same of the mass matrix and its factors."""
+    return robot.num_joints > MANY_IN_PAIRS
 
 
 def turning(robot: Robot) -> np.ndarray:

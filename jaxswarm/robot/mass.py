@@ -41,7 +41,7 @@ def mass_matrix(robot: Robot, q: jax.Array, *, sincos: SinCos = sincos) -> jax.A
     8.7345
     """
     q = jnp.asarray(q)
-    if many.is_many(robot, many.MANY_IN_PAIRS):
+    if many.is_many_in_pairs(robot):
         return many.mass_matrix(robot, many.transforms(robot, q, sincos), q)
     matrix = mass_entries(robot, joint_transforms(robot, q, sincos))
     return jnp.stack([sp.stack(row, q[0]) for row in matrix])
@@ -69,7 +69,7 @@ def forward_dynamics(
     (3,)
     """
     q, dq, tau = jnp.asarray(q), jnp.asarray(dq), jnp.asarray(tau)
-    if many.is_many(robot, many.MANY_IN_PAIRS):
+    if many.is_many_in_pairs(robot):
         poses = many.transforms(robot, q, sincos)
         load = tau - many_torques(robot, poses, q, dq, None)
         return many.solve(many.mass_matrix(robot, poses, q), load)
@@ -85,7 +85,7 @@ def equations_of_motion(
 
     ``q`` and ``dq`` are sequences of n entries. The simulation adds effects to both, then solves.
     """
-    if many.is_many(robot, many.MANY_IN_PAIRS):
+    if many.is_many_in_pairs(robot):
         q, dq = jnp.stack(list(q)), jnp.stack(list(dq))
         poses = many.transforms(robot, q, sincos)
         mass = many.mass_matrix(robot, poses, q)

@@ -141,12 +141,13 @@ def _locked(description: Description, options: RobotOptions) -> tuple[dict[str, 
     }
     notes = _locked_notes({name: q for name, q in places.items() if name not in mimics})
     for name, mimic in mimics.items():
-        places[name] = _follow(description.name, name, places, mimics, moving)
+        places[name] = _follow(description.name, name, places, mimics)
         where = f"joint {name!r} follows {mimic.joint!r} and is locked at {places[name]:g}"
-        free = mimic.joint in moving and mimic.joint not in places
-        notes.append(
-            where + (f", its place where {mimic.joint!r} is at 0: its motion is not modeled" * free)
-        )
+        if mimic.joint not in moving:
+            where += f": {mimic.joint!r} is no moving joint"
+        elif mimic.joint not in places:
+            where += f", its place where {mimic.joint!r} is at 0: its motion is not modeled"
+        notes.append(where)
     notes += [
         f"joint {name!r} is locked at {q:g}, outside its limits "
         f"[{moving[name].limits.lower:g}, {moving[name].limits.upper:g}]"
@@ -164,17 +165,12 @@ def _locked_notes(places: Mapping[str, float], most: int = 10) -> list[str]:
     return notes + [f"joint {name!r} is locked at {q:g}" for name, q in places.items() if q]
 
 
-def _follow(robot: str, name: str, places: Mapping, mimics: Mapping, moving: Mapping) -> float:
+def _follow(robot: str, name: str, places: Mapping, mimics: Mapping) -> float:
     """Return the position of a mimicking joint where the joint at the end of its chain is."""
     slope, shift, seen, at = 1.0, 0.0, {name}, name
     while at in mimics:
         mimic = mimics[at]
         slope, shift, at = slope * mimic.multiplier, shift + slope * mimic.offset, mimic.joint
-        if at not in moving:
-            raise InputError(
-                f"robot {robot!r}: joint {name!r} mimics {at!r}, which is no moving joint: correct "
-                f"the name, or give its position: --lock {name}=0"
-            )
         if at in seen:
             raise InputError(f"robot {robot!r}: joint {name!r} mimics itself: correct the mimic.")
         seen.add(at)

@@ -76,7 +76,7 @@ def parse_xml(text: str | bytes, source: str, kind: str = "URDF") -> Element:
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = doctype
     try:
-        parser.Parse(data, True)
+        parser.Parse(data.lstrip(), True)  # empty lines before the declaration are common
         return builder.close()
     except (expat.ExpatError, LookupError, ValueError) as error:
         if isinstance(error, InputError):

@@ -77,5 +77,5 @@ def run_study(
             f"{study.name}.json": outputs.to_json(result),
             "report.html": study.render(result, images),
         }
-        outputs.write_files(Path(out), files | images)
+        outputs.write_results(Path(out), files | images)
     return result

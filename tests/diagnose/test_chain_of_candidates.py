@@ -14,8 +14,7 @@ from jaxswarm.diagnose.candidates.search import _lattice, _survey, _Task, search
 from jaxswarm.diagnose.candidates.whole_model import body_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.effects import Law, Parameter
-from jaxswarm.effects import make_sample
+from jaxswarm.effects import Law, Parameter, make_sample
 from jaxswarm.effects.deflection import contact_stiffness
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
@@ -142,11 +141,13 @@ def test_a_law_with_four_nonlinear_parameters_is_searched(stand, key):
     )  # fmt: skip
     motion = stand.found.motions[0]
     values = dict(zip(names, (0.5, -0.3, 0.2, 0.1), strict=True))
-    series = joint_series(motion, 0.01, stand.loads[0], 1)
+    series = joint_series(motion, (0.01, 0.01, 0.01), stand.loads[0], 1)
     torque = np.asarray(law.torque({"a": 2.0, **values}, series))
     one = fold_of(motion.decimator.apply(torque))
     stages = FoldData(*(jnp.stack([x, x]) for x in one))
-    with searching([(law, 1, None)], [motion], 0.01, stand.loads, [stages], key) as finish:
+    with searching(
+        [(law, 1, None)], [motion], (0.01, 0.01, 0.01), stand.loads, [stages], key
+    ) as finish:
         found = finish()[0][0]
     assert set(found) == set(names)
     said = np.asarray(law.torque({"a": 1.0, **found}, series))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from planted import log_with, small_arm
 
-from jaxswarm.diagnose.candidates import search
+from jaxswarm.diagnose.candidates.candidate import search
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import get_law

@@ -162,7 +162,7 @@ def test_the_command_writes_a_trajectory_at_the_rate(tmp_path):
     assert code == 0, err
     result = json.loads(out)
     assert result == json.loads((tmp_path / "out" / "excitation.json").read_text())
-    assert {p.name for p in (tmp_path / "out").iterdir()} == {
+    assert {p.name for p in (tmp_path / "out").glob("[!.]*")} == {
         "trajectory.csv", "excitation.json", "trajectory.png",
     }  # fmt: skip
     text = (tmp_path / "out" / "trajectory.csv").read_text().splitlines()

@@ -50,7 +50,7 @@ def test_without_a_folder_nothing_is_drawn():
 
 def test_files(tmp_path):
     result = run_study(_study([]), tmp_path / "new")
-    assert {p.name for p in (tmp_path / "new").iterdir()} == {
+    assert {p.name for p in (tmp_path / "new").glob("[!.]*")} == {
         "trial.json",
         "report.html",
         "one.png",

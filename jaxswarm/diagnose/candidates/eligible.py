@@ -25,7 +25,7 @@ def list_suspects(
     moves = np.any([np.ptp(m.q, axis=0) > 1e-3 for m in motions], axis=0)
     suspects = []
     for law in REGISTRY.values():
-        if law.reference_only and not against_model:
+        if law.reference_only and law.lasting and not against_model:
             continue
         if joints < law.min_joints and not against_model:
             continue  # the rigid parameters say the same

@@ -20,7 +20,7 @@ def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.nda
     name = motion.joints[j]
     if term.law.shown_against == "load":
         own = Model(model.robot, (), model.width, model.filtering, model.sigma)
-        load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width)
+        load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width[j])
         return f"|load| sign(dq) of {name}", load
     if term.law.shown_against == "model torque":
         return f"torque of the model on {name}", model_torque(model, motion)[:, j]

@@ -9,20 +9,29 @@ from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
 
 
-def log_errors(model: Model, motion: Motion) -> dict:
+def log_errors(model: Model, *motions: Motion) -> dict:
     """Errors of a model on one log, in the band that is compared and over the whole signal.
+
+    Args:
+        model: The model.
+        motions: The log's stretches between gaps, at least one.
 
     Returns:
         :func:`torque_errors` of the low-passed torque, with ``wideband`` the same of the torque as
         measured, and ``torque_cutoff`` [Hz].
     """
-    predicted = model_torque(model, motion)
-    low = motion.decimator
-    kept = low.kept(len(motion.t))
-    moving = is_moving(motion.dq)
-    errors = torque_errors(low.apply(motion.tau), low.apply(predicted), moving[kept])
-    errors["wideband"] = torque_errors(motion.tau, predicted, moving)
-    errors["torque_cutoff"] = motion.torque_cutoff
+    predicted = [model_torque(model, motion) for motion in motions]
+    moving = is_moving(np.concatenate([motion.dq for motion in motions]))
+    ends = np.cumsum([0, *(len(motion.t) for motion in motions)])
+    kept = [start + m.decimator.kept(len(m.t)) for start, m in zip(ends, motions, strict=False)]
+    errors = torque_errors(
+        np.concatenate([m.decimator.apply(m.tau) for m in motions]),
+        np.concatenate([m.decimator.apply(p) for m, p in zip(motions, predicted, strict=True)]),
+        moving[np.concatenate(kept)],
+    )
+    measured = np.concatenate([motion.tau for motion in motions])
+    errors["wideband"] = torque_errors(measured, np.concatenate(predicted), moving)
+    errors["torque_cutoff"] = motions[0].torque_cutoff
     return errors
 
 

@@ -26,7 +26,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
     Args:
         found: The fit.
         logs: As read, for their summaries.
-        unseen: Prepared validation log, or None.
+        unseen: Prepared stretches of the validation log, or None.
         validation: Its path.
         search: The swarm's search, where one was asked for.
     """
@@ -61,7 +61,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
         "error": {
             "train": train[0] if len(train) == 1 else train,
             "held_out_blocks": held_out_errors(found),
-            "validation": None if unseen is None else log_errors(model, unseen),
+            "validation": None if unseen is None else log_errors(model, *unseen),
             "validation_log": None if validation is None else str(validation),
         },
         "optimizer": {"name": "least_squares", "cost": solution.cost},

@@ -1,0 +1,94 @@
+"""What the command line meets before any work: streams that cannot say everything, signals, no home."""
+
+import atexit
+import os
+import shutil
+import signal
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from jaxswarm.errors import Notice, printable
+
+INTERRUPTED, TERMINATED, PIPE_CLOSED = 130, 143, 141  # 128 and the number of the signal
+
+_AGAIN = 3.0  # seconds after which a termination that was not heeded is repeated
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM: the work ends as it does on an interrupt, with another word and exit code."""
+
+
+def prepare_streams() -> None:
+    """Let both streams take any character: what an encoding lacks is escaped; a closed one is a sink."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        stream = getattr(sys, name)
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def show_notices() -> None:
+    """Print notices as sentences on stderr, each time they are given."""
+    before = warnings.showwarning
+
+    def show(message, category, *place, **more) -> None:
+        if issubclass(category, Notice):
+            print(f"note: {printable(str(message))}", file=sys.stderr)
+        else:
+            before(message, category, *place, **more)
+
+    warnings.simplefilter("always", Notice)
+    warnings.showwarning = show
+
+
+@contextmanager
+def catch_termination() -> Iterator[None]:
+    """Turn SIGTERM into :class:`Terminated` for as long as a command runs, where signals can be caught."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    timer = hasattr(signal, "setitimer")
+
+    def terminate(number, frame) -> None:
+        if timer:  # an exception within a callback of compiled code may be lost: raise it again
+            signal.signal(signal.SIGALRM, terminate)
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN)
+        raise Terminated
+
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        if timer:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGTERM, before)
+
+
+def find_home() -> Path | None:
+    """The user's home, or None where there is none: then a private one is lent for this process.
+
+    In containers a user may have neither ``HOME`` nor an entry in the list of users; libraries that
+    keep settings at home fail there.
+    """
+    try:
+        return Path.home()
+    except RuntimeError:
+        home = tempfile.mkdtemp(prefix="jaxswarm-home-")
+        atexit.register(shutil.rmtree, home, ignore_errors=True)
+        os.environ["HOME"] = home
+        return None
+
+
+def drop_stdout() -> None:
+    """Give up stdout, whose reader is gone or whose disk is full, so that nothing more fails on it."""
+    sink = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(sink, sys.stdout.fileno())
+    except (OSError, ValueError, AttributeError):
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115

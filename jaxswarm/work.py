@@ -1,0 +1,84 @@
+"""Around every command: its output place is held, and whatever ends it early ends in one message."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from jaxswarm import console, terminal
+from jaxswarm.claim import claim
+from jaxswarm.errors import InputError, printable
+
+
+def run(command: Callable[[], None]) -> None:
+    """Call the command line.
+
+    Raises:
+        SystemExit: With 2 on bad input and where the result cannot be printed, 128 and the number of the
+            signal where one ended the work, and whatever the command itself ends with.
+    """
+    terminal.prepare_streams()
+    terminal.show_notices()
+    try:
+        with terminal.catch_termination():
+            try:
+                command()
+            finally:
+                sys.stdout.flush()
+    except InputError as error:
+        print(f"error: {printable(str(error))}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except OSError as error:
+        raise SystemExit(_say_unprinted(error)) from None
+    except (SystemExit, KeyboardInterrupt) as end:
+        raise SystemExit(_explain(end)) from None
+
+
+def _explain(end: BaseException) -> int | str | None:
+    """Exit code; the library for the command line ends without a word on interrupts and closed pipes."""
+    cause: BaseException | None = end
+    while cause is not None:
+        if isinstance(cause, terminal.Terminated):
+            print("terminated", file=sys.stderr)
+            return terminal.TERMINATED
+        if isinstance(cause, KeyboardInterrupt):
+            print("interrupted", file=sys.stderr)
+            return terminal.INTERRUPTED
+        if isinstance(cause, BrokenPipeError):
+            return _say_unprinted(cause)
+        cause = cause.__context__
+    return end.code
+
+
+def _say_unprinted(error: OSError) -> int:
+    terminal.drop_stdout()
+    if isinstance(error, BrokenPipeError):
+        return terminal.PIPE_CLOSED  # whoever reads has seen enough: no failure worth a word
+    print(
+        f"error: cannot print the result ({error.strerror}); files in --out are complete, "
+        "print to another place",
+        file=sys.stderr,
+    )
+    return 2
+
+
+@contextmanager
+def work(
+    out: Path, inputs: Sequence[Path | None], names: Sequence[str] = (), resumable: bool = False
+) -> Iterator[Callable[[str], None]]:
+    """Hold the output place, show the stage, and end with a message on an interrupt or bad numbers.
+
+    Args:
+        out: Folder or file to be written.
+        inputs: Files that are read; None is passed over.
+        names: Files written into ``out``; empty: ``out`` is itself the file.
+        resumable: Whether the same command goes on where this one was interrupted.
+    """
+    try:
+        files = [path for path in inputs if path is not None and Path(path).is_file()]
+        with claim(out, inputs, names), console.working(files) as progress:
+            yield progress
+    except KeyboardInterrupt:
+        if resumable:
+            print(f"the same command goes on from what is kept in {out}", file=sys.stderr)
+        raise

@@ -1,0 +1,116 @@
+"""Pauses are boundaries, bursts are averaged, and the working clock never outgrows the samples."""
+
+import numpy as np
+import pytest
+
+from jaxswarm.errors import InputError
+from jaxswarm.logs import Log, read_log, write_log
+from jaxswarm.logs.log import take
+from jaxswarm.logs.motion import Filtering, TooShort, prepare
+from jaxswarm.logs.segments import merge_bursts, prepare_segments, split_at_gaps
+
+
+def moving(t, noise=1e-5, name="made"):
+    """One joint in steady motion with a torque that follows from it."""
+    w = 2 * np.pi * np.array([0.4, 1.1])
+    q = np.sin(np.outer(t, w)).sum(axis=1)
+    ddq = -(w**2 * np.sin(np.outer(t, w))).sum(axis=1)
+    rng = np.random.default_rng(0)
+    return Log(
+        name, ("joint1",), t, (q + noise * rng.normal(size=len(t)))[:, None], tau=ddq[:, None]
+    )
+
+
+def exact(t):
+    w = 2 * np.pi * np.array([0.4, 1.1])
+    return -(w**2 * np.sin(np.outer(t, w))).sum(axis=1)
+
+
+@pytest.mark.parametrize("pause", [2.0, 10.0, 100.0, 500.0])
+def test_a_pause_is_no_motion(pause):
+    t = np.arange(4000) * 0.01
+    whole = moving(t)
+    shifted = np.where(t < 20.0, t, t + pause)
+    log = Log("made", whole.joints, shifted, whole.q, tau=whole.tau)
+    parts = split_at_gaps(log)
+    assert [len(part.t) for part in parts] == [2000, 2000]
+    noted, motions = prepare_segments(log)
+    assert "Split at 1 gap" in noted.notes[-1]
+    assert len({(m.motion_cutoff, m.torque_cutoff) for m in motions}) == 1
+    assert sum(len(m.t) for m in motions) <= len(t)
+    for motion, start in zip(motions, (0.0, 20.0 + pause), strict=True):
+        assert motion.t[0] == pytest.approx(start, abs=1e-6)
+        inside = slice(len(motion.t) // 10, -len(motion.t) // 10)
+        true = exact(motion.t - (pause if start else 0.0))
+        assert np.abs(motion.ddq[inside, 0] - true[inside]).max() < 0.02 * np.abs(true).max()
+
+
+def test_lost_samples_are_bridged():
+    keep = np.random.default_rng(1).random(4000) > 0.2
+    log = take(moving(np.arange(4000) * 0.005), keep)
+    assert len(split_at_gaps(log)) == 1
+    (motion,) = prepare_segments(log)[1]
+    assert np.abs(motion.ddq[200:-200, 0] - exact(motion.t + log.t[0])[200:-200]).max() < 2.0
+
+
+def test_short_parts_are_left_out_with_a_note():
+    t = np.concatenate([np.arange(3000), np.arange(3500, 3515), np.arange(4000, 7000)]) * 0.01
+    noted, motions = prepare_segments(moving(t))
+    assert len(motions) == 2
+    assert any("too short" in note and "35 to 35.14 s" in note for note in noted.notes)
+
+
+def test_nothing_but_short_parts_is_refused():
+    t = (np.arange(20)[:, None] * 2.0 + np.arange(15) * 0.01).ravel()
+    with pytest.raises(InputError, match="20 parts"):
+        prepare_segments(moving(t))
+
+
+@pytest.mark.parametrize("size", [2, 5, 20])
+def test_bursts_do_not_set_the_clock(size):
+    count = 5000 // size
+    stamps = (np.arange(count)[:, None] * 0.001 * size + np.arange(size) * 1e-6).ravel()
+    log = moving(stamps)
+    merged = merge_bursts(log)
+    assert len(merged.t) == count
+    assert "stamped together" in merged.notes[-1]
+    (motion,) = prepare_segments(log)[1]
+    assert len(motion.t) <= len(stamps)
+    inside = slice(len(motion.t) // 10, -len(motion.t) // 10)
+    assert np.abs(motion.ddq[inside, 0] - exact(motion.t)[inside]).max() < 0.1 * 30
+
+
+@pytest.mark.parametrize("stamps", ["regular", "jitter", "bursts", "lost", "pairs", "pauses"])
+def test_the_clock_never_has_many_times_more_points_than_samples(stamps):
+    rng = np.random.default_rng(3)
+    t = np.arange(3000) * 0.01
+    t = {
+        "regular": t,
+        "jitter": t + 0.004 * rng.random(3000),
+        "bursts": np.sort(t + 0.0099 * (rng.random(3000) < 0.5)) + np.arange(3000) * 1e-7,
+        "lost": t[rng.random(3000) > 0.5],
+        "pairs": np.sort(np.concatenate([t[::2], t[::2] + 2e-6])),
+        "pauses": t + np.cumsum(3.0 * (rng.random(3000) < 0.002)),
+    }[stamps]
+    noted, motions = prepare_segments(moving(t), Filtering(10.0, 5.0))
+    assert sum(len(m.t) for m in motions) < 2 * len(t)
+    assert all(np.isfinite(m.ddq).all() for m in motions)
+
+
+def test_a_log_without_gaps_is_prepared_as_before():
+    log = moving(np.arange(2000) * 0.01)
+    (motion,) = prepare_segments(log)[1]
+    alone = prepare(log)
+    assert np.array_equal(motion.q, alone.q) and np.array_equal(motion.t, alone.t)
+
+
+def test_too_short_for_slow_motion_is_said():
+    t = np.arange(30) * 1e-3
+    with pytest.raises(TooShort, match="too short for motion below 0.5 Hz"):
+        prepare(moving(t), Filtering(0.5, 0.3))
+
+
+def test_bursts_pass_the_checks_of_the_reader(tmp_path):
+    stamps = (np.arange(200)[:, None] * 0.01 + np.arange(8) * 2e-6).ravel()
+    write_log(moving(stamps), tmp_path / "log.csv")
+    assert len(read_log(tmp_path / "log.csv", ("joint1",)).t) == len(stamps)

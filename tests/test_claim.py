@@ -1,0 +1,121 @@
+"""An output is never an input, one command works in one place, and bad numbers end in a message."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from slide import EFFECTS, assert_refused, identify, run, slide_log
+
+from jaxswarm.claim import claim
+from jaxswarm.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def identified(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("claim")
+    (folder / "log.csv").write_text("\n".join(slide_log()) + "\n")
+    code, _, err = identify(folder / "log.csv", folder / "out")
+    assert code == 0, err
+    return folder
+
+
+@pytest.mark.parametrize("way", ["same", "relative", "symlink", "hardlink"])
+@pytest.mark.parametrize("victim", ["log.csv", "out/model.json"])
+def test_predict_never_writes_over_what_it_reads(identified, tmp_path, monkeypatch, victim, way):
+    target = identified / victim
+    before = target.read_bytes()
+    out = tmp_path / "link"
+    if way == "symlink":
+        out.symlink_to(target)
+    elif way == "hardlink":
+        os.link(target, out)
+    elif way == "relative":
+        monkeypatch.chdir(identified / "out")
+        out = Path(os.path.relpath(target))
+    else:
+        out = target
+    model = identified / "out" / "model.json"
+    assert_refused(run("predict", model, identified / "log.csv", "--out", out), "overwrite")
+    assert target.read_bytes() == before
+
+
+def test_a_diagnosis_never_writes_over_its_model(identified):
+    model = identified / "out" / "model.json"
+    before = model.read_bytes()
+    arguments = ("--robot", "emps", "--model", model, "--out", identified / "out")
+    assert_refused(run("diagnose", identified / "log.csv", *arguments), "model.json", "overwrite")
+    assert model.read_bytes() == before
+
+
+def test_two_commands_in_one_place(identified, tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from jaxswarm.claim import claim\n"
+        "with claim(Path(sys.argv[1]), (), ('a',)): print('held', flush=True); sys.stdin.read()"
+    )
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path / "out")],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+    try:
+        assert other.stdout.readline() == b"held\n"
+        (tmp_path / "way").symlink_to(tmp_path)
+        for place in (tmp_path / "out", tmp_path / "way" / "out"):
+            assert_refused(identify(identified / "log.csv", place), "another command")
+        with claim(tmp_path / "elsewhere", (), ("a",)):
+            pass
+    finally:
+        other.kill()
+        other.communicate()
+    # The lock ends with its process, however that ended.
+    assert identify(identified / "log.csv", tmp_path / "out")[0] == 0
+
+
+def test_a_place_is_free_again_after_the_work(tmp_path):
+    for _ in range(2):
+        with claim(tmp_path / "out", ()):
+            with pytest.raises(InputError, match="another command"), claim(tmp_path / "out", ()):
+                pass
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        np.linalg.LinAlgError("SVD did not converge"),
+        ZeroDivisionError("float division by zero"),
+        FloatingPointError("overflow"),
+        OverflowError("too large"),
+        MemoryError("Unable to allocate 70 GiB"),
+    ],
+)
+def test_numerical_failures_name_the_log_and_the_stage(identified, tmp_path, monkeypatch, error):
+    def fail(*_, **__):
+        raise error
+
+    monkeypatch.setattr("jaxswarm.identify.run.estimate", fail)
+    result = identify(identified / "log.csv", tmp_path / "out")
+    assert_refused(result, "log.csv", "fitting", str(error))
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_mistake_of_ours_stays_visible(identified, tmp_path, monkeypatch):
+    def fail(*_, **__):
+        raise KeyError("no such thing")
+
+    monkeypatch.setattr("jaxswarm.identify.run.estimate", fail)
+    with pytest.raises(KeyError):
+        identify(identified / "log.csv", tmp_path / "out")
+
+
+def test_the_same_term_twice_is_refused(identified, tmp_path):
+    log, out = identified / "log.csv", tmp_path / "out"
+    twice = f"{EFFECTS},viscous_friction@slide"
+    assert_refused(identify(log, out, effects=twice), "twice")
+    declared = ("--robot", "emps", "--declare", twice, "--out", out)
+    assert_refused(run("diagnose", log, *declared), "twice")
