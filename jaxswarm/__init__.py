@@ -11,7 +11,9 @@ The public names, by topic; each is loaded when it is first used, so that the co
 2.0
 """
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 _PLACES = {
@@ -37,13 +39,17 @@ _PLACES = {
         *("gravity_forces", "bias_forces", "regressor", "standard_parameter_names"),
     ),
     "jaxswarm.effects": ("Law", "Parameter", "Sample", "register", "get_law"),
-    "jaxswarm.logs": ("Log", "read_log", "write_log", "summarize"),
+    "jaxswarm.logs": ("Log", "log_from_arrays", "read_log", "write_log", "summarize"),
     "jaxswarm.logs.motion": ("Filtering", "Motion", "prepare"),
     "jaxswarm.identify": (
         *("Term", "parse_terms", "Estimate", "estimate", "Model", "model_torque", "save_model"),
         "load_model",
     ),
-    "jaxswarm.diagnose": ("Rules", "Diagnosis", "diagnose"),
+    "jaxswarm.diagnose": ("Rules", "Diagnosis"),
+    "jaxswarm.tasks": (
+        *("identify", "diagnose", "compare", "predict", "excite", "simulate", "export"),
+        "inspect",
+    ),
 }
 _HOME = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_HOME)
@@ -57,3 +63,19 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted([*globals(), *__all__])
+
+
+def _function(name: str) -> property:
+    """The task of this name, whatever Python sets there when it imports the subpackage of this name."""
+    return property(lambda module: __getattr__(name), lambda module, value: None)
+
+
+class _Package(ModuleType):
+    """``jaxswarm`` itself: its tasks are functions, also those that share their name with a subpackage."""
+
+    identify = _function("identify")
+    diagnose = _function("diagnose")
+    simulate = _function("simulate")
+
+
+sys.modules[__name__].__class__ = _Package

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 from math import isfinite
 from pathlib import Path
 from typing import Annotated
@@ -10,6 +11,7 @@ import typer
 
 from jaxswarm import console, terminal
 from jaxswarm.cli_robot import RobotName, robot_commands, with_robot_options
+from jaxswarm.commands import register
 from jaxswarm.errors import InputError, printable
 from jaxswarm.work import run, work
 
@@ -17,7 +19,6 @@ app = typer.Typer(
     name="jaxswarm",
     help="Finds the physical effect a robot model lacks, adds it, and shows the error before and after.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -60,7 +61,20 @@ _EXCITED = ("trajectory.csv", "excitation.json")
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
-    run(lambda: app(standalone_mode=True))
+    run(lambda: app(console.modes_first(sys.argv[1:]), standalone_mode=True))
+
+
+@app.callback()
+def modes(
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Print nothing but errors, and the result of --json.")
+    ] = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="ASCII without colors, for logs and other programs.")
+    ] = False,
+) -> None:
+    """Finds the physical effect a robot model lacks, adds it, and shows the error before and after."""
+    console.set_modes(quiet, plain)
 
 
 def _start() -> None:
@@ -81,10 +95,10 @@ def _start() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
-app.add_typer(robot_commands(_start), name="robots")
+app.add_typer(robot_commands(_start), name="robots", epilog="Example: jaxswarm robots --json")
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm demo --seed 3")
 def demo(
     seed: Annotated[
         int,
@@ -110,7 +124,7 @@ def demo(
     console.show({**result, "truth": truth}, json, text)
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm study rx60 --out rx60 --fast")
 def study(
     name: Annotated[str, typer.Argument(help="rx60 or sepso.")],
     out: Out,
@@ -134,7 +148,9 @@ def study(
     console.show(result, json, lambda: print(printable(f"report: {out / 'report.html'}")))
 
 
-@app.command()
+@app.command(
+    epilog="Example: jaxswarm identify arm.csv --robot arm.urdf --effects viscous_friction --out out"
+)
 @with_robot_options(_start)
 def identify(
     logs: Logs,
@@ -156,6 +172,19 @@ def identify(
         bool,
         typer.Option("--free-base", help="The base may stand tilted: fit gravity's direction."),
     ] = False,
+    estimator: Annotated[
+        str, typer.Option(help="least_squares, instrumental (needs q_ref) or output_error.")
+    ] = "least_squares",
+    physical: Annotated[
+        bool, typer.Option("--physical", help="Rigid bodies for links: the nearest ones.")
+    ] = False,
+    prior: Annotated[
+        str | None, typer.Option(help="Robot whose bodies to stay near: name, .urdf or .toml.")
+    ] = None,
+    prior_weight: Annotated[
+        float,
+        typer.Option(min=1e-9, help="Residual standard deviations a mass off by e^2 costs."),
+    ] = 0.03,
     json: Json = False,
 ) -> None:
     """Identify a declared model from logs and score it on motion it was not fitted to."""
@@ -165,8 +194,11 @@ def identify(
     from jaxswarm.identify.run import Options, identify_files
 
     effects = with_free_base(effects) if free_base else effects
-    options = Options(optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff)
-    inputs = (*logs, validation, Path(robot))
+    options = Options(
+        optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
+        estimator, physical, prior, prior_weight,
+    )  # fmt: skip
+    inputs = (*logs, validation, prior, Path(robot))
     with work(out, inputs, _IDENTIFIED) as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
     console.notes([*report["logs"], *report["validation_logs"]])
@@ -175,7 +207,9 @@ def identify(
     )
 
 
-@app.command()
+@app.command(
+    epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
+)
 @with_robot_options(_start)
 def diagnose(
     logs: Logs,
@@ -218,7 +252,7 @@ def diagnose(
     console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm predict out/model.json other.csv --out torque.csv")
 def predict(
     model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
     log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],
@@ -236,7 +270,7 @@ def predict(
     console.show(result, json, lambda: print(text))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm excite --robot rx60 --limits limits.toml --out plan")
 @with_robot_options(_start)
 def excite(
     robot: RobotName,
@@ -264,7 +298,7 @@ def excite(
     console.show(result, json, lambda: print_excitation(console.safe(result), console.safe(out)))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm effects --json")
 def effects(json: Json = False) -> None:
     """List the effects: what can be declared and what is asked of a residual."""
     _start()
@@ -286,7 +320,7 @@ def effects(json: Json = False) -> None:
     console.table(rows, json, ("effect", "scope", "law", "reference"))
 
 
-@app.command()
+@app.command(epilog="Example: jaxswarm optimizers --json")
 def optimizers(json: Json = False) -> None:
     """List the optimizers and the papers they come from."""
     _start()
@@ -302,3 +336,6 @@ def optimizers(json: Json = False) -> None:
         for name, entry in OPTIMIZERS.items()
     ]
     console.table(rows, json, ("optimizer", "about", "reference"))
+
+
+register(app, _start)

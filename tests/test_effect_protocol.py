@@ -34,12 +34,14 @@ VERBS = (check_kind, law_block, propose, apply_change, put_on)
 
 
 def strings(tree: ast.AST):
-    """Every string of a program but the docstrings."""
+    """Every string of a program but the docstrings and the examples below a command's help."""
     told = set()
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
             told.add(body[0].value)
+        if isinstance(node, ast.keyword) and node.arg == "epilog":
+            told.add(node.value)
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in told:
             yield node.value

@@ -27,11 +27,14 @@ ALLOWED = {
     "identify": {*PHYSICS, "swarm", "outputs", "plots"},
     "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
+    "tables": set(),
+    "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
+    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables"},
     "testing": {"effects", "swarm"},
     "cli_robot": {"robot", "console", "catalog"},
     "cli": {
         *(*PHYSICS, "swarm", "identify", "diagnose", "studies"),
-        *("outputs", "console", "work", "terminal", "cli_robot"),
+        *("commands", "outputs", "console", "work", "terminal", "cli_robot"),
     },
     "__main__": {"cli"},
 }  # fmt: skip

@@ -49,16 +49,20 @@ def test_commands_and_robots_are_named():
 
 
 @pytest.mark.parametrize("number", range(len(blocks("python"))))
-def test_examples_run(number, monkeypatch, capsys):
+def test_examples_run(number, monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("jaxswarm.effects.base.REGISTRY", dict(REGISTRY))
     exec(compile(blocks("python")[number], "README.md", "exec"), {})
     if number == 1:
         assert "e-" in capsys.readouterr().out
+    if number == 2:
+        assert "The model lacked coulomb_friction on slide" in capsys.readouterr().out
+        assert {path.name for path in tmp_path.iterdir()} == {"torque.png", "model.json"}
 
 
 def test_the_first_screen_is_one_screen():
     assert README.index("## Effects") < 5000
-    assert len(README.splitlines()) < 250
+    assert len(README.splitlines()) < 280
 
 
 def test_license():

@@ -6,6 +6,7 @@ not done again. With ``--rivals`` the rivals work at the same worlds, into ``wor
 """
 
 import argparse
+import os
 from pathlib import Path
 
 from benchmarks.timing import RESULTS
@@ -75,6 +76,8 @@ def work(options) -> None:
         jax.config.update("jax_compilation_cache_dir", str(RESULTS / "compiled"))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
     if options.rivals:
+        # Threads of the boosted trees that wait for each other make a shared machine crawl.
+        os.environ.setdefault("OMP_NUM_THREADS", "1")
         from benchmarks.worlds.rivals import score_rivals as score
     else:
         from benchmarks.worlds.score import score_world as score

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage, signal
 
-from benchmarks.worlds.arm import Arm
 from benchmarks.worlds.rigid import Absorber, declared_columns, rms
-from benchmarks.worlds.world import World
 
-# Cutoffs [Hz] of the motion and of the comparison, as shares of the rate where that is low.
-MOTION, BAND = 15.0, 8.0
+# Cutoffs [Hz]: of the motion (the one that leaves least on the fitted log is taken), and of the comparison.
+MOTION, BAND = (8.0, 15.0, 30.0, 60.0), 8.0
+# Cutoffs at most, in sampling rates.
 _SHARE = 0.35
 ENDS = 0.5  # s at both ends that filters reach
 _SPIKE = 8.0  # median absolute deviations from a running median
@@ -46,15 +45,15 @@ def inner(x: np.ndarray, rate: float) -> np.ndarray:
     return x[cut:-cut]
 
 
-def band_noise(world: World) -> np.ndarray:
+def band_noise(world) -> np.ndarray:
     """RMS of the torque noise below the band errors are compared in, (n,)."""
     rate = world.logging.rate
     noise = np.hypot(1.0, world.logging.coarse / np.sqrt(12.0)) * world.logging.noise
     return noise * np.sqrt(min(BAND, _SHARE * rate) / (0.5 * rate))
 
 
-def prepare(world: World, log: dict, hidden: dict) -> Prepared:
-    """Filter a log; the known lag of its torque channel is taken away."""
+def prepare(world, log: dict, hidden: dict, cutoff: float) -> Prepared:
+    """Filter a log; the lag of its torque channel and the hold of the torque over a tick are undone."""
     rate = float(world.logging.rate)
     t = np.arange(log["t"][0], log["t"][-1] + 1e-9, 1.0 / rate)
     lag = world.logging.lag - 0.5 / world.control.rate
@@ -66,10 +65,10 @@ def prepare(world: World, log: dict, hidden: dict) -> Prepared:
     def on(x, late=0.0):
         return np.column_stack([np.interp(t + late, log["t"], column) for column in x.T])
 
-    q = low_pass(on(log["q"]), rate, MOTION)
+    q = low_pass(on(log["q"]), rate, cutoff)
     dq = np.gradient(q, 1.0 / rate, axis=0)
     ddq = np.gradient(dq, 1.0 / rate, axis=0)
-    tau, effect = on(tau, lag), on(hidden["tau_effect"], lag)
+    tau, effect = on(tau, lag), on(hidden["tau_effect"])
     return Prepared(t, q, dq, ddq, tau, effect, rate)
 
 
@@ -79,29 +78,52 @@ def band_columns(columns: np.ndarray, rate: float) -> np.ndarray:
 
 
 class Plain:
-    """The declared model with fitted values."""
+    """The declared model with values fitted to a training log.
 
-    def __init__(self, arm: Arm, declared, train: Prepared, noise: np.ndarray, known: np.ndarray):
-        self.arm, self.declared = arm, declared
-        columns = declared_columns(arm, declared, train.q, train.dq, train.ddq)
-        absorber = Absorber(band_columns(columns, train.rate), noise)
-        target = band_columns((train.tau - known)[:, :, None], train.rate)[:, :, 0]
-        self.values = absorber.fit(target)
+    ``known``: undeclared torque that is taken away before the fit, (T, n), or None.
+    """
 
-    def torque(self, log: Prepared) -> np.ndarray:
-        """Predicted torque along a log, (T, n)."""
-        return declared_columns(self.arm, self.declared, log.q, log.dq, log.ddq) @ self.values
+    def __init__(self, world, train: Prepared, known: np.ndarray | None = None):
+        self.arm, self.declared = world.arm, world.declared
+        self.noise, self.rate = world.logging.noise, train.rate
+        self.columns = band_columns(self.raw(train), train.rate)
+        self.absorber = Absorber(self.columns, self.noise)
+        tau = train.tau if known is None else train.tau - known
+        self.target = band_columns(tau[:, :, None], train.rate)[:, :, 0]
+        self.values = self.absorber.fit(self.target)
+
+    def raw(self, log: Prepared) -> np.ndarray:
+        """Columns along a log before they are filtered, (T, n, p)."""
+        return declared_columns(self.arm, self.declared, log.q, log.dq, log.ddq)
+
+    @property
+    def left(self) -> np.ndarray:
+        """What the fit leaves of the training log, below the band, (T', n)."""
+        return self.absorber.left(self.target)
 
 
-def oracle_error(world: World, train: Prepared, logs: dict[str, tuple]) -> dict[str, np.ndarray]:
+def best_cutoff(world, log: dict, hidden: dict, known: bool) -> float:
+    """The cutoff of the motion that leaves least of the training log, weighted by the noise."""
+
+    def cost(cutoff):
+        train = prepare(world, log, hidden, cutoff)
+        left = Plain(world, train, train.effect if known else None).left
+        return float(rms(left / world.logging.noise).sum())
+
+    usable = [c for c in MOTION if c < _SHARE * world.logging.rate] or [MOTION[0]]
+    return min(usable, key=cost)
+
+
+def oracle_error(world, logs: dict[str, tuple]) -> dict[str, np.ndarray]:
     """Error per joint of the oracle on each log ``name: (log, hidden)``, below the band."""
-    known = Plain(world.arm, world.declared, train, world.logging.noise, train.effect)
+    cutoff = best_cutoff(world, *logs["train"], known=True)
+    train = prepare(world, *logs["train"], cutoff)
+    oracle = Plain(world, train, train.effect)
     errors = {}
     for name, (log, hidden) in logs.items():
-        own = prepare(world, log, hidden)
-        clean = prepare(world, {**log, "tau": hidden["tau_clean"]}, hidden)
-        rest = clean.tau - clean.effect - known.torque(own)
-        errors[name] = rms(inner(low_pass(rest, own.rate, BAND), own.rate))
+        clean = prepare(world, {**log, "tau": hidden["tau_clean"]}, hidden, cutoff)
+        rest = clean.tau - clean.effect - oracle.raw(clean) @ oracle.values
+        errors[name] = rms(inner(low_pass(rest, clean.rate, BAND), clean.rate))
     return errors
 
 

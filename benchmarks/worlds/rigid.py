@@ -6,23 +6,23 @@ Columns: ten parameters a link, and of the declared effects ``dq``, ``sign(dq)``
 import numpy as np
 import pinocchio
 
-from benchmarks.worlds.arm import Arm, pin_model
+from benchmarks.worlds.arm import GRAVITY, Arm, pin_model
 
 # Rows a projection is computed on, at most.
 ROWS = 3000
 
 
-def inverse_dynamics(arm: Arm, q, dq, ddq, gravity=None) -> np.ndarray:
+def inverse_dynamics(arm: Arm, q, dq, ddq, gravity=GRAVITY) -> np.ndarray:
     """Torque of the bodies alone along a motion, (T, n)."""
-    model = pin_model(arm) if gravity is None else pin_model(arm, gravity)
+    model = pin_model(arm, gravity)
     data = model.createData()
     rows = [pinocchio.rnea(model, data, *row).copy() for row in zip(q, dq, ddq, strict=True)]
     return np.array(rows)
 
 
-def declared_columns(arm: Arm, declared, q, dq, ddq) -> np.ndarray:
+def declared_columns(arm: Arm, declared, q, dq, ddq, gravity=GRAVITY) -> np.ndarray:
     """Columns of the declared model, (T, n, p)."""
-    model = pin_model(arm)
+    model = pin_model(arm, gravity)
     data = model.createData()
     n = arm.size
     body = np.array(

@@ -32,8 +32,8 @@ def score_world(world: World) -> dict:
         folder = Path(name)
         truth = write_world(world, folder)
         robot, declare = str(folder / truth["robot_file"]), declared_list(world)
-        row = {key: truth[key] for key in _COPIED}
-        row |= {key: _labels(truth[key]) for key in ("effects", "outside", "inseparable")}
+        row = {key: truth[key] for key in COPIED}
+        row |= {key: labels_of(truth[key]) for key in ("effects", "outside", "inseparable")}
         start = time.perf_counter()
         try:
             result = diagnose_files([folder / "train.npz"], robot, declare, folder / "final")
@@ -47,13 +47,13 @@ def score_world(world: World) -> dict:
     return row
 
 
-_COPIED = (
+COPIED = (
     "name", "robot", "size", "motion", "duration", "controller", "control_rate", "rate", "declares",
     "common", "attempt",
 )  # fmt: skip
 
 
-def _labels(entries: list[dict]) -> list[dict]:
+def labels_of(entries: list[dict]) -> list[dict]:
     return [
         {
             "label": _place(e["effect"], e.get("joint"), e.get("other")),
@@ -127,8 +127,7 @@ def _predicted(model: Path, log: Path, folder: Path) -> tuple[np.ndarray, np.nda
 def _errors(world: World, folder: Path, truth: dict) -> dict:
     """Errors per joint of declared, final and oracle models, on the fitted and the unseen logs."""
     logs = {name: _load(folder, name) for name in ("train", *TESTS)}
-    train = plain.prepare(world, *logs["train"])
-    floor = plain.oracle_error(world, train, logs)
+    floor = plain.oracle_error(world, logs)
     noise, rate = plain.band_noise(world), world.logging.rate
     models = {k: folder / k / "model.json" for k in ("declared", "final")}
     if not models["final"].exists():  # refused to judge: the declared model stands

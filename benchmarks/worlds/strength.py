@@ -1,19 +1,20 @@
 """Amplitudes from wanted strengths, and strengths from finished runs.
 
 The strength of an effect is the RMS torque on its strongest joint that the declared model cannot absorb
-(for a touch: within its window), in units of the larger of the torque's noise and what the declared model
-leaves of a run without the effect.
+(for a touch: within its window), in units of the larger of the torque's noise and what a plain fit of the
+declared model leaves of the log of a run without the effect.
 """
 
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 
 import numpy as np
 from scipy import signal
 
+from benchmarks.worlds.along import effect_torques, view
 from benchmarks.worlds.arm import GRAVITY, Arm
 from benchmarks.worlds.families import joint_scales
-from benchmarks.worlds.laws import LAWS, Effect, scaled, torque_of
+from benchmarks.worlds.laws import Effect, scaled, torque_of
+from benchmarks.worlds.plain import Plain, best_cutoff, prepare
 from benchmarks.worlds.record import measured_torque
 from benchmarks.worlds.rigid import ROWS, Absorber, declared_columns, inverse_dynamics, rms
 from benchmarks.worlds.simulate import Run
@@ -43,16 +44,26 @@ class Ground:
     unit: np.ndarray
 
 
+def step(run: Run) -> int:
+    """Ticks from one row of a thinned run to the next."""
+    return max(1, len(run.t) // ROWS)
+
+
 def thin(run: Run) -> Run:
-    every = max(1, len(run.t) // ROWS)
+    every = step(run)
     q, dq, ddq, tau = (x[::every] for x in (run.q, run.dq, run.ddq, run.tau))
     return Run(run.t[::every], q, dq, ddq, tau, run.parts[:, ::every])
 
 
-def make_ground(arm: Arm, declared, run: Run, noise: np.ndarray) -> Ground:
-    run = thin(run)
-    absorber = Absorber(declared_columns(arm, declared, run.q, run.dq, run.ddq), noise)
-    return Ground(arm, run, absorber, np.maximum(noise, rms(absorber.left(run.tau))))
+def make_ground(world, run: Run) -> Ground:
+    """The ground of a world from its run without effects; ``unit`` as at the head of this file."""
+    arm, noise = world.arm, world.logging.noise
+    slim = thin(run)
+    columns = declared_columns(arm, world.declared, slim.q, slim.dq, slim.ddq)
+    log, hidden = world.log("train", run, ())
+    train = prepare(world, log, hidden, best_cutoff(world, log, hidden, known=False))
+    left = rms(Plain(world, train).left)
+    return Ground(arm, slim, Absorber(columns, noise), np.maximum(noise, left))
 
 
 def size_effect(effect: Effect, wanted: float, ground: Ground) -> Effect:
@@ -141,55 +152,15 @@ def _lag(effect, ground):
     return signal.sosfiltfilt(sections, load) / effect.params["k"]
 
 
-def view(arm: Arm, run: Run, effect: Effect) -> SimpleNamespace:
-    """A run as the laws read it: one row a joint."""
-    s = SimpleNamespace(q=run.q.T, dq=run.dq.T, ddq=run.ddq.T, t=run.t)
-    s.sign = np.tanh(run.dq / arm.width).T
-    s.load = inverse_dynamics(arm, run.q, run.dq, run.ddq).T
-    if effect.kind == "hysteresis":
-        s.bristle = bristle(run.t, run.dq[:, effect.joint], effect.params["x0"])
-    return s
-
-
-def bristle(t: np.ndarray, dq: np.ndarray, x0: float) -> np.ndarray:
-    """Deflection of a Dahl bristle in units of its level, exact for steady velocity between samples."""
-    z, state = np.zeros_like(dq), 0.0
-    steps = np.diff(t, append=t[-1])
-    for k in range(len(dq)):
-        z[k] = state
-        target = np.sign(dq[k])
-        state = target + (state - target) * np.exp(-abs(dq[k]) * steps[k] / x0)
-    return z
-
-
-def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarray:
-    """Torque of each effect along a finished run, as the encoder and the torque channel see it, (E, T, n).
-
-    What a structural effect does is what is left of the measured torque when the true bodies, friction
-    and rotors and all other effects are taken away.
-    """
-    parts = run.parts.copy()
-    structural = [
-        i for i, e in enumerate(effects) if LAWS[e.kind].torque is None and e.kind != "contact"
-    ]
-    if structural:
-        rest = measured_torque(run, effects) - declared_torque(arm, run) - parts.sum(axis=0)
-        parts[structural[0]] = rest
-    return parts
-
-
-def declared_torque(arm: Arm, run: Run) -> np.ndarray:
-    """Bodies, friction and rotors of the arm at the true parameters, (T, n)."""
-    torque = inverse_dynamics(arm, run.q, run.dq, run.ddq) + arm.rotor * run.ddq
-    return torque + arm.viscous * run.dq + arm.coulomb * np.tanh(run.dq / arm.width)
-
-
-def strengths(arm: Arm, declared, run: Run, effects, noise, unit) -> list[dict]:
-    """Strength of each effect in a finished run, per joint and at its strongest joint."""
+def strengths(world, run: Run, unit: np.ndarray) -> list[dict]:
+    """Strength of each effect of a world in a finished run, per joint and at its strongest joint."""
+    arm, noise, effects = world.arm, world.logging.noise, world.effects
     slim = thin(run)
-    absorber = Absorber(declared_columns(arm, declared, slim.q, slim.dq, slim.ddq), noise)
+    columns = declared_columns(arm, world.declared, slim.q, slim.dq, slim.ddq)
+    absorber = Absorber(columns, noise)
     rows = []
-    for effect, part in zip(effects, effect_torques(arm, slim, effects), strict=True):
+    parts = effect_torques(arm, run, effects)[:, :: step(run)]
+    for effect, part in zip(effects, parts, strict=True):
         left = absorber.left(part)
         inside = slice(None)
         if effect.kind == "contact":

@@ -10,16 +10,17 @@ from functools import cached_property
 import numpy as np
 
 from benchmarks.worlds import control, motion
+from benchmarks.worlds.along import effect_torques
 from benchmarks.worlds.arm import Arm
 from benchmarks.worlds.families import draw_arm, joint_scales
-from benchmarks.worlds.laws import GLOBAL, LAWS, Effect
+from benchmarks.worlds.laws import LAWS, Effect
+from benchmarks.worlds.place import allowed_friction, place_effects
 from benchmarks.worlds.plan import Plan, plan
 from benchmarks.worlds.record import Logging, draw_logging, quantum, record
 from benchmarks.worlds.simulate import DivergedError, Run, simulate
 from benchmarks.worlds.strength import (
     STRENGTHS,
     Ground,
-    effect_torques,
     make_ground,
     size_effect,
     strengths,
@@ -28,6 +29,8 @@ from benchmarks.worlds.strength import (
 SEED = 20261
 SANE = 15.0
 _ATTEMPTS = 30
+# The drive interpolates its encoder this many bits finer than the logger stores.
+DRIVE_BITS = 4
 SCORED_SECONDS = 12.0
 _SHARE_OF_FRICTION = 0.8
 
@@ -59,7 +62,7 @@ class World:
     def run(self, name: str, effects: tuple[Effect, ...] | None = None) -> Run:
         """A run of one of the motions, with these effects in place of all."""
         effects = self.present(name) if effects is None else effects
-        step = quantum(self.logging, self.arm)
+        step = quantum(self.logging, self.arm) / 2**DRIVE_BITS
         return simulate(self.arm, effects, self.control, self.motions[name], step, self.compliance)
 
     def log(self, name: str, run: Run, effects: tuple[Effect, ...] | None = None):
@@ -85,8 +88,8 @@ def _draw(number: int, attempt: int) -> World:
     rng = np.random.default_rng([SEED, number, attempt])
     # What the world is about must not depend on the attempt, or hard worlds would become rare.
     wanted = plan(number, np.random.default_rng([SEED, number]))
-    arm = _friction(draw_arm(rng), wanted)
-    arm, declared, effects = _places(rng, arm, wanted)
+    arm = allowed_friction(draw_arm(rng), wanted)
+    arm, declared, effects = place_effects(rng, arm, wanted)
     torque = joint_scales(arm)[1]
     bandwidth = 2 * np.pi * rng.uniform(3.0, 7.0)
     kind, rate = str(rng.choice(control.KINDS)), int(rng.choice(control.RATES))
@@ -102,13 +105,13 @@ def _draw(number: int, attempt: int) -> World:
     world = World(number, attempt, wanted, arm, declared, (), drive, logger, motions, {}, [])
     run = world.run("train")
     _check(run, torque)
-    ground = make_ground(arm, declared, run, logger.noise)
+    ground = make_ground(world, run)
     if effects:
         arm, effects = _sized(rng, ground, effects, seconds)
         world = replace(world, arm=arm, effects=effects)
         run = world.run("train")
         _check(run, torque)
-    told = strengths(arm, declared, run, effects, logger.noise, ground.unit)
+    told = strengths(world, run, ground.unit)
     runs = {"train": run}
     for name in ("test_ptp", "test_fourier"):
         runs[name] = world.run(name)
@@ -119,68 +122,6 @@ def _draw(number: int, attempt: int) -> World:
 def _check(run: Run, torque: np.ndarray) -> None:
     if not np.isfinite(run.tau).all() or (np.abs(run.tau) > SANE * torque).any():
         raise DivergedError
-
-
-def _friction(arm: Arm, wanted: Plan) -> Arm:
-    """The arm with the rotors and the friction that the declared list allows for."""
-    zero = np.zeros(arm.size)
-    if wanted.declared != "friction and rotors":
-        arm = replace(arm, rotor=zero)
-    if wanted.declared == "nothing" and not wanted.common:
-        arm = replace(arm, viscous=zero, coulomb=zero)
-    return arm
-
-
-def _places(rng, arm: Arm, wanted: Plan):
-    """Arm without the friction that becomes an effect; declared terms; effects with unit amplitudes."""
-    n = arm.size
-    declared = []
-    if wanted.declared != "nothing":
-        declared = [(e, j) for e in ("viscous_friction", "coulomb_friction") for j in range(n)]
-    if wanted.declared == "friction and rotors":
-        declared += [("rotor_inertia", j) for j in range(n)]
-    effects = []
-    if wanted.common:
-        for j in range(n):
-            effects.append(Effect("viscous_friction", j, params={"b": float(arm.viscous[j])}))
-            effects.append(Effect("coulomb_friction", j, params={"fc": float(arm.coulomb[j])}))
-        arm = replace(arm, viscous=np.zeros(n), coulomb=np.zeros(n))
-    for kind in wanted.kinds:
-        effects.append(_placed(rng, arm, kind))
-        joint = effects[-1].joint
-        if (kind, joint) in declared:
-            declared.remove((kind, joint))
-            field = {"viscous_friction": "viscous", "coulomb_friction": "coulomb"}[kind]
-            arm = replace(arm, **{field: getattr(arm, field) * (np.arange(n) != joint)})
-    return arm, tuple(declared), tuple(effects)
-
-
-def _placed(rng, arm: Arm, kind: str) -> Effect:
-    """A kind on a joint, its shape drawn and its amplitude one."""
-    n = arm.size
-    if kind in GLOBAL:
-        joint, slide = None, False
-    else:
-        joint = int(rng.integers(n))
-        slide = bool(arm.sliding[joint])
-    params = {k: float(v) for k, v in LAWS[kind].draw(rng, slide).items()}
-    other = None
-    if LAWS[kind].pair:
-        other = int((joint + rng.integers(1, n)) % n)
-    if kind == "drive_gain":
-        params["gain"] = 1.0 + 0.01 * float(rng.choice([-1, 1]))
-    if kind == "base_tilt":
-        angle = rng.uniform(0, 2 * np.pi)
-        params = {"gx": 0.1 * np.cos(angle), "gy": 0.1 * np.sin(angle)}
-    if kind == "encoder_offset":
-        params["dq0"] = float(rng.choice([-1, 1])) * (1e-3 if slide else 1e-2)
-    if kind == "joint_elasticity":
-        params["k"] = 1e5 * float(arm.mass[joint:].sum())
-    if kind == "contact":
-        torque = joint_scales(arm)[1] * rng.normal(size=n) * (rng.random(n) < 0.6)
-        torque[rng.integers(n)] = joint_scales(arm)[1].max() * rng.choice([-1, 1])
-        params["tau"] = [float(x) for x in torque]
-    return Effect(kind, joint, other, params)
 
 
 def _sized(rng, ground: Ground, effects, seconds: float):

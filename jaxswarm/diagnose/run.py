@@ -130,7 +130,7 @@ def write_report(
     figures["torque.png"] = plots.torque_overlay(
         shown.t[kept],
         low.apply(shown.tau),
-        low.apply(model_torque(final.model, shown)),
+        low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
         robot.joints,
         units(robot),
         f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model",

@@ -51,16 +51,15 @@ class Effect:
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
-        recurring: Whether it is an event of one log, of which there may be several, and not a property
-            of the robot.
-        lasting: Whether it acts all the time, so that every stretch of a log repeats the evidence.
+        recurring: Whether it is an event of one log with a begin and an end, of which there may be
+            several, and not a property of the robot, of which every stretch of a log is evidence.
         reference_only: Whether it shows only against an earlier model or on part of a log, so that
             one fit to whole logs cannot hold it.
         shown_against: Horizontal axis of its picture, one of :data:`AXES`.
         grid_size: Points of the first look at its nonlinear parameters; None: the usual number.
         stepwise: Whether the torque has small steps along its nonlinear parameters.
         export: How file formats for robots hold it.
-        identity: Parameters by which two terms in one place are told apart.
+        identity: Parameters by which two terms in one place are told apart, once they are known.
         uses_direction: Whether its torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
@@ -76,7 +75,6 @@ class Effect:
     requires: tuple[str, ...] = ()
     min_joints: int = 1
     recurring: bool = False
-    lasting: bool = True
     reference_only: bool = False
     shown_against: str = "velocity"
     grid_size: int | None = None

@@ -26,6 +26,8 @@ import jax.numpy as jnp
 SUBSTEPS = 4
 # Damping ratio of a link on a closed gear.
 _CONTACT_DAMPING = 0.5
+# Time [s] whose torque says on which flank a link starts: longer than the ends of a smoothing reach.
+_EARLY = 0.25
 
 
 @partial(jax.jit, static_argnames="substeps")
@@ -55,7 +57,8 @@ def deflection(
         substeps: Integration steps per sample.
 
     Returns:
-        e [rad], its first and second derivative, each (T,). The start is the equilibrium of a spring.
+        e [rad], its first and second derivative, each (T,). The start is the equilibrium of a spring; with
+        a gap it is on the flank that the torque of the first quarter second presses.
     """
     h = step / substeps
 
@@ -77,7 +80,11 @@ def deflection(
         carry = jax.lax.fori_loop(0, substeps, small, carry)
         return carry, carry
 
-    start = gap * jnp.sign(torque[0]) + torque[0] / (k + stiffness[0])
+    # The first samples of a filtered motion are the least certain: their sign may be wrong.
+    early = jnp.where(jnp.arange(len(torque)) * step < _EARLY, torque, 0.0)
+    side = jnp.sign(early.sum())
+    pressed = torque[0] / (k + stiffness[0])
+    start = jnp.where(gap > 0, side * (gap + jnp.maximum(side * pressed, 0.0)), pressed)
     zero = jnp.zeros((), torque.dtype)
     m = jnp.maximum(inertia, 1e-6 * jnp.max(jnp.abs(inertia)) + 1e-12)
     driven = tuple((jnp.roll(x, 1).at[0].set(x[0]), x) for x in (m, damping, stiffness, torque))

@@ -150,18 +150,18 @@ def _constant(phase: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ExternalTorque(Effect):
-    """A torque of the surroundings on all joints between the times ``start`` and ``end`` [s].
+    """A torque of the surroundings on all joints between the times ``start`` and ``end`` [s] of a log.
 
-    How large it is on each joint is linear; it has a value ``tau_<joint>`` of its own.
+    How large it is on each joint is linear; it has a value ``tau_<joint>`` of its own. Its log is told by
+    the parameter ``log``, from zero.
 
     Attributes:
         profile: ``profile(phase) -> (T,)``: its course over the window, phase in [0, 1].
     """
 
-    lasting: bool = False
     recurring: bool = True
     reference_only: bool = True
-    identity: tuple[str, ...] = ("start",)
+    identity: tuple[str, ...] = ("log", "start")
     profile: Callable[[np.ndarray], np.ndarray] = _constant
 
     def weight(self, p: Mapping, t: np.ndarray) -> np.ndarray:
@@ -181,10 +181,14 @@ class ExternalTorque(Effect):
     def check(self) -> None:
         """Refuse a torque without a window."""
         super().check()
-        if self.scope != "global" or {p.name for p in self.nonlinear} != {"start", "end"}:
+        if self.scope != "global" or not {p.name for p in self.nonlinear} >= {
+            "log",
+            "start",
+            "end",
+        }:
             raise ValueError(
                 f"effect {self.name!r} is an external torque: it needs scope 'global' and the nonlinear "
-                "parameters start and end"
+                "parameters log, start and end"
             )
 
 

@@ -44,14 +44,23 @@ class Term:
 
     @property
     def identity(self) -> tuple:
-        """What makes it another term than others, whatever it was fitted to: place, and when it begins."""
-        told = tuple(round(self.values.get(name, 0.0), 1) for name in self.law.identity)
-        return (*self.place, *told)
+        """What a term is, whatever it was fitted to: effect, joint, partner, and which event of its kind.
+
+        None stands for the event of a property of the robot, and of an event that has no place yet.
+        """
+        names, values = self.law.identity, {**self.law.nominal(), **self.values}
+        known = any(name in self.values for name in names)
+        return (*self.place, tuple(round(values[name], 1) for name in names) if known else None)
 
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
-        """Names of the columns of the linear parameters: ``b_joint2:viscous_friction``."""
+        """Names of the columns of the linear parameters: ``b_joint2:viscous_friction``.
+
+        Those of an event say when it begins.
+        """
         where = "" if self.joint is None else f"_{joints[self.joint]}"
         where += "" if self.other is None else f"_{joints[self.other]}"
+        if self.law.recurring and "start" in self.values:
+            where += f"_{self.values['start']:.1f}s"
         return tuple(f"{name}{where}:{self.effect}" for name in self.linear_names(joints))
 
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:

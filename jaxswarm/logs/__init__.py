@@ -3,6 +3,7 @@
 ``read_log`` turns a file into a checked :class:`Log`, ``summarize`` says in numbers what it covers.
 """
 
+from jaxswarm.logs.arrays import log_from_arrays as log_from_arrays
 from jaxswarm.logs.findings import describe as describe
 from jaxswarm.logs.log import Log as Log
 from jaxswarm.logs.log import take as take

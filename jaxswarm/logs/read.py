@@ -57,10 +57,20 @@ def read_log(
             file, row and column, and says what to do.
     """
     path, joints = Path(path), tuple(joints)
-    table = _table(path, joints)
+    return log_of_table(read_table(path, joints), joints, drive_gain, require_torque=require_torque)
+
+
+def log_of_table(
+    table: Table,
+    joints: tuple[str, ...],
+    drive_gain: np.ndarray | None,
+    *,
+    require_torque: bool,
+) -> Log:
+    """Name, check and describe columns of numbers; arguments and errors of :func:`read_log`."""
     arranged = arrange(table, joints)
     if not len(arranged.t):
-        raise InputError(f"{path}: no samples. Was the log cut?")
+        raise InputError(f"{table.source}: no samples. Was the log cut?")
     check_values(table, arranged)
     keep, repeated = drop_repeated_rows(table, arranged)
     time = arranged.t[keep]
@@ -70,7 +80,7 @@ def read_log(
         table, arranged, joints, drive_gain, require_torque, offer("tau", joints[0], 1, others)
     )
     log = Log(
-        source=str(path),
+        source=table.source,
         joints=joints,
         t=time,
         q=arranged.joint["q"][keep],
@@ -83,7 +93,7 @@ def read_log(
     return replace(log, notes=(*notes, *describe(summarize(log))))
 
 
-def _table(path: Path, joints: tuple[str, ...]) -> Table:
+def read_table(path: Path, joints: tuple[str, ...] | None) -> Table:
     """Read any supported format; whatever goes wrong inside a parser is an :class:`InputError`."""
     try:
         found = path.exists()
@@ -92,6 +102,10 @@ def _table(path: Path, joints: tuple[str, ...]) -> Table:
     if not found:
         raise InputError(f"{path}: no such file.{_neighbors(path)}")
     recording = path.suffix.lower() in _RECORDINGS or (path / "metadata.yaml").is_file()
+    if recording and joints is None:
+        raise InputError(
+            f"{path}: a recording holds many topics; give the robot whose joints it has"
+        )
     if path.is_dir() and not recording:
         raise InputError(
             f"{path}: is a folder without a rosbag2 metadata.yaml. Give the log file itself."

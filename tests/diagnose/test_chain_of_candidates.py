@@ -141,13 +141,11 @@ def test_a_law_with_four_nonlinear_parameters_is_searched(stand, key):
     )  # fmt: skip
     motion = stand.found.motions[0]
     values = dict(zip(names, (0.5, -0.3, 0.2, 0.1), strict=True))
-    series = joint_series(motion, (0.01, 0.01, 0.01), stand.loads[0], 1)
+    series = joint_series(motion, (0.01,) * 3, stand.loads[0], 1)
     torque = np.asarray(law.torque({"a": 2.0, **values}, series))
     one = fold_of(motion.decimator.apply(torque))
     stages = FoldData(*(jnp.stack([x, x]) for x in one))
-    with searching(
-        [(law, 1, None)], [motion], (0.01, 0.01, 0.01), stand.loads, [stages], key
-    ) as finish:
+    with searching([(law, 1, None)], [motion], (0.01,) * 3, stand.loads, [stages], key) as finish:
         found = finish()[0][0]
     assert set(found) == set(names)
     said = np.asarray(law.torque({"a": 1.0, **found}, series))

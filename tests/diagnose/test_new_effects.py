@@ -78,13 +78,14 @@ TOYS = {
             (
                 Parameter("start", "s", 0.0, 1e6, False, 0.0, "begin"),
                 Parameter("end", "s", 0.0, 1e6, False, 1.0, "end"),
+                Parameter("log", "1", 0.0, 1e6, False, 0.0, "number of its log", fitted=False),
             ),
             **NOVEL,
             profile=lambda phase: np.sin(np.pi * phase),
         ),
         Term(
             "swelling_push",
-            values={"start": 4.0, "end": 6.0, "tau_joint1": 12.0, "tau_joint2": 6.0},
+            values={"start": 4.0, "end": 4.6, "log": 0.0, "tau_joint1": 12.0, "tau_joint2": 6.0},
         ),
     ),
     "crosstalk": (
@@ -144,7 +145,7 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     assert set(result["effects"][0]["parameters"]) == names
     assert isinstance(evidence(step, after.model, after.motions[0]), Figure)
     save_model(after.model, tmp_path / "model.json")
-    assert load_model(tmp_path / "model.json").terms == after.model.terms
+    assert load_model(tmp_path / "model.json").terms == after.model.during(None).terms
     # Asked no more where it is, unless it may recur.
     asked = {t.place for t in list_suspects(after.model, after.motions)}
     assert (term.place in asked) == law.recurring
@@ -152,7 +153,7 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
 
 def test_an_estimate_starts_from_the_nominal_values_of_a_new_effect(toy):
     law, term = toy
-    if not law.lasting:
+    if law.recurring:
         pytest.skip("a window has to be found before anything is fitted in it")
     found = estimate(small_arm(), (*blank(), Term(*term.place)), [prepare(log_of(term), BAND)])
     got = found.model.terms[-1].values
@@ -164,7 +165,7 @@ def test_new_effects_act_on_a_plant_or_are_refused(toy):
     law, term = toy
     acting = Acting(*term.place, values={p.name: term.values[p.name] for p in law.parameters})
     rotor = Acting("rotor_inertia", 1, values={"ia": 0.1})
-    if not law.lasting:
+    if law.recurring:
         with pytest.raises(ValueError, match="external"):
             make_plant(small_arm(), [acting])
         return

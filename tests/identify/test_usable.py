@@ -63,7 +63,7 @@ def test_a_link_that_runs_away_is_named_and_no_column_is_nan(motion):
     soft = Term("joint_elasticity", 1, values={"k": 10.0, "d": 0.01})
     upside_down = -1e5 * np.asarray(planar_arm().parameters).ravel()
     with pytest.raises(Diverged, match="joint_elasticity@joint2"):
-        build_regression(planar_arm(), (soft,), [motion], 0.01, upside_down)
+        build_regression(planar_arm(), (soft,), [motion], (0.01, 0.01), upside_down)
 
 
 def test_a_fit_turns_away_from_places_where_the_link_runs_away(motion, monkeypatch):

@@ -9,7 +9,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.effects.term import Term
 
 # Lengths of the windows tried: from this many rows to a third of the log.
-_SHORTEST, _LENGTHS = 8, 24
+_SHORTEST, _LENGTHS = 3, 32
 
 
 def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
@@ -29,7 +29,7 @@ def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
     start, end = regression.t[pick[0]], regression.t[pick[1]]
     log = regression.log[pick[0]]
 
-    values = {"start": float(start), "end": float(end)}
+    values = {"start": float(start), "end": float(end), "log": float(log)}
 
     def build(k):
         weight = term.law.weight(values, stand.found.motions[k].t) * (k == log)

@@ -25,7 +25,7 @@ def list_suspects(
     moves = np.any([np.ptp(m.q, axis=0) > 1e-3 for m in motions], axis=0)
     suspects = []
     for law in REGISTRY.values():
-        if law.reference_only and law.lasting and not against_model:
+        if law.reference_only and not law.recurring and not against_model:
             continue
         if joints < law.min_joints and not against_model:
             continue  # the rigid parameters say the same
@@ -37,7 +37,7 @@ def list_suspects(
             places = [(j, None) for j in range(joints) if moves[j]]
         else:
             places = [(j, o) for j in range(joints) for o in range(joints) if j != o and moves[o]]
-        # An earlier model's friction may have changed.
+        # Several events are possible; and an earlier model's friction may have changed.
         again = law.recurring or (against_model and isinstance(law, TorqueLaw))
         terms = [Term(law.name, *place) for place in places]
         suspects += [t for t in terms if again or not _is_settled(t, law, model.terms)]

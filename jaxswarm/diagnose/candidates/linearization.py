@@ -34,11 +34,11 @@ class Linearization:
         self.found, self.background, self.memory = found, background, memory or Memory()
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
-        theta = linear_values(model)
         self.arm = tilted(model.robot, model.terms)
         self.loads, self.outputs, self.moved = [], [], []
         plain = not moves_links(model.terms)
-        for motion, rigid in zip(found.motions, found.rigids, strict=True):
+        for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
+            own = model.during(k)
             if plain:
                 moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
             else:
@@ -47,7 +47,8 @@ class Linearization:
                 static = rigid_columns(self.arm, moved[0], moved[1], np.zeros_like(moved[2]))
             self.loads.append(Load(full @ self.pi, static @ self.pi))
             self.outputs.append(
-                assemble(model.robot, model.terms, motion, model.width, self.pi, rigid) @ theta
+                assemble(own.robot, own.terms, motion, own.width, self.pi, rigid)
+                @ linear_values(own)
             )
             self.moved.append(moved)
 

@@ -150,7 +150,8 @@ def _stages(stand: Linearization, rows: np.ndarray) -> FoldData:
     folds = stand.background.folds
     width = -(-max(f.basis.shape[2] for f in folds) // _MULTIPLE) * _MULTIPLE
     basis = np.stack([_filled(f.basis[rows], width) for f in folds], axis=1)
-    train = np.stack([f.train[rows] for f in folds])
+    used = stand.background.weight[rows].any(axis=1)
+    train = np.stack([f.train[rows] & used for f in folds])
     residual = np.stack([np.where(f.train[rows, None], f.residual[rows], 0.0) for f in folds])
     joints = basis.shape[0]
     return FoldData(

@@ -23,6 +23,12 @@ from scipy import special
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 
+# A window is the best of all its lengths and places, and residuals have heavier tails than the normal's:
+# what it explains counts by this part.
+_SELECTED = 2.0
+# An event explains at least this many times what a window of its length does on average.
+_DENSE = 4.0
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -88,6 +94,8 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
 
     ``interval`` is the log's sampling interval [s], by which a delay is told from the log's own.
     """
+    if candidate.term.law.recurring:
+        return _score_event(candidate, background)
     count = int(background.block.max()) + 1
     joints = background.weight.shape[1]
     gains = np.zeros((count, joints))
@@ -133,6 +141,42 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
     )
 
 
+def _score_event(candidate: Candidate, background: CrossFit) -> Score:
+    """What a window of time is worth: no other time can tell, so that it has to stand out by itself.
+
+    The share is that of the squared torque, not bounded as in the gain: the few samples of a touch are
+    what the bounds are made against.
+    """
+    whole, weight = background.whole, background.weight
+    inside = candidate.columns[0].any(axis=(1, 2))
+    free = whole.free_part(candidate.columns[0])
+    a = coefficients(free, whole)
+    predicted, residual = free @ a, whole.residual
+    fall = residual**2 - (residual - predicted) ** 2
+    raw = np.divide(1.0, weight**2, where=weight > 0, out=np.zeros_like(weight))
+    shares = (fall * raw).sum(axis=0) / np.maximum((residual**2 * raw).sum(axis=0), 1e-300)
+    joint, per_joint = int(np.argmax(shares)), fall.sum(axis=0)
+    gain = float(per_joint.sum())
+    memory = residual.size / background.effective
+    windows = len(residual) / max(int(inside.sum()), 1)
+    blocks = np.bincount(background.block, fall.sum(axis=1))
+    chance = special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / _SELECTED) * windows
+    dense = shares[joint] * windows >= _DENSE
+    return Score(
+        candidate=candidate,
+        gain=gain,
+        per_joint=per_joint,
+        blocks=blocks,
+        share=float(shares[joint]),
+        trained=float(shares[joint]),
+        joint=joint,
+        p_value=float(min(1.0, chance)),
+        repeats=1.0,
+        coefficients=a,
+        allowed=bool(dense),
+    )
+
+
 def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
     """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
     before = np.maximum((residual**2).sum(axis=0), 1e-300)
@@ -162,16 +206,10 @@ def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:
     """Whether a suspect is guilty, alone against the current model."""
-    # A contact happens once: it cannot repeat over blocks, so its window must explain far more.
-    once = not item.candidate.term.law.lasting
-    significant = item.p_value * asked < rules.significance
-    if once:
-        spent = item.candidate.size
-        significant = item.gain > 40.0 * spent
     return (
         item.allowed
         and item.gain > 0
-        and significant
+        and item.p_value * asked < rules.significance
         and item.share >= rules.share
-        and (once or item.repeats >= rules.repeat)
+        and item.repeats >= rules.repeat
     )

@@ -117,6 +117,8 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     """
     regression, solution = found.regression, found.fit
     weight = robust_weight(solution.residual)
+    if regression.used is not None:
+        weight = weight * regression.used[:, None]
     columns = regression.columns[:, :, solution.base.kept] * weight[:, :, None]
     size = columns.shape[2]
     if frozen:
@@ -135,7 +137,8 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
 def robust_weight(residual: np.ndarray) -> np.ndarray:
     """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
     size = np.abs(residual)
-    noise = 1.4826 * np.median(size, axis=0)
+    told = size.any(axis=1)  # rows that are not used have no residual
+    noise = 1.4826 * np.median(size[told] if told.any() else size, axis=0)
     noise = np.maximum(noise, 1e-6 * size.max(axis=0) + 1e-300)
     return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
 

@@ -20,7 +20,9 @@ def unseen_errors(found: Estimate, validation: Sequence[Motion]) -> dict:
     """Errors on motion that was not fitted: the validation logs, else held-out blocks of time."""
     if not validation:
         return {**held_out_errors(found), "on": "held-out blocks of time"}
-    parts = [{**log_errors(found.model, m), "on": Path(m.source).name} for m in validation]
+    parts = [
+        {**log_errors(found.model.during(None), m), "on": Path(m.source).name} for m in validation
+    ]
     return parts[0] if len(parts) == 1 else {**parts[0], "further": parts[1:]}
 
 
@@ -115,7 +117,7 @@ def _smooth_errors(final: Estimate, left: Sequence[Unexplained], validation) -> 
     """Errors on the validation logs with smooth terms in the model, where there are both."""
     if not validation or not any(u.term is not None for u in left):
         return {}
-    model = with_smooth_terms(final, left)
+    model = with_smooth_terms(final, left).during(None)
     parts = [{**log_errors(model, m), "on": Path(m.source).name} for m in validation]
     return {"with_smooth_terms": {**parts[0], **({"further": parts[1:]} if parts[1:] else {})}}
 

@@ -79,8 +79,8 @@ def compare(
         journal: Keeps the searches on disk, so that an interrupted comparison can go on.
     """
     rules = rules or Rules()
-    # What happens once happened in the earlier log alone.
-    model = replace(model, terms=tuple(t for t in model.terms if t.law.lasting))
+    # An event happened in the earlier log alone.
+    model = replace(model, terms=tuple(t for t in model.terms if not t.law.recurring))
     check_usable(model.terms, motions)
     before = current = freeze(model, motions)
     held = {t.identity for t in before.model.terms}
@@ -98,7 +98,7 @@ def compare(
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
         most = max((s.gain for s in scores), default=0.0)
-        guilty = [s for s in guilty if s.candidate.term.law.lasting or s.gain >= most]
+        guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
         if number == _MOST_STEPS:
             break
         added = None
@@ -126,7 +126,10 @@ def compare(
 
 def _raw(candidate: Candidate, background: CrossFit) -> Candidate:
     """The candidate with the columns of the whole log in units of torque."""
-    return replace(candidate, columns=(candidate.columns[0] / background.weight[:, :, None],) * 3)
+    # Rows that a touch spoils weigh nothing.
+    weight = background.weight[:, :, None]
+    raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
+    return replace(candidate, columns=(raw,) * 3)
 
 
 def _ask(found: Estimate, background: CrossFit, held, seed: int, done, memory) -> list[Score]:

@@ -19,7 +19,7 @@ def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
     rigids = tuple(rigid_of(model.robot, m) for m in motions)
     pi = np.asarray(model.robot.parameters).ravel()
     # A body that was added is in the last link's parameters.
-    terms = tuple(t for t in model.terms if not (t.law.reference_only and t.law.lasting))
+    terms = tuple(t for t in model.terms if not (t.law.reference_only and not t.law.recurring))
     model = replace(model, terms=terms)
     regression = build_regression(model.robot, terms, motions, model.width, pi, rigids)
     theta = linear_values(model)

@@ -49,7 +49,7 @@ def near_ones(chosen: Score, guilty: Sequence[Score], background: CrossFit) -> t
         if s is not chosen
         and s.joint == chosen.joint
         and s.gain > _NEAR * chosen.gain
-        and s.candidate.term.law.lasting
+        and not s.candidate.term.law.recurring
         and overlap(chosen.candidate, s.candidate, background) > OVERLAP
     )[:_MOST]
 

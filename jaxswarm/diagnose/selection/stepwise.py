@@ -1,7 +1,7 @@
 """The loop: ask every suspect, add the guilty one, refit, ask again; drop what became superfluous."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
-from jaxswarm.diagnose.selection.step import Step, near_ones
+from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -24,6 +24,8 @@ from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
 _MOST_STEPS, _MOST_SKEWS = 12, 3
+# Events of one kind that are looked for in a row.
+_MOST_EVENTS = 20
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
 _SMALL_PART, _NEARLY_ALL = 0.4, 0.7
 
@@ -106,7 +108,7 @@ def diagnose(
         guilty = [s for s in scores if passes(s, len(scores), rules)]
         # What happens once is believed only if nothing that lasts explains more.
         most = max((s.gain for s in scores), default=0.0)
-        guilty = [s for s in guilty if s.candidate.term.law.lasting or s.gain >= most]
+        guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
         if round_number == _MOST_STEPS:
             break
         if not guilty:
@@ -124,12 +126,12 @@ def diagnose(
             continue
         chosen, rivals = choose(guilty, rules, background)
         if stands_in(chosen, current, background, seed):
-            banned.add(chosen.candidate.term.identity)
+            banned.add(replace(chosen.candidate.term, values={}).identity)
             continue
         progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
         after, removed = add(current, chosen)
         if after is None:
-            banned.add(chosen.candidate.term.identity)
+            banned.add(replace(chosen.candidate.term, values={}).identity)
             continue
         added = next(t for t in after.model.terms if t.identity == chosen.candidate.term.identity)
         others = [
@@ -139,9 +141,30 @@ def diagnose(
         told = tuple(rivals), tuple(others[:8])
         steps.append(Step(added, chosen, *told, current, after, removed, near))
         current = after
+        if added.law.recurring:
+            steps, current = further_events(steps, current, added, asked, rules, memory, seed)
         # What was refused on this joint was refused without the new effect.
         banned = {key for key in banned if key[1] != added.joint}
     return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked, withdrawn)
+
+
+def further_events(
+    steps: list[Step], current: Estimate, first: Term, asked: int, rules: Rules, memory, seed: int
+) -> tuple[list[Step], Estimate]:
+    """Add what else of an event's kind is in the logs, one after the other, with nothing else asked."""
+    for _ in range(_MOST_EVENTS):
+        background = cross_fit(current)
+        stand = Linearization(current, background, memory)
+        told = judge(stand, [replace(first, values={})], seed)
+        if not told or not passes(told[0], asked, rules):
+            break
+        after, removed = add(current, told[0])
+        if after is None:
+            break
+        added = find_term(after, told[0].candidate.term)
+        steps = [*steps, Step(added, told[0], (), (), current, after, removed)]
+        current = after
+    return steps, current
 
 
 def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.events import with_event_torques
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
     Place,
@@ -185,6 +186,10 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
         if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
+    if any(t.law.recurring for t in terms):
+        model, errors = with_event_torques(
+            model, here.solution, here.regression, problem.motions, problem.rigids, errors
+        )
     return Estimate(
         model, here.solution, here.regression, problem.motions, problem.rigids, tuple(errors)
     )

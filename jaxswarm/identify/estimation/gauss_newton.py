@@ -161,6 +161,8 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
         here.place,
         moving,
     )
+    if regression.used is not None:
+        slopes[~regression.used] = 0.0
     columns = np.concatenate([regression.columns[:, :, solution.base.kept], slopes], axis=2)
     weighted = (columns / solution.sigma[:, None]).reshape(-1, columns.shape[2])
     scale = np.linalg.norm(weighted, axis=0)
@@ -192,6 +194,8 @@ def standard_errors(
             moving,
             wide=True,
         )
+        if regression.used is not None:
+            slopes[~regression.used] = 0.0
         wide = Regression(
             (*regression.names, *(f"{m.name}:{m.term}:{m.joints}" for m in moving)),
             np.concatenate([regression.columns, slopes], axis=2),
@@ -200,6 +204,7 @@ def standard_errors(
             regression.t,
             regression.log,
             regression.step,
+            used=regression.used,
         )
         solution = fit(wide, sigma=solution.sigma)
     errors = np.full(len(solution.base.names), np.nan)

@@ -83,6 +83,8 @@ def best_widths(
                     ]
                 )
             k += size
+        if regression.used is not None:
+            columns[~regression.used] = 0.0
         solution = fit(replace(regression, columns=columns), sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(((solution.residual / sigma) ** 2).sum(axis=0))

@@ -69,6 +69,7 @@ def held_out_residual(found: Estimate, count: int = 5) -> np.ndarray:
 
 def held_out_errors(found: Estimate, count: int = 5) -> dict:
     """Errors on held-out blocks of time, as :func:`torque_errors`."""
-    measured = found.regression.torque
-    residual = held_out_residual(found, count)
-    return torque_errors(measured, measured - residual, found.regression.moving)
+    regression, residual = found.regression, held_out_residual(found, count)
+    used = np.ones(len(residual), bool) if regression.used is None else regression.used
+    measured = regression.torque[used]
+    return torque_errors(measured, measured - residual[used], regression.moving[used])

@@ -105,7 +105,7 @@ def own_columns(
 
 @singledispatch
 def law_block(
-    law: Effect, term: Term, motion: Motion, width: float, load: Load | None
+    law: Effect, term: Term, motion: Motion, width: Sequence[float], load: Load | None
 ) -> np.ndarray:
     """Columns (T, n, k) that a term adds by itself."""
     raise NotImplementedError(f"no columns for effects of kind {type(law).__name__}")

@@ -42,6 +42,11 @@ class Model:
     smooth: tuple[Smooth, ...] = ()
     uncertainty: Uncertainty | None = field(default=None, compare=False)
 
+    def during(self, log: int | None) -> "Model":
+        """The model in a log by its number, with what happened there alone; None: what always holds."""
+        kept = (t for t in self.terms if not t.law.recurring or t.values.get("log", 0) == log)
+        return replace(self, terms=tuple(kept))
+
     def __repr__(self) -> str:
         terms = ", ".join(term.label(self.robot.joints) for term in self.terms)
         further = f" + {len(self.smooth)} smooth" if self.smooth else ""
@@ -86,6 +91,7 @@ def with_linear_values(model: Model, values: np.ndarray) -> Model:
 
 def save_model(model: Model, path: Path) -> None:
     """Write ``model.json``: everything :func:`load_model` and ``predict`` need."""
+    model = model.during(None)  # a touch in the log is nothing of the robot's
     robot = model.robot
     content = {
         "format": FORMAT,
@@ -181,8 +187,10 @@ def _from_json(content: dict) -> Model:
     for entry in content["terms"]:
         joint = None if entry["joint"] is None else joints.index(entry["joint"])
         other = None if entry["other"] is None else joints.index(entry["other"])
-        term = Term(entry["effect"], joint, other, dict(entry["values"]))
-        terms.append(term)
+        term = Term(entry["effect"], joint, other)
+        # Files written before a choice was one of the parameters lack it.
+        chosen = {p.name: p.nominal for p in term.law.parameters if not p.fitted}
+        terms.append(replace(term, values={**chosen, **entry["values"]}))
     return Model(
         robot,
         tuple(terms),

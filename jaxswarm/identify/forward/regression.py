@@ -32,6 +32,7 @@ class Regression:
         step: Sampling interval of the decimated clock [s], one per log.
         shift: ``columns @ theta`` minus the model's torque where the columns were made, (T, n),
             where a soft joint makes the torque nonlinear in the rigid parameters; None: zero.
+        used: Whether a row is used, (T,); columns and torque of the others are zero. None: all.
     """
 
     names: tuple[str, ...]
@@ -42,6 +43,7 @@ class Regression:
     log: np.ndarray
     step: tuple[float, ...]
     shift: np.ndarray | None = None
+    used: np.ndarray | None = None
 
     @property
     def target(self) -> np.ndarray:
@@ -59,6 +61,7 @@ class Regression:
             self.log[selected],
             self.step,
             None if self.shift is None else self.shift[selected],
+            None if self.used is None else self.used[selected],
         )
 
 
@@ -89,7 +92,7 @@ def build_regression(
         Diverged: If a column is not finite, or too large to be squared.
     """
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
-    columns, torque, moving, clock, log, shift = [], [], [], [], [], []
+    columns, torque, moving, clock, log, shift, used = [], [], [], [], [], [], []
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
@@ -105,8 +108,11 @@ def build_regression(
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
+        used.append(~touched_rows(terms, motion, k))
+        _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
     names = column_names(robot, terms)
     stacked = np.concatenate(columns)
+    stacked[:, :, event_columns(robot, terms)] = 0.0
     if stacked.shape[0] * stacked.shape[1] < stacked.shape[2]:
         raise InputError(
             f"{motions[0].source}: {stacked.shape[0]} independent samples of {stacked.shape[1]} "
@@ -122,7 +128,31 @@ def build_regression(
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
         np.concatenate(shift) if shift else None,
+        np.concatenate(used) if any(t.law.recurring for t in terms) else None,
     )
+
+
+def touched_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray:
+    """Whether the low-pass of a decimated row of a log, by its number, reaches into an event, (T',)."""
+    reach = 0.5 * (len(motion.decimator.taps) - 1) / motion.rate
+    t = motion.t[motion.decimator.kept(len(motion.t))]
+    touched = np.zeros(len(t), dtype=bool)
+    for term in terms:
+        if term.law.recurring and int(term.values.get("log", 0)) == number:
+            touched |= (t >= term.values["start"] - reach) & (t <= term.values["end"] + reach)
+    return touched
+
+
+def event_columns(robot: Robot, terms: Sequence[Term]) -> np.ndarray:
+    """Which columns belong to events of a log, (p,): nothing of them is fitted with the rest."""
+    flags = [np.full(len(t.columns(robot.joints)), t.law.recurring) for t in terms]
+    return np.concatenate([np.zeros(10 * robot.num_joints, bool), *flags])
+
+
+def _leave_out(rows: np.ndarray, *arrays: np.ndarray) -> None:
+    """Set rows of arrays to zero, in place: neither fitted nor judged."""
+    for array in arrays:
+        array[rows] = 0.0
 
 
 def _check_finite(columns: np.ndarray, terms: tuple[Term, ...], motion: Motion) -> None:

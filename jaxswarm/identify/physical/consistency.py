@@ -155,6 +155,13 @@ def violations(robot: Robot, *, inertia_only: bool = False) -> tuple[str, ...]:
     return tuple(told)
 
 
+def are_bodies(robot: Robot) -> bool:
+    """Whether every link is a body with mass and extent in all directions, as simulators want it."""
+    rows = np.asarray(robot.parameters, float)
+    values = [np.linalg.eigvalsh(np.asarray(pseudo_inertia(row))) for row in rows]
+    return all(v[0] > TOLERANCE * v[-1] for v in values)
+
+
 def check_physical(robot: Robot, *, inertia_only: bool = False) -> None:
     """Raise if a link's parameters belong to no rigid body.
 

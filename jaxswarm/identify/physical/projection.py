@@ -14,6 +14,7 @@ Reference: P. Wensing, S. Kim, J.-J. Slotine, IEEE RA-L 3(1), 2018; T. Lee, P. W
 """
 
 import dataclasses
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -33,11 +34,24 @@ class PhysicalSet:
         parameters: (n, 10), every link a rigid body.
         base_error: (p,), identified base values minus those of the set.
         cost: Weighted norm of ``base_error``: the torque the restriction costs, per sample scale.
+        further: (k,), values of the further linear parameters.
     """
 
     parameters: np.ndarray
     base_error: np.ndarray
     cost: float
+    further: np.ndarray
+
+
+class Further(NamedTuple):
+    """Linear parameters besides the bodies, (k,) each: where they start, and their bounds."""
+
+    start: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+_NONE = Further(np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 def plain_prior(num_links: int, *, mass: float = 5.0, size: float = 0.15) -> np.ndarray:
@@ -59,47 +73,74 @@ def nearest_physical(
     prior: np.ndarray,
     weight: np.ndarray | None = None,
     pull: float = 1e-3,
+    further: Further = _NONE,
 ) -> PhysicalSet:
     """Find the physical set whose base parameters are nearest to identified ones.
 
     Args:
-        base_matrix: (p, 10 n), base parameters as combinations of the standard ones; the identity
-            for a full set.
+        base_matrix: (p, 10 n + k), base parameters as combinations of the standard ones and of
+            ``further``; the identity for a full set.
         base_values: (p,), identified values.
         prior: (n, 10), physical link parameters to stay near where the base values leave freedom.
         weight: (p, p), e.g. the triangular factor of the regression; default scales each base
             parameter by its size.
-        pull: Strength of the prior, > 0.
+        pull: Strength of the prior, > 0: what a change of a log-Cholesky coordinate by 1 (a mass by
+            the factor e^2) costs, in units of the weighted error.
+        further: Linear parameters besides the bodies that the base parameters hold, such as friction.
 
     Raises:
         InputError: If shapes do not match or the prior is not physical.
     """
     prior = np.asarray(prior, float)
     base_matrix, base_values = np.asarray(base_matrix, float), np.asarray(base_values, float)
-    if base_matrix.shape != (base_values.size, prior.size):
+    size, count = prior.size, prior.size + further.start.size
+    if base_matrix.shape != (base_values.size, count):
         raise InputError(
-            f"base_matrix is {base_matrix.shape}: {base_values.size} base values and "
-            f"{prior.shape[0]} links need {(base_values.size, prior.size)}."
+            f"base_matrix is {base_matrix.shape}: {base_values.size} base values, "
+            f"{prior.shape[0]} links and {further.start.size} further parameters need "
+            f"{(base_values.size, count)}."
         )
     if weight is None:
         weight = np.diag(1.0 / (np.abs(base_values) + 0.05 * np.abs(base_values).max() + 1e-12))
-    start = np.concatenate([to_log_cholesky(row) for row in prior])
+    bodies_start = np.concatenate([to_log_cholesky(row) for row in prior])
+    inside = np.clip(further.start, further.lower, further.upper)
+    # Coordinates of the further parameters are such that a change by 1 matters as much as for a body.
+    scale = 1.0 + np.abs(inside)
+    start = np.concatenate([bodies_start, inside / scale])
 
-    @jax.jit
-    def residual(coordinates):
-        bodies = jax.vmap(from_log_cholesky)(coordinates.reshape(-1, 10)).ravel()
-        error = weight @ (base_matrix @ bodies - base_values)
-        return jnp.concatenate([error, pull * (coordinates - start)])
-
-    derivative = jax.jit(jax.jacfwd(residual))
+    problem = tuple(
+        map(jnp.asarray, (weight @ base_matrix, weight @ base_values, scale, start, pull))
+    )
+    free = np.full(size, np.inf)
     with_prior = least_squares(
-        lambda x: np.asarray(residual(x)),
+        lambda x: np.asarray(_residual(x, problem)),
         start,
-        jac=lambda x: np.asarray(derivative(x)),
+        jac=lambda x: np.asarray(_derivative(x, problem)),
+        bounds=(
+            np.concatenate([-free, further.lower / scale]),
+            np.concatenate([free, further.upper / scale]),
+        ),
         method="trf",
         x_scale=1.0,
         max_nfev=500,
     )
-    bodies = np.asarray(jax.vmap(from_log_cholesky)(jnp.asarray(with_prior.x).reshape(-1, 10)))
-    error = base_values - base_matrix @ bodies.ravel()
-    return PhysicalSet(bodies, error, float(np.linalg.norm(weight @ error)))
+    bodies = np.asarray(
+        jax.vmap(from_log_cholesky)(jnp.asarray(with_prior.x[:size]).reshape(-1, 10))
+    )
+    left = with_prior.x[size:] * scale
+    error = base_values - base_matrix @ np.concatenate([bodies.ravel(), left])
+    return PhysicalSet(bodies, error, float(np.linalg.norm(weight @ error)), left)
+
+
+# Data are arguments, so that a program compiled once serves every robot of as many joints.
+@jax.jit
+def _residual(coordinates: jax.Array, problem: tuple) -> jax.Array:
+    """Weighted error of the base parameters, then the pull of the prior."""
+    matrix, values, scale, start, pull = problem
+    size = len(start) - len(scale)
+    links = jax.vmap(from_log_cholesky)(coordinates[:size].reshape(-1, 10)).ravel()
+    full = jnp.concatenate([links, coordinates[size:] * scale])
+    return jnp.concatenate([matrix @ full - values, pull * (coordinates - start)])
+
+
+_derivative = jax.jit(jax.jacfwd(_residual))

@@ -38,6 +38,8 @@ def print_identification(report: dict, out: Path) -> None:
             "" if row["expression"] == row["name"] else row["expression"],
         )
     console.print(table)
+    for line in consistency_lines(report) + estimator_lines(report):
+        console.print(line)
     search = report["optimizer"]
     if search["name"] != "least_squares":
         excess = search["excess_over_least_squares"]
@@ -47,3 +49,38 @@ def print_identification(report: dict, out: Path) -> None:
             f"{100 * excess['median']:.3g} % (median)"
         )
     console.print(f"written to {out}")
+
+
+def consistency_lines(report: dict) -> list[str]:
+    """Which links' identified parameters no rigid body can have, and what bodies cost."""
+    found = report.get("physical_consistency")
+    if found is None:
+        return []
+    most = max(found["torque_moved_over_residual"])
+    impossible = [link for link in found["links"] if not link["possible"]]
+    lines = [
+        f"{link['joint']}: no rigid body has these parameters: {'; '.join(link['reasons'])}"
+        for link in impossible
+    ]
+    cost = f"the torque moves by {most:.2g} residual standard deviations at most"
+    if found["enforced"]:
+        lines.append(f"physical: all links are rigid bodies; {cost}")
+    elif impossible:
+        lines.append(f"--physical takes the nearest rigid bodies: {cost}")
+    else:
+        lines.append(f"physical consistency: rigid bodies can have these parameters ({cost})")
+    return lines
+
+
+def estimator_lines(report: dict) -> list[str]:
+    """How another estimator than least squares went."""
+    told = report.get("estimator", {"name": "least_squares"})
+    if "p_value" in told:
+        word = "biased" if told["least_squares_biased"] else "not biased beyond chance"
+        return [f"{told['name']}: least squares is {word} (p = {told['p_value']:.2g})"]
+    if "observer_hz" in told:
+        after, before = (told["position_error_rms"][k] for k in ("output_error", "least_squares"))
+        pairs = ", ".join(f"{b:.3g} to {a:.3g}" for a, b in zip(after, before, strict=True))
+        done = "converged" if told["converged"] else "not converged"
+        return [f"{told['name']}: {done}; error of the simulated positions from {pairs} (RMS)"]
+    return []

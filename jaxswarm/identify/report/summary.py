@@ -6,6 +6,7 @@ from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.regression import event_columns
 from jaxswarm.robot.model import Robot
 from jaxswarm.robot.names import PARAMETER_UNITS
 
@@ -58,6 +59,7 @@ def base_parameter_table(found: Estimate) -> list[dict]:
 def unidentified(found: Estimate) -> list[dict]:
     """Parameters the data cannot give alone: merged into others, or never excited."""
     base = found.fit.base
+    events = event_columns(found.model.robot, found.model.terms)
     merged = []
     for k, column in enumerate(base.dropped):
         into = [base.names[base.kept[i]] for i in np.flatnonzero(np.abs(base.merge[:, k]) > 1e-6)]
@@ -71,6 +73,7 @@ def unidentified(found: Estimate) -> list[dict]:
     dead = [
         {"name": base.names[c], "verdict": "not identifiable", "reason": "no torque in this motion"}
         for c in base.dead
+        if not events[c]
     ]
     return merged + dead
 

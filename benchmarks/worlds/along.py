@@ -1,0 +1,57 @@
+"""Torques of effects along a finished run: of a law, of the declared model, and what a structure does."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+
+from benchmarks.worlds.arm import Arm
+from benchmarks.worlds.laws import STRUCTURAL, Effect
+from benchmarks.worlds.record import measured_torque
+from benchmarks.worlds.rigid import inverse_dynamics
+from benchmarks.worlds.simulate import Run
+
+
+def view(arm: Arm, run: Run, effect: Effect) -> SimpleNamespace:
+    """A run as the laws read it: one row a joint."""
+    s = SimpleNamespace(q=run.q.T, dq=run.dq.T, ddq=run.ddq.T, t=run.t)
+    s.sign = np.tanh(run.dq / arm.width).T
+    s.load = inverse_dynamics(arm, run.q, run.dq, run.ddq).T
+    if effect.kind == "hysteresis":
+        s.bristle = bristle(run.t, run.dq[:, effect.joint], effect.params["x0"])
+    return s
+
+
+def bristle(t: np.ndarray, dq: np.ndarray, x0: float) -> np.ndarray:
+    """Deflection of a Dahl bristle in units of its level, exact for steady velocity between samples."""
+    z, state = np.zeros_like(dq), 0.0
+    steps = np.diff(t, append=t[-1])
+    for k in range(len(dq)):
+        z[k] = state
+        target = np.sign(dq[k])
+        state = target + (state - target) * np.exp(-abs(dq[k]) * steps[k] / x0)
+    return z
+
+
+def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarray:
+    """Torque of each effect along a finished run, as the encoder and the torque channel see it, (E, T, n).
+
+    What a structural effect does is what is left of the measured torque when the true bodies, friction
+    and rotors and all other effects are taken away.
+    """
+    parts = run.parts.copy()
+    structural = [i for i, e in enumerate(effects) if e.kind in STRUCTURAL]
+    if structural:
+        # Torque is held over a tick, so what acts about an instant is the mean of two ticks. The state
+        # is differentiated as coarsely: a motor before a soft gear jumps at every tick.
+        tau = measured_torque(run, effects)
+        tau[1:] = 0.5 * (tau[1:] + tau[:-1])
+        smooth = replace(run, ddq=np.gradient(run.dq, run.t, axis=0))
+        parts[structural[0]] = tau - declared_torque(arm, smooth) - parts.sum(axis=0)
+    return parts
+
+
+def declared_torque(arm: Arm, run: Run) -> np.ndarray:
+    """Bodies, friction and rotors of the arm at the true parameters, (T, n)."""
+    torque = inverse_dynamics(arm, run.q, run.dq, run.ddq) + arm.rotor * run.ddq
+    return torque + arm.viscous * run.dq + arm.coulomb * np.tanh(run.dq / arm.width)

@@ -1,0 +1,60 @@
+"""Commands on data: ``inspect`` and ``fetch``."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jaxswarm import console
+from jaxswarm.commands.options import Json, show
+
+
+def register(app: typer.Typer, start: Callable[[], None]) -> None:
+    """Add the commands of this group."""
+
+    @app.command(epilog="Example: jaxswarm inspect arm.csv --robot arm.urdf --out seen")
+    def inspect(
+        logs: Annotated[list[Path], typer.Argument(help="Logs: CSV, NPZ, Parquet, MAT or MCAP.")],
+        robot: Annotated[
+            str | None,
+            typer.Option(help="Built-in name, .urdf or .toml: what could be identified."),
+        ] = None,
+        out: Annotated[
+            Path | None, typer.Option("--out", help="Folder for inspection.json and pictures.")
+        ] = None,
+        json: Json = False,
+    ) -> None:
+        """Say what logs hold, and what could be identified from them, before anything is fitted."""
+        start()
+        from jaxswarm import outputs, tasks
+
+        if out is not None:
+            outputs.check_folder(out)
+        with console.status() as status:
+            result = tasks.inspect(logs, robot, progress=status)
+        more = []
+        if out is not None:
+            from jaxswarm import plots
+
+            pictures = {name: plots.png(figure) for name, figure in result.plots().items()}
+            report = {"inspection.json": outputs.to_json(result.content)}
+            outputs.write_files(out, {**report, **pictures})
+            more.append(f"written to {out}")
+        show(result, json, *more)
+
+    @app.command(epilog="Example: jaxswarm fetch emps --out data")
+    def fetch(
+        name: Annotated[str, typer.Argument(help="emps, tx40, ur10e or kr300.")],
+        out: Annotated[
+            Path | None, typer.Option("--out", help="Folder for the logs; default the current one.")
+        ] = None,
+        json: Json = False,
+    ) -> None:
+        """Download a public log of a measured arm, and say its licence and what to cite."""
+        start()
+        from jaxswarm.tasks.fetching import fetch as get
+
+        with console.status() as status:
+            result = get(name, out or Path("."), progress=status)
+        show(result, json)

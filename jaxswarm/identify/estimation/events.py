@@ -1,0 +1,79 @@
+"""Torques of events in a log, such as touches, from what the model leaves while they last."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.identify.estimation.covariance import correlation_length
+from jaxswarm.identify.estimation.least_squares import Fit
+from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.measuring_chain import assemble, own_columns
+from jaxswarm.identify.forward.model import Model, linear_values
+from jaxswarm.identify.forward.regression import Regression
+from jaxswarm.logs.motion import Motion
+
+
+def with_event_torques(
+    model: Model,
+    solution: Fit,
+    regression: Regression,
+    motions: Sequence[Motion],
+    rigids: Sequence[Rigid],
+    errors: list[dict[str, float]],
+) -> tuple[Model, list[dict[str, float]]]:
+    """The model with the torque of every event on every joint, and the standard errors of its terms.
+
+    An event's samples were left out of the fit, so that its torque is the mean of what the fit leaves
+    there, through the same low-pass; it is as uncertain as that, as the model, and as begin and end.
+    """
+    names, terms, told = regression.names, [], []
+    covariance = np.zeros((len(names), len(names)))
+    covariance[np.ix_(solution.base.kept, solution.base.kept)] = solution.covariance
+    memory = correlation_length(solution.residual / solution.sigma, regression.log)
+    for term, own in zip(model.terms, errors, strict=True):
+        if term.law.recurring:
+            number = int(term.values.get("log", 0))
+            motion = motions[number]
+            columns = assemble(
+                model.robot,
+                model.during(None).terms,
+                motion,
+                model.width,
+                np.asarray(model.robot.parameters).ravel(),
+                rigids[number],
+                decimate=True,
+            )
+            left = motion.decimator.apply(motion.tau) - columns @ linear_values(model.during(None))
+            own_window = own_columns(term, motion, model.width, None)
+            window = motion.decimator.apply(own_window)[:, 0, 0]
+            lasting = [k for k, name in enumerate(names) if name not in _own_columns(model)]
+            doubt = covariance[np.ix_(lasting, lasting)]
+            values, spread = _mean(window, left, columns, doubt, solution.sigma, memory)
+            # Begin and end lie anywhere within a step; a window too short holds too large a torque.
+            edge = regression.step[number] / np.sqrt(12.0)
+            length = max(term.values["end"] - term.values["start"], regression.step[number])
+            spread = np.hypot(spread, np.sqrt(2.0) * edge / length * np.asarray(values)).tolist()
+            joints = term.linear_names(model.robot.joints)
+            own = {**own, "start": float(edge), "end": float(edge)}
+            term = replace(term, values={**term.values, **dict(zip(joints, values, strict=True))})
+            own = {**own, **dict(zip(joints, spread, strict=True))}
+        terms.append(term)
+        told.append(own)
+    return replace(model, terms=tuple(terms)), told
+
+
+def _own_columns(model: Model) -> set[str]:
+    """Names of the columns of events."""
+    events = (t for t in model.terms if t.law.recurring)
+    return {name for term in events for name in term.columns(model.robot.joints)}
+
+
+def _mean(window, left, columns, doubt, sigma, memory) -> tuple[list[float], list[float]]:
+    """Torque per joint of a window (T',) from what is left (T', n), and standard errors."""
+    power = max(float(window @ window), 1e-300)
+    values = window @ left / power
+    carried = np.einsum("t,tjp->jp", window, columns) / power
+    model = np.einsum("jp,pr,jr->j", carried, doubt, carried)
+    own = sigma**2 * memory / power
+    return [float(x) for x in values], [float(x) for x in np.sqrt(own + np.maximum(model, 0.0))]

@@ -1,0 +1,101 @@
+"""Find what a declared model lacks, or what changed since a model, from logs in memory."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
+from jaxswarm.diagnose.report.result import place
+from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
+from jaxswarm.diagnose.run import conclude
+from jaxswarm.diagnose.run_against import conclude_comparison
+from jaxswarm.diagnose.selection.changes import compare as changes_since
+from jaxswarm.diagnose.selection.stepwise import diagnose as search
+from jaxswarm.effects.term import parse_terms
+from jaxswarm.errors import InputError
+from jaxswarm.identify.forward.model import Model
+from jaxswarm.identify.report.summary import units
+from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import Robot
+from jaxswarm.tasks.identification import Fitted, prepared
+from jaxswarm.tasks.inputs import Logs, as_logs, as_model, as_robot, in_double
+from jaxswarm.tasks.words import effect_table, error_table
+
+
+@in_double
+def diagnose(
+    logs: Logs,
+    robot: Robot | str | Path,
+    declare: str | None = None,
+    *,
+    model: Model | str | Path | None = None,
+    validation: Logs | None = None,
+    rules: Rules | None = None,
+    seed: int = 0,
+    motion_cutoff: float | None = None,
+    torque_cutoff: float | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Fitted:
+    """Find the effect a declared model lacks, add it, and show the error before and after.
+
+    Args:
+        logs: A log or several, as :class:`jaxswarm.Log` or files.
+        robot: A robot, a built-in name or a file; kinematics suffice.
+        declare: What is known to be there: ``none`` (default) or ``name[@joint[:partner]],...``.
+        model: A model identified before, in place of ``declare``: find what changed since.
+        validation: Further logs, to score on.
+        rules: Thresholds of the decision; with ``declare`` only.
+        seed: Seed of the searches.
+        motion_cutoff: Low-pass of the positions [Hz]; None: found from the data; with ``declare`` only.
+        torque_cutoff: Low-pass shared by torque and model [Hz], likewise.
+        progress: Called with one line per stage.
+
+    Returns:
+        The content of ``diagnosis.json``, with ``model``, ``plot()`` and ``save(path)``.
+
+    Raises:
+        InputError: On anything that cannot be used.
+    """
+    robot = as_robot(robot)
+    if model is not None:
+        if declare is not None or rules is not None or motion_cutoff or torque_cutoff:
+            raise InputError("model excludes declare, rules and cutoffs: the model holds them")
+        return _against(logs, as_model(model), validation, seed, progress)
+    terms = parse_terms(declare or "none", robot.joints)
+    read, motions = prepared(logs, robot, motion_cutoff, torque_cutoff)
+    reasons = resting_joints(motions, robot)
+    columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
+    short = too_short(motions, columns)
+    if short:
+        declared = [place(t, robot.joints) for t in terms]
+        result = undecidable(robot, declared, units(robot), [*short, *reasons])
+        return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
+    found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress)
+    unseen = [prepare(log, found.final.model.filtering) for log in as_logs(validation, robot)]
+    result, left = conclude(found, unseen, seed, progress)
+    result["reasons"] = reasons
+    shown = unseen[0] if unseen else found.final.motions[0]
+    return _result(result, with_smooth_terms(found.final, left), shown)
+
+
+def _against(logs: Logs, model: Model, validation, seed: int, progress) -> Fitted:
+    motions = [prepare(log, model.filtering) for log in as_logs(logs, model.robot)]
+    unseen = [prepare(log, model.filtering) for log in as_logs(validation, model.robot)]
+    found = changes_since(model, motions, seed=seed, progress=progress)
+    result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
+    shown = unseen[0] if unseen else motions[0]
+    return _result(result, with_smooth_terms(diagnosis.final, left), shown)
+
+
+def _result(result: dict, model: Model, shown) -> Fitted:
+    rows = {"declared model": result["error"]["before"]}
+    rows |= {f"+ {where(step['added'])}": step["after"] for step in result["steps"]}
+    tables = (
+        error_table(
+            f"{result['robot']}: on unseen motion", rows, result["joints"], result["torque_units"]
+        ),
+        effect_table(result["effects"], "added effects"),
+    )
+    lines = (verdict_sentence(result), *result.get("reasons", ()), *next_steps(result))
+    return Fitted(result, lines, tables, model=model, motion=shown)

@@ -1,0 +1,146 @@
+"""An identified model in other tools' formats, with rigid bodies for links where the format needs them."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from jaxswarm import outputs
+from jaxswarm.errors import InputError, nearest
+from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.model import Model
+from jaxswarm.identify.physical.consistency import are_bodies
+from jaxswarm.identify.physical.export import export_mjcf, export_urdf
+from jaxswarm.identify.physical.export_c import c_text
+from jaxswarm.identify.physical.export_yaml import yaml_text
+from jaxswarm.identify.physical.physical_model import PULL, PhysicalModel, physical_model
+from jaxswarm.identify.report.summary import units
+from jaxswarm.logs import Log
+from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import Robot
+from jaxswarm.tables import Result, Table
+from jaxswarm.tasks.inputs import as_logs, as_model, as_robot, in_double
+from jaxswarm.tasks.words import number
+
+
+def _write_yaml(model: Model, path: Path) -> None:
+    path.write_text(yaml_text(model.robot, model.terms, model.width), encoding="utf-8")
+
+
+def _write_c(model: Model, path: Path) -> None:
+    path.write_text(c_text(model.robot, model.terms, model.width), encoding="utf-8")
+
+
+# A writer, and whether the format wants rigid bodies.
+FORMATS: dict[str, tuple[Callable[[Model, Path], object], bool]] = {
+    "urdf": (lambda model, path: export_urdf(model.robot, path, model.terms), True),
+    "mjcf": (lambda model, path: export_mjcf(model.robot, path, model.terms), True),
+    "yaml": (_write_yaml, True),
+    "c": (_write_c, False),
+}
+
+
+@in_double
+def export(
+    model: Model | str | Path,
+    path: str | Path,
+    format: str | None = None,
+    *,
+    log: Log | str | Path | None = None,
+    prior: Robot | str | Path | None = None,
+    prior_weight: float = PULL,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Result:
+    """Write a model as URDF, MJCF, YAML or as a C function of its effects.
+
+    Base parameters with zeros for what merges are no bodies: the nearest set of rigid bodies is
+    written, and the result says how far that moves the torque.
+
+    Args:
+        model: A model, a result with one, or its ``model.json``.
+        path: File to write.
+        format: One of ``urdf``, ``mjcf``, ``yaml``, ``c``; None: by the ending of the path.
+        log: Motion on which the torque has to stay; None: random states of an arm at work.
+        prior: Robot (with bodies) to stay near where the model leaves freedom; None: equal balls.
+        prior_weight: What the prior costs, in residual standard deviations of one sample for a change
+            of a log-Cholesky coordinate by 1 (a mass by the factor e^2).
+        progress: Called with one line per stage.
+
+    Raises:
+        InputError: If something cannot be used or written.
+    """
+    model, path = as_model(model), Path(path)
+    write, bodies = _format(path, format)
+    if path.is_dir():
+        raise InputError(f"--out {path}: is a folder; name a file such as {path / 'arm.urdf'}")
+    if not 0.0 < prior_weight < np.inf:
+        raise InputError(f"prior weight {prior_weight}: give a number above zero")
+    outputs.check_folder(path.parent)
+    found = None
+    if bodies and (prior is not None or not are_bodies(model.robot)):
+        progress("finding the nearest rigid bodies")
+        columns, where = _columns(model, log)
+        start = None if prior is None else as_robot(prior)
+        found = physical_model(model, columns, where, prior=start, pull=prior_weight)
+        model = found.model
+    progress("writing")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write(model, path)
+    return _result(model, path, found)
+
+
+def _format(path: Path, name: str | None) -> tuple[Callable[[Model, Path], object], bool]:
+    endings = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf", ".yaml": "yaml", ".yml": "yaml"}
+    name = name or {**endings, ".c": "c"}.get(path.suffix.lower())
+    if name is None:
+        raise InputError(f"{path}: the ending names no format; say which: {', '.join(FORMATS)}")
+    if name not in FORMATS:
+        raise InputError(f"unknown format {name!r}. {nearest(name, FORMATS)}")
+    return FORMATS[name]
+
+
+def _columns(model: Model, log) -> tuple[np.ndarray | None, str]:
+    if log is None:
+        return None, "random states of an arm at work"
+    (read,) = as_logs(log, model.robot, require_torque=False)
+    motion = prepare(read, model.filtering)
+    kept = motion.decimator.kept(len(motion.t))
+    states = (x[kept] for x in (motion.q, motion.dq, motion.ddq))
+    return np.asarray(rigid_columns(model.robot, *states)), read.source
+
+
+def _result(model: Model, path: Path, found: PhysicalModel | None) -> Result:
+    robot = model.robot
+    side = path.with_name(path.name + ".json")
+    content = {"robot": robot.name, "out": str(path), "moved": None}
+    if side.exists():
+        content["side_file"] = str(side)
+    lines = [f"written to {path}" + (f", what it cannot hold to {side.name}" * side.exists())]
+    notes = []
+    if model.smooth:
+        notes.append("smooth terms without a law belong to predict alone and are not exported")
+    content["notes"] = notes
+    if found is None:
+        return Result(content, (*lines, *notes))
+    content["moved"] = {
+        "on": found.where,
+        "rms": list(found.moved),
+        "torque_rms": list(found.torque),
+    }
+    rows = [
+        (
+            joint,
+            f"{number(a, 3)} {unit}",
+            f"{number(b, 4)} {unit}",
+            f"{100 * a / max(b, 1e-12):.3g} %",
+        )
+        for joint, a, b, unit in zip(
+            robot.joints, found.moved, found.torque, units(robot), strict=True
+        )
+    ]
+    lines.append(
+        "The identified base parameters stand for sums of link parameters: the nearest rigid bodies "
+        f"were written. On {found.where} the torque moves by"
+    )
+    head = ("joint", "moved, RMS", "torque, RMS", "share")
+    return Result(content, (*lines, *notes), (Table("", head, tuple(rows)),))

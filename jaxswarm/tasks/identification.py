@@ -1,0 +1,142 @@
+"""Identify a declared model from logs in memory."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from jaxswarm import outputs, plots
+from jaxswarm.effects.friction import USUAL_FRICTION
+from jaxswarm.effects.term import parse_terms
+from jaxswarm.errors import InputError
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.forward.model import Model, model_torque, save_model
+from jaxswarm.identify.report.report import report_of
+from jaxswarm.identify.report.summary import units
+from jaxswarm.identify.run import refuse_resting_joints
+from jaxswarm.logs.motion import Filtering, Motion, prepare
+from jaxswarm.robot import Robot
+from jaxswarm.tables import Result, Table
+from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
+from jaxswarm.tasks.words import effect_table, error_table, number
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fitted(Result):
+    """A result with a model.
+
+    Attributes:
+        model: The identified model.
+        motion: The motion that pictures show: the validation log, else the first one.
+    """
+
+    model: Model | None = None
+    motion: Motion | None = None
+
+    @in_double
+    def plot(self) -> Figure:
+        """Measured and predicted torque of every joint over time, with the residual below."""
+        low, robot = self.motion.decimator, self.model.robot
+        kept = low.kept(len(self.motion.t))
+        measured = low.apply(self.motion.tau)
+        predicted = low.apply(model_torque(self.model, self.motion))
+        title = f"{robot.name}: torque below {self.motion.torque_cutoff:.3g} Hz"
+        time, labels = self.motion.t[kept], units(robot)
+        return plots.torque_overlay(time, measured, predicted, robot.joints, labels, title)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the model as ``model.json``, which every command reads."""
+        path = Path(path)
+        outputs.write_files(path.parent, {path.name: lambda part: save_model(self.model, part)})
+        return path
+
+
+def prepared(logs: Logs, robot: Robot, motion_cutoff, torque_cutoff) -> tuple[list, list[Motion]]:
+    """Logs and their motions; the frequencies of the first one hold for all."""
+    logs = as_logs(logs, robot)
+    if not logs:
+        raise InputError("no logs: pass at least one")
+    filtering = Filtering(motion_cutoff, torque_cutoff)
+    motions = []
+    for log in logs:
+        motions.append(prepare(log, filtering))
+        filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+    return logs, motions
+
+
+@in_double
+def identify(
+    logs: Logs,
+    robot: Robot | str | Path,
+    effects: str = USUAL_FRICTION,
+    *,
+    validation: Logs | None = None,
+    motion_cutoff: float | None = None,
+    torque_cutoff: float | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Fitted:
+    """Identify the rigid body and declared effects by weighted least squares.
+
+    Args:
+        logs: A log or several, as :class:`jaxswarm.Log` or files.
+        robot: A robot, a built-in name or a file; kinematics suffice.
+        effects: ``none`` or ``name[@joint[:partner]],...``.
+        validation: Another log, to score on.
+        motion_cutoff: Low-pass of the positions [Hz]; None: found from the data.
+        torque_cutoff: Low-pass shared by torque and model [Hz]; None: found from the data.
+        progress: Called with one line per stage.
+
+    Returns:
+        The content of ``identification.json``, with ``model``, ``plot()`` and ``save(path)``.
+
+    Raises:
+        InputError: On anything that cannot be used.
+    """
+    robot = as_robot(robot)
+    terms = parse_terms(effects, robot.joints)
+    read, motions = prepared(logs, robot, motion_cutoff, torque_cutoff)
+    refuse_resting_joints(read, robot)
+    band = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+    further = [prepare(log, band) for log in as_logs(validation, robot)]
+    progress("fitting")
+    found = estimate(robot, terms, motions)
+    progress("scoring")
+    unseen = further[0] if further else None
+    report = report_of(found, read, unseen, unseen and unseen.source, None)
+    return _result(report, found, unseen or motions[0])
+
+
+def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:
+    rows = {
+        "fitted logs": report["error"]["train"],
+        "held-out blocks": report["error"]["held_out_blocks"],
+        "validation log": report["error"]["validation"],
+    }
+    notes = [f"{log['source']}: {note}" for log in report["logs"] for note in log["notes"]]
+    tables = (
+        error_table(report["robot"], rows, report["joints"], report["torque_units"]),
+        base_table(report["base_parameters"]),
+        effect_table(report["effects"]),
+    )
+    return Fitted(report, tuple(notes), tables, model=found.model, motion=shown)
+
+
+def base_table(rows: list[dict]) -> Table:
+    """The table of base parameters of an identification."""
+    return Table(
+        "base parameters",
+        ("parameter", "value", "std error", "unit", "verdict", "stands for"),
+        tuple(
+            (
+                row["name"],
+                number(row["value"]),
+                number(row["std_error"], 2) if np.isfinite(row["std_error"]) else "",
+                row["unit"],
+                row["verdict"],
+                "" if row["expression"] == row["name"] else row["expression"],
+            )
+            for row in rows
+        ),
+    )

@@ -1,0 +1,70 @@
+"""Two results side by side: what differs beyond its interval is marked, and nothing else."""
+
+import json
+
+import numpy as np
+import pytest
+
+from jaxswarm import compare, identify, log_from_arrays
+from jaxswarm.errors import InputError
+
+
+def slide(friction=30.0, seed=0, length=800):
+    rng = np.random.default_rng(seed)
+    t = np.arange(length) * 0.01
+    w = 2 * np.pi * np.array([0.4, 1.1])[:, None]
+    size = np.array([[0.2], [0.05]])
+    q = (size * np.sin(w * t)).sum(axis=0)
+    dq = (size * w * np.cos(w * t)).sum(axis=0)
+    ddq = -(size * w**2 * np.sin(w * t)).sum(axis=0)
+    tau = 20 * ddq + friction * dq + 5 * np.tanh(dq / 0.01) + 0.5 * rng.normal(size=length)
+    return log_from_arrays(t, q, tau, joints=("slide",))
+
+
+@pytest.fixture(scope="module")
+def results():
+    return [identify(slide(*given), "emps") for given in ((30.0, 0), (30.0, 1), (33.0, 2))]
+
+
+def differing(found):
+    return {row["name"] for row in found["parameters"] if row["differs"]}
+
+
+def test_the_same_arm_twice_and_another_friction(results):
+    same, other = compare(results[0], results[1]), compare(results[0], results[2])
+    assert differing(same) <= {"m1"} and "b" not in differing(same)
+    assert "b" in differing(other)
+    row = next(r for r in other["parameters"] if r["name"] == "b")
+    assert row["difference"] == pytest.approx(3.0, abs=0.5)
+    assert "differs" in repr(other) and "yes" in repr(other)
+
+
+def test_models_compare_by_torque_whatever_their_basis(results, tmp_path):
+    paths = [r.save(tmp_path / f"{k}.json") for k, r in enumerate(results)]
+    found = compare(paths[0], paths[2])
+    assert found["kind"] == "a model"
+    # A slide's torque is m ddq: the difference at random states is that of the masses.
+    masses = [float(r.model.robot.parameters[0, 0]) for r in results]
+    moved = found["torque_difference"]
+    assert moved["rms"][0] / moved["torque_rms"][0] == pytest.approx(
+        abs(masses[2] / masses[0] - 1), rel=1e-6
+    )
+    assert not differing(compare(paths[0], paths[0]))
+
+
+def test_effects_of_one_side_are_told(results):
+    bare = identify(slide(), "emps", "viscous_friction")
+    found = compare(bare, results[0])
+    assert {row["place"] for row in found["only_b"]} == {"coulomb_friction@slide"}
+    assert not found["only_a"]
+
+
+def test_what_does_not_belong_together_is_refused(results, tmp_path):
+    path = results[0].save(tmp_path / "model.json")
+    with pytest.raises(InputError, match="two of the same kind"):
+        compare(path, results[0])
+    with pytest.raises(InputError, match="no such file"):
+        compare(path, tmp_path / "none.json")
+    (tmp_path / "odd.json").write_text(json.dumps({"a": 1}))
+    with pytest.raises(InputError, match="odd.json: is no model.json"):
+        compare(path, tmp_path / "odd.json")

@@ -1,0 +1,243 @@
+"""The worlds of the benchmark: MuJoCo against Pinocchio, effects against their laws, draws repeated."""
+
+import json
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pinocchio
+import pytest
+
+from benchmarks.worlds import plain
+from benchmarks.worlds.along import declared_torque, effect_torques, view
+from benchmarks.worlds.arm import mjcf, pin_model, toml, urdf
+from benchmarks.worlds.control import Control
+from benchmarks.worlds.families import draw_arm, joint_scales
+from benchmarks.worlds.files import write_world
+from benchmarks.worlds.laws import IN_BODY, INSIDE, LAWS, OUTSIDE, STRUCTURAL, Effect, torque_of
+from benchmarks.worlds.motion import FAMILIES, Motion, reference
+from benchmarks.worlds.place import place_effect
+from benchmarks.worlds.plan import CLEAN, ROUND, plan
+from benchmarks.worlds.record import measured_torque
+from benchmarks.worlds.rigid import Absorber, declared_columns, rms
+from benchmarks.worlds.simulate import simulate
+from benchmarks.worlds.strength import Ground, size_effect, thin
+from benchmarks.worlds.world import make_world
+from jaxswarm.robot.load import load_robot
+
+FRICTION = ("viscous_friction", "coulomb_friction")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_mujoco_and_pinocchio_agree_on_every_arm(seed):
+    arm = draw_arm(np.random.default_rng(seed))
+    model = mujoco.MjModel.from_xml_string(mjcf(arm, 1e-3))
+    data = mujoco.MjData(model)
+    rigid = pin_model(arm)
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        data.qpos[:], data.qvel[:], data.qacc[:] = rng.normal(size=(3, arm.size))
+        mujoco.mj_inverse(model, data)
+        torque = pinocchio.rnea(rigid, rigid.createData(), data.qpos, data.qvel, data.qacc)
+        np.testing.assert_allclose(
+            data.qfrc_inverse, torque + arm.rotor * data.qacc, rtol=1e-8, atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("write, name", [(toml, "arm.toml"), (urdf, "arm.urdf")])
+def test_the_written_robot_has_the_same_kinematics(write, name, tmp_path):
+    for seed in range(4):
+        arm = draw_arm(np.random.default_rng(seed))
+        (tmp_path / name).write_text(write(arm))
+        robot = load_robot(str(tmp_path / name))
+        assert robot.joints == arm.joints and robot.kinds == arm.kinds
+        np.testing.assert_allclose(robot.rotation, arm.rotation, atol=1e-12)
+        np.testing.assert_allclose(robot.translation, arm.xyz, atol=1e-12)
+        np.testing.assert_allclose(robot.axis, arm.axis, atol=1e-12)
+
+
+def test_a_soft_joint_divides_the_arm_into_motor_and_link():
+    """With the deflection held, motor and link together are the rigid arm."""
+    arm = draw_arm(np.random.default_rng(2))
+    soft = mujoco.MjModel.from_xml_string(mjcf(arm, 1e-3, soft=(1,)))
+    data = mujoco.MjData(soft)
+    motor = np.array([0, 1, *range(3, arm.size + 1)])
+    rng = np.random.default_rng(0)
+    q, dq, ddq = rng.normal(size=(3, arm.size))
+    data.qpos[motor], data.qvel[motor], data.qacc[motor] = q, dq, ddq
+    mujoco.mj_inverse(soft, data)
+    rigid = pin_model(arm)
+    torque = pinocchio.rnea(rigid, rigid.createData(), q, dq, ddq)
+    np.testing.assert_allclose(data.qfrc_inverse[motor], torque + arm.rotor * ddq, rtol=1e-8)
+    np.testing.assert_allclose(data.qfrc_inverse[2], torque[1], rtol=1e-8)
+
+
+def _small_arm():
+    """Three joints of drawn make, with friction whose sign a millisecond can follow."""
+    for seed in range(100):
+        arm = draw_arm(np.random.default_rng(seed))
+        if arm.size == 3 and not arm.sliding.any():
+            return replace(arm, width=np.full(3, 0.02))
+    raise AssertionError("no arm of three turning joints among a hundred")
+
+
+ARM = _small_arm()
+CONTROL = Control("pd", 1000, 3, 25.0)
+MOTION = Motion("fourier", 5, 3.0)
+
+
+def _run(*effects, motion=MOTION):
+    compliance = joint_scales(ARM)[0] - ARM.rotor
+    return simulate(ARM, effects, CONTROL, motion, np.full(3, 1e-9), compliance)
+
+
+def _effect(kind):
+    """A tenth of the joint's usual torque, or for a structure a plain example."""
+    rng = np.random.default_rng(1)
+    effect = place_effect(rng, ARM, kind)
+    scale = 0.1 * float(joint_scales(ARM)[1].min())
+    params = {
+        k: v * (scale if k in LAWS[kind].scaled else 1.0)
+        for k, v in effect.params.items()
+        if k != "tau"
+    }
+    if kind == "contact":
+        params = {"start": 1.0, "end": 1.5, "tau": [scale, -scale, scale]}
+    if kind == "friction_change":
+        params["start"] = 1.5
+    return replace(effect, params=params)
+
+
+TORQUES = [k for k in LAWS if k not in STRUCTURAL]
+
+
+@pytest.mark.parametrize("kind", TORQUES)
+def test_an_effect_adds_the_torque_its_law_states(kind):
+    """Motor torque less bodies, friction and rotors (Pinocchio) is the law along the measured motion."""
+    effect = _effect(kind)
+    run = _run(effect)
+    rest = run.tau - declared_torque(ARM, run)
+    stated = np.zeros_like(rest)
+    if kind == "load_dependent_friction":  # the load is that of the bodies alone
+        assert rms(run.parts[0]).max() > 0
+    for joint, (dry, smooth) in torque_of(effect, view(ARM, run, effect)).items():
+        stated[:, joint] = dry * np.tanh(run.dq[:, joint] / ARM.width[joint]) + smooth
+    size = rms(stated).max()
+    assert size > 0
+    lasting = slice(1000, None)  # a bristle forgets where it was before the log within a second
+    assert rms((rest - stated)[lasting]).max() < 0.03 * size + 2e-4 * rms(run.tau).max()
+
+
+def test_a_structure_does_what_it_says():
+    """Gain and delay act on the measured torque alone; tilt, offset, softness and play change the motion."""
+    plain_run = _run()
+    gain = Effect("drive_gain", 1, params={"gain": 1.1})
+    np.testing.assert_allclose(
+        measured_torque(plain_run, (gain,))[:, 1], 1.1 * plain_run.tau[:, 1], rtol=1e-12
+    )
+    delay = Effect("time_delay", params={"seconds": 0.01})
+    late = measured_torque(plain_run, (delay,))
+    np.testing.assert_allclose(late[500], plain_run.tau[490], rtol=1e-9)
+    tilt = Effect("base_tilt", params={"gx": 0.5, "gy": -0.3})
+    run = _run(tilt)
+    gravity = np.array([0.5, -0.3, -np.sqrt(9.81**2 - 0.34)])
+    model = pin_model(ARM, gravity)
+    data = model.createData()
+    rows = [
+        pinocchio.rnea(model, data, *x).copy() for x in zip(run.q, run.dq, run.ddq, strict=True)
+    ]
+    friction = ARM.viscous * run.dq + ARM.coulomb * np.tanh(run.dq / ARM.width)
+    rest = run.tau - np.array(rows) - ARM.rotor * run.ddq - friction
+    assert rms(rest).max() < 1e-3 * rms(run.tau).max()
+
+
+def test_softness_moves_the_torque_by_what_the_link_lags():
+    """On slow motion a soft joint's motor feels the load of the link at the motor's angle less load / k."""
+    k = 500.0 * float(joint_scales(ARM)[1].max())
+    effect = Effect("joint_elasticity", 1, params={"k": k, "d": 0.002 * k})
+    run = _run(effect)
+    data = pin_model(ARM).createData()
+    model = pin_model(ARM)
+    found = effect_torques(ARM, run, (effect,))[0]
+    load = np.array(
+        [pinocchio.rnea(model, data, *x).copy() for x in zip(run.q, run.dq, run.ddq, strict=True)]
+    )
+    lag = np.zeros_like(run.q)
+    lag[:, 1] = plain.low_pass(load[:, 1], 1000.0, 10.0) / k
+    moved = [run.q - lag]
+    for x in (run.dq, run.ddq):
+        lag = np.gradient(lag, run.t, axis=0)
+        moved.append(x - lag)
+    stated = (
+        np.array([pinocchio.rnea(model, data, *x).copy() for x in zip(*moved, strict=True)]) - load
+    )
+    slow = slice(500, -500)
+    a, b = plain.low_pass(found, 1000.0, 5.0)[slow], plain.low_pass(stated, 1000.0, 5.0)[slow]
+    assert rms(a - b).max() < 0.3 * rms(b).max()
+
+
+def test_play_lets_the_link_go_by_the_gap_and_no_more():
+    gap = 0.01
+    run, tight = _run(Effect("backlash", 1, params={"gap": gap})), _run()
+    change = rms(run.tau - tight.tau)[1]
+    assert change > 1e-3 * rms(tight.tau)[1]
+
+
+def test_absorber_takes_up_what_its_columns_span_and_nothing_else():
+    run = _run()
+    declared = tuple((e, j) for e in FRICTION for j in range(3))
+    columns = declared_columns(ARM, declared, run.q[::5], run.dq[::5], run.ddq[::5])
+    absorber = Absorber(columns, np.ones(3))
+    values = np.random.default_rng(0).normal(size=columns.shape[2])
+    np.testing.assert_allclose(absorber.left(columns @ values), 0.0, atol=1e-7)
+    noise = np.random.default_rng(1).normal(size=columns.shape[:2])
+    assert rms(absorber.left(noise)).min() > 0.9
+
+
+@pytest.mark.parametrize("kind", ["quadratic_drag", "torque_ripple", "joint_spring", "base_tilt"])
+def test_a_wanted_strength_is_reached(kind):
+    """What the declared model leaves of the run with the sized effect is the wanted multiple of the unit."""
+    declared = tuple((e, j) for e in FRICTION for j in range(3))
+    noise = np.array([0.1, 0.05, 0.02])
+    rich = Motion("ptp", 2, 8.0)
+    clean = thin(_run(motion=rich))
+
+    def absorber(run):
+        return Absorber(declared_columns(ARM, declared, run.q, run.dq, run.ddq), noise)
+
+    ground = Ground(ARM, clean, absorber(clean), noise)
+    effect = size_effect(place_effect(np.random.default_rng(1), ARM, kind), 4.0, ground)
+    run = thin(_run(effect, motion=rich))
+    left = absorber(run).left(measured_torque(run, (effect,)))
+    assert (rms(left) / noise).max() == pytest.approx(4.0, rel=0.25)
+
+
+def test_a_world_is_the_same_world_every_time(tmp_path):
+    for part in ("a", "b"):
+        write_world(make_world(47), tmp_path / part)
+    for name in ("train.npz", "test_ptp.npz", "test_fourier.npz"):
+        one, other = np.load(tmp_path / "a" / name), np.load(tmp_path / "b" / name)
+        assert one.files == other.files
+        for key in one.files:
+            np.testing.assert_array_equal(one[key], other[key])
+    truth = json.loads((tmp_path / "a" / "truth.json").read_text())
+    assert [e["effect"] for e in truth["effects"]] == ["backlash"] and truth["declared"]
+
+
+def test_the_plan_holds_all_kinds_and_500_clean_worlds():
+    plans = [plan(k, np.random.default_rng([20261, k])) for k in range(100 * ROUND)]
+    assert sum(not p.kinds and not p.common for p in plans) == 100 * CLEAN
+    assert {k for p in plans for k in p.kinds} == set(INSIDE) | set(OUTSIDE)
+    for p in plans:
+        assert sum(k in STRUCTURAL for k in p.kinds) <= 1
+        assert not set(p.kinds) & set(IN_BODY) or p.declared != "friction and rotors"
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_references_are_their_own_derivatives_within_the_limits(family):
+    t = np.arange(-1.0, 8.0, 1e-3)
+    q, dq, ddq = reference(Motion(family, 3, 8.0), ARM, t)
+    np.testing.assert_allclose(np.gradient(q, t, axis=0), dq, atol=2e-2 * np.abs(dq).max())
+    assert rms(np.gradient(dq, t, axis=0) - ddq).max() < 5e-2 * rms(ddq).max()
+    for x, limit in ((q, ARM.reach), (dq, ARM.speed), (ddq, ARM.acceleration)):
+        assert (np.abs(x) <= 1.01 * limit).all()
