@@ -189,11 +189,11 @@ def identify(
 ) -> None:
     """Identify a declared model from logs and score it on motion it was not fitted to."""
     _start()
+    from jaxswarm.effects.bodies import with_free_base
     from jaxswarm.identify import print_identification
     from jaxswarm.identify.run import Options, identify_files
 
-    if free_base and "base_tilt" not in effects:
-        effects = "base_tilt" if effects.strip() == "none" else f"{effects},base_tilt"
+    effects = with_free_base(effects) if free_base else effects
     options = Options(
         optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
         estimator, physical, prior, prior_weight,
@@ -277,8 +277,12 @@ def excite(
     limits: Annotated[Path, typer.Option(help="TOML file: what every joint may do.")],
     out: Out,
     effects: Annotated[
-        str, typer.Option(help="What will be identified: none, or name[@joint[:partner]],...")
-    ] = "viscous_friction,coulomb_friction",
+        str | None,
+        typer.Option(
+            help="What will be identified: none, or name[@joint[:partner]],...; default: viscous and "
+            "dry friction of every joint."
+        ),
+    ] = None,
     duration: Annotated[
         float | None, typer.Option(min=0.1, help="Length [s]; default one period.")
     ] = None,

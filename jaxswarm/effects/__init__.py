@@ -1,12 +1,24 @@
 """Physical effects a rigid body lacks: one law a function, a table of its parameters, one registry."""
 
-from jaxswarm.effects import environment as environment
+from jaxswarm.effects import bodies as bodies
+from jaxswarm.effects import contact as contact
 from jaxswarm.effects import friction as friction
+from jaxswarm.effects import measurement as measurement
+from jaxswarm.effects import motor as motor
 from jaxswarm.effects import transmission as transmission
 from jaxswarm.effects.base import REGISTRY as REGISTRY
-from jaxswarm.effects.base import Law as Law
-from jaxswarm.effects.base import Parameter as Parameter
-from jaxswarm.effects.base import Sample as Sample
+from jaxswarm.effects.base import Effect as Effect
+from jaxswarm.effects.base import Export as Export
 from jaxswarm.effects.base import get_law as get_law
-from jaxswarm.effects.base import make_sample as make_sample
 from jaxswarm.effects.base import register as register
+from jaxswarm.effects.kinds import BodyChange as BodyChange
+from jaxswarm.effects.kinds import ExternalTorque as ExternalTorque
+from jaxswarm.effects.kinds import MeasurementLaw as MeasurementLaw
+from jaxswarm.effects.kinds import TorqueLaw as TorqueLaw
+from jaxswarm.effects.kinds import TransmissionLaw as TransmissionLaw
+from jaxswarm.effects.parameter import Parameter as Parameter
+from jaxswarm.effects.sample import Sample as Sample
+from jaxswarm.effects.sample import make_sample as make_sample
+
+# The kind most new effects are.
+Law = TorqueLaw

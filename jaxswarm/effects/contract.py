@@ -1,17 +1,25 @@
 """The contract of an effect, as code: run it on your own law before you register it.
 
-Regression, search, report and simulation rely on a few properties of every law; each is checked here on
-drawn motion and parameters, with a sentence for what does not hold. All of ours pass it.
+Regression, search, report and simulation rely on a few properties of every kind of effect; each is checked
+here on drawn motion and parameters, with a sentence for what does not hold. All of ours pass it.
 """
 
 import re
-from functools import partial
+from functools import partial, singledispatch
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Law, Sample, check_law, make_sample
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import (
+    BodyChange,
+    ExternalTorque,
+    MeasurementLaw,
+    TorqueLaw,
+    TransmissionLaw,
+)
+from jaxswarm.effects.sample import Sample, make_sample
 from jaxswarm.effects.series import law_columns, law_torque, states
 
 __all__ = ["check_effect", "check_unit", "draw_parameters", "draw_series"]
@@ -22,13 +30,17 @@ _WIDTH = 0.05
 _LARGE = 100.0
 
 
-def check_effect(law: Law, *, num_draws: int = 8, seed: int = 0) -> None:
+def check_effect(law: Effect, *, num_draws: int = 8, seed: int = 0) -> None:
     """Raise ``AssertionError``, saying what is wrong, unless ``law`` keeps the contract.
 
-    Checked: the table (names, units, bounds, scales); for a law with ``torque`` that it is one finite
-    number per sample with finite derivatives, at rest too; that it maps over samples; that it is zero
-    where all linear parameters are, and ``columns @ linear == torque``; that a law called dissipative
-    never drives; that memory does not depend on linear parameters and stays finite.
+    Checked: the table (names, units, bounds, scales), and what its kind promises. Of a
+    :class:`TorqueLaw` that it is one finite number per sample with finite derivatives, at rest too; that
+    it maps over samples; that it is zero where all linear parameters are, and
+    ``columns @ linear == torque``; that a law called dissipative never drives; that memory does not
+    depend on linear parameters and stays finite. Of a :class:`MeasurementLaw` and a :class:`BodyChange`
+    that neutral parameters change nothing, and that they are linear in the torque and in the body. Of a
+    :class:`TransmissionLaw` that every point of its lattice is a gear that holds; of an
+    :class:`ExternalTorque` that its course is finite.
 
     Args:
         law: Registered or not.
@@ -38,13 +50,21 @@ def check_effect(law: Law, *, num_draws: int = 8, seed: int = 0) -> None:
     >>> from jaxswarm.effects import get_law
     >>> check_effect(get_law("stribeck_friction"))
     """
-    check_law(law)
+    law.check()
     for p in law.parameters:
         check_unit(p.unit, [other.name for other in law.parameters])
-    if law.torque is None:
-        return
+    check_kind(law, np.random.default_rng(seed), num_draws)
+
+
+@singledispatch
+def check_kind(law: Effect, rng: np.random.Generator, num_draws: int) -> None:
+    """Check what an effect's kind promises."""
+    raise NotImplementedError(f"no contract for effects of kind {type(law).__name__}")
+
+
+@check_kind.register
+def _(law: TorqueLaw, rng, num_draws):
     _require(bool(law.linear), law, "has no linear parameter: nothing says how large it is")
-    rng = np.random.default_rng(seed)
     series = draw_series(rng)
     torque = jax.jit(partial(law_torque, law))
     columns = jax.jit(partial(law_columns, law))
@@ -61,6 +81,59 @@ def check_effect(law: Law, *, num_draws: int = 8, seed: int = 0) -> None:
     _check_gradients(law, law.nominal(), series)
     if law.rate is not None:
         _check_memory(law, rng, series)
+
+
+@check_kind.register
+def _(law: MeasurementLaw, rng, num_draws):
+    one, two = rng.normal(size=(2, 64, 3))
+    same = np.allclose(law.report(law.neutral(), one, 0.01), one, rtol=0, atol=1e-12)
+    _require(same, law, "changes the torque where its parameters are neutral")
+    for _ in range(num_draws):
+        values = draw_parameters(law, rng)
+        apart = law.report(values, one, 0.01) + 2.0 * law.report(values, two, 0.01)
+        linear = np.allclose(law.report(values, one + 2.0 * two, 0.01), apart, atol=1e-9)
+        _require(linear, law, "is not linear in the torque")
+
+
+@check_kind.register
+def _(law: BodyChange, rng, num_draws):
+    if law.gravity is not None:
+        level = jnp.array([0.0, 0.0, -9.81])
+        same = np.allclose(law.gravity(law.neutral(), level), level)
+        _require(same, law, "changes gravity where its parameters are neutral")
+        return
+    nothing = np.asarray(law.body(law.neutral()))
+    _require(
+        nothing.shape == (10,) and not nothing.any(), law, "is no body of ten zeros if neutral"
+    )
+    one, two = draw_parameters(law, rng), draw_parameters(law, rng)
+    both = law.body({name: one[name] + two[name] for name in one})
+    linear = np.allclose(both, law.body(one) + law.body(two))
+    _require(linear, law, "is not linear in its parameters")
+
+
+@check_kind.register
+def _(law: TransmissionLaw, rng, num_draws):
+    inertia = jnp.full(4, 0.5)
+    for values in (law.nominal(), *law.lattice(0.5)):
+        known = {p.name for p in law.parameters}
+        _require(
+            set(values) == known, law, f"has a lattice of {sorted(values)}, not {sorted(known)}"
+        )
+        k, d, gap = law.gear(values, inertia)
+        holds = all(bool(np.isfinite(x).all()) for x in (k, d, gap))
+        holds = holds and bool(np.all(k > 0)) and bool(np.all(d >= 0)) and bool(np.all(gap >= 0))
+        _require(
+            holds, law, f"is no gear at {values}: stiffness, damping and gap are {k}, {d}, {gap}"
+        )
+
+
+@check_kind.register
+def _(law: ExternalTorque, rng, num_draws):
+    along = law.weight({"start": 0.5, "end": 1.5}, np.linspace(0.0, 2.0, 64))
+    _require(along.shape == (64,), law, "does not give one number per sample")
+    finite = bool(np.isfinite(along).all()) and bool(np.any(along != 0.0))
+    _require(finite, law, "has a course that is zero everywhere or not finite")
 
 
 def check_unit(unit: str, names: list[str] | None = None) -> None:
@@ -87,7 +160,7 @@ def check_unit(unit: str, names: list[str] | None = None) -> None:
         raise AssertionError(f"unit {unit!r} cannot be read: {bad or rest or 'form'}")
 
 
-def draw_parameters(law: Law, rng: np.random.Generator) -> dict[str, float]:
+def draw_parameters(law: Effect, rng: np.random.Generator) -> dict[str, float]:
     """Draw a value of every parameter between its bounds, each on its own scale."""
     values = {}
     for p in law.parameters:
@@ -162,6 +235,6 @@ def _check_memory(law, rng, series):
     _require(same, law, "has a memory that depends on its linear parameters")
 
 
-def _require(holds: bool, law: Law, message: str) -> None:
+def _require(holds: bool, law: Effect, message: str) -> None:
     if not holds:
         raise AssertionError(f"effect {law.name!r} {message}")

@@ -11,8 +11,12 @@ B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994); W. Kh
 
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Law, Parameter, register
+from jaxswarm.effects.base import Export, register
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.parameter import Parameter
 
+# What every joint has: declared where nothing else is.
+USUAL_FRICTION = "viscous_friction,coulomb_friction"
 _OLSSON = "Olsson et al. 1998, Eur. J. Control 4(3)"
 
 
@@ -22,7 +26,7 @@ def _coefficient(name: str, unit: str, upper: float, nominal: float, description
 
 
 register(
-    Law(
+    TorqueLaw(
         name="viscous_friction",
         scope="joint",
         parameters=(_coefficient("b", "N m s/rad", 1e4, 1.0, "viscous coefficient"),),
@@ -30,11 +34,15 @@ register(
         reference=_OLSSON,
         torque=lambda p, s: p["b"] * s.dq,
         dissipative=True,
+        export=(
+            Export("urdf", lambda p: {"damping": p["b"]}),
+            Export("mjcf", lambda p: {"damping": p["b"]}),
+        ),
     )
 )
 
 register(
-    Law(
+    TorqueLaw(
         name="coulomb_friction",
         scope="joint",
         parameters=(_coefficient("fc", "N m", 1e4, 1.0, "dry friction level"),),
@@ -43,6 +51,10 @@ register(
         torque=lambda p, s: p["fc"] * s.direction,
         uses_direction=True,
         dissipative=True,
+        export=(
+            Export("urdf", lambda p: {"friction": p["fc"]}),
+            Export("mjcf", lambda p: {"frictionloss": p["fc"]}),
+        ),
     )
 )
 
@@ -55,7 +67,7 @@ def _asymmetric(p, s):
 
 
 register(
-    Law(
+    TorqueLaw(
         name="asymmetric_friction",
         scope="joint",
         parameters=(
@@ -67,6 +79,7 @@ register(
         summary="own fc sign(dq) + b dq for each direction",
         reference="Janot, Gautier, Brunot 2019 (EMPS)",
         torque=_asymmetric,
+        contains=("viscous_friction", "coulomb_friction"),
         uses_direction=True,
         dissipative=True,
     )
@@ -80,7 +93,7 @@ def _stribeck(p, s):
 
 
 register(
-    Law(
+    TorqueLaw(
         name="stribeck_friction",
         scope="joint",
         parameters=(
@@ -97,7 +110,7 @@ register(
 )
 
 register(
-    Law(
+    TorqueLaw(
         name="quadratic_drag",
         scope="joint",
         parameters=(_coefficient("c", "N m s^2/rad^2", 1e4, 0.5, "drag coefficient"),),
@@ -109,7 +122,7 @@ register(
 )
 
 register(
-    Law(
+    TorqueLaw(
         name="nonlinear_viscous_friction",
         scope="joint",
         parameters=(
@@ -131,7 +144,7 @@ def _load_dependent(p, s):
 
 
 register(
-    Law(
+    TorqueLaw(
         name="load_dependent_friction",
         scope="joint",
         parameters=(
@@ -143,6 +156,7 @@ register(
         summary="mu |tau_load| sign(dq), tau_load from the rigid-body model",
         reference="Hamon, Gautier, Garrec 2010, IROS",
         torque=_load_dependent,
+        shown_against="load",
         uses_load=True,
         uses_direction=True,
         dissipative=True,
@@ -156,7 +170,7 @@ def _dahl_rate(p, s):
 
 
 register(
-    Law(
+    TorqueLaw(
         name="hysteresis",
         scope="joint",
         parameters=(
@@ -169,12 +183,13 @@ register(
         reference="Dahl 1968; Olsson et al. 1998, eq. 8",
         torque=lambda p, s: p["fc"] * s.state,
         rate=_dahl_rate,
+        shown_against="position",
         derived=lambda p: {"sigma": (p["fc"] / p["x0"], "N m/rad")},
     )
 )
 
 register(
-    Law(
+    TorqueLaw(
         name="thermal_drift",
         scope="joint",
         parameters=(
@@ -184,12 +199,13 @@ register(
         summary="fc (exp(-t/tc) - 1) sign(dq): friction falls as the joint warms",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control (thermal friction)",
         torque=lambda p, s: p["fc"] * jnp.expm1(-s.t / p["tc"]) * s.direction,
+        shown_against="time",
         uses_direction=True,
     )
 )
 
 register(
-    Law(
+    TorqueLaw(
         name="temperature_friction",
         scope="joint",
         parameters=(
@@ -201,7 +217,7 @@ register(
         summary="(a sign(dq) + b dq) (T - 25 deg C), where the log has a temperature",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control",
         torque=lambda p, s: (p["a"] * s.direction + p["b"] * s.dq) * (s.temperature - 25.0),
-        uses_direction=True,
         requires=("temperature",),
+        uses_direction=True,
     )
 )

@@ -12,10 +12,11 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Law, Sample
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
 
 
-def states(law: Law, parameters: dict, series: Sample) -> jax.Array:
+def states(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
     """Integrate the state of ``law`` along a series, from rest; where time falls another log begins.
 
     Args:
@@ -48,7 +49,7 @@ def states(law: Law, parameters: dict, series: Sample) -> jax.Array:
     return jnp.concatenate([start[None], rest])
 
 
-def law_torque(law: Law, parameters: dict, series: Sample) -> jax.Array:
+def law_torque(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
     """Torque of ``law`` along a series of (T,) arrays, shape (T,).
 
     >>> from jaxswarm.effects import get_law, make_sample
@@ -60,7 +61,7 @@ def law_torque(law: Law, parameters: dict, series: Sample) -> jax.Array:
     return jax.vmap(partial(law.torque, parameters))(series)
 
 
-def law_columns(law: Law, nonlinear: dict, series: Sample) -> jax.Array:
+def law_columns(law: TorqueLaw, nonlinear: dict, series: Sample) -> jax.Array:
     """Columns of a law's linear parameters along a series, shape (T, k).
 
     The torque is ``law_columns(...) @ linear``; the derivative with respect to linear parameters.

@@ -1,10 +1,11 @@
 """Terms: which law acts on which joint, and the ``name[@joint[:partner]],...`` lists that declare them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from jaxswarm.effects.base import Law, get_law
+from jaxswarm.effects.base import Effect, get_law
 from jaxswarm.errors import InputError, nearest
 
 
@@ -25,18 +26,9 @@ class Term:
     values: dict[str, float] = field(default_factory=dict, compare=False, hash=False)
 
     @property
-    def law(self) -> Law:
+    def law(self) -> Effect:
         """The registered law."""
         return get_law(self.effect)
-
-    @property
-    def key(self) -> tuple:
-        """What a term is, whatever its parameters: effect, joint, partner, and which event of its kind."""
-        values = self.values
-        event = None
-        if self.law.recurring and "start" in values:
-            event = (int(values.get("log", 0)), round(values["start"], 1))
-        return (self.effect, self.joint, self.other, event)
 
     def label(self, joints: tuple[str, ...]) -> str:
         """Readable name: ``viscous_friction@joint2``, ``transmission_coupling@joint5:joint6``."""
@@ -45,20 +37,35 @@ class Term:
         partner = "" if self.other is None else f":{joints[self.other]}"
         return f"{self.effect}@{joints[self.joint]}{partner}"
 
+    @property
+    def place(self) -> tuple:
+        """Effect, joint and partner."""
+        return self.effect, self.joint, self.other
+
+    @property
+    def identity(self) -> tuple:
+        """What a term is, whatever it was fitted to: effect, joint, partner, and which event of its kind.
+
+        None stands for the event of a property of the robot, and of an event that has no place yet.
+        """
+        names, values = self.law.identity, {**self.law.nominal(), **self.values}
+        known = any(name in self.values for name in names)
+        return (*self.place, tuple(round(values[name], 1) for name in names) if known else None)
+
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
-        """Names of the columns of the linear parameters: ``b_joint2``."""
-        if self.law.warp == "window":
-            when = f"_{self.values['start']:.1f}s" if "start" in self.values else ""
-            return tuple(f"tau_{joint}{when}:{self.effect}" for joint in joints)
+        """Names of the columns of the linear parameters: ``b_joint2:viscous_friction``.
+
+        Those of an event say when it begins.
+        """
         where = "" if self.joint is None else f"_{joints[self.joint]}"
         where += "" if self.other is None else f"_{joints[self.other]}"
-        return tuple(f"{p.name}{where}:{self.effect}" for p in self.law.linear)
+        if self.law.recurring and "start" in self.values:
+            where += f"_{self.values['start']:.1f}s"
+        return tuple(f"{name}{where}:{self.effect}" for name in self.linear_names(joints))
 
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns multiply, in their order."""
-        if self.law.warp == "window":
-            return [f"tau_{joint}" for joint in joints]
-        return [p.name for p in self.law.linear]
+        return self.law.linear_names(joints)
 
 
 def physical_unit(unit: str, kind: str) -> str:
@@ -101,12 +108,12 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
     return tuple(terms)
 
 
-def warped(terms: tuple[Term, ...], name: str) -> list[Term]:
-    """The terms that act through the named warp."""
-    return [t for t in terms if t.law.warp == name]
+def of_kind(terms: Iterable, kind: type[Effect]) -> list:
+    """Those of the terms, or of whatever else has a ``law``, that are of one kind."""
+    return [t for t in terms if isinstance(t.law, kind)]
 
 
-def _expand(law: Law, where: str, joints: tuple[str, ...]) -> list[Term]:
+def _expand(law: Effect, where: str, joints: tuple[str, ...]) -> list[Term]:
     if law.scope == "global":
         if where:
             raise InputError(f"effect {law.name} acts on the whole arm; write it without @{where}")

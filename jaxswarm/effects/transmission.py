@@ -1,95 +1,28 @@
-r"""What sits between motor and link: rotor, springs, ripple, coupled gears, soft joints, play.
+r"""What sits between motor and link: flexible joints and backlash.
 
-References: W. Khalil, E. Dombre (2002), ch. 9 (rotor inertia, coupling); M. Spong, "Modeling and
-control of elastic joint robots", J. Dyn. Sys. Meas. Control 109 (1987); A. Janot, P.-O. Vandanjon,
-M. Gautier, IEEE TCST 22(1) (2014) for the wrist of the TX40.
+References: M. Spong, "Modeling and control of elastic joint robots", J. Dyn. Sys. Meas. Control 109
+(1987); M. Nordin, P.-O. Gutman, Automatica 38(10) (2002).
 """
 
-import jax.numpy as jnp
+import numpy as np
 
-from jaxswarm.effects.base import Law, Parameter, register
+from jaxswarm.effects.base import register
+from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.parameter import Parameter
 
-register(
-    Law(
-        name="rotor_inertia",
-        scope="joint",
-        parameters=(
-            Parameter("ia", "kg m^2", 0.0, 1e3, True, 0.1, "rotor inertia seen at the joint"),
-        ),
-        summary="ia ddq",
-        reference="Khalil, Dombre 2002, eq. 9.11",
-        torque=lambda p, s: p["ia"] * s.ddq,
-    )
-)
+# Stiffnesses [N m/rad] that are tried, and dampings as multiples of 20 sqrt(k times inertia).
+_STIFFNESSES, _DAMPINGS = np.geomspace(30.0, 3e5, 17), (0.003, 0.01, 0.03, 0.1)
+# Gaps [rad] that are tried.
+_GAPS = np.geomspace(2e-4, 0.06, 44)
 
-register(
-    Law(
-        name="torque_offset",
-        scope="joint",
-        parameters=(Parameter("tau0", "N m", -1e4, 1e4, True, 0.5, "constant torque"),),
-        summary="tau0",
-        reference="Khalil, Dombre 2002, ch. 12",
-        torque=lambda p, s: p["tau0"] + 0.0 * s.q,
-    )
-)
+
+def _springs(inertia):
+    unit = 20.0 * np.sqrt(inertia)
+    return [{"k": k, "d": r * np.sqrt(k) * unit} for k in _STIFFNESSES for r in _DAMPINGS]
+
 
 register(
-    Law(
-        name="joint_spring",
-        scope="joint",
-        parameters=(
-            Parameter("k", "N m/rad", 0.0, 1e6, True, 10.0, "stiffness"),
-            Parameter("tau0", "N m", -1e6, 1e6, True, 0.0, "torque at q = 0, -k q0"),
-        ),
-        summary="k (q - q0): balancer, cable",
-        reference="Khalil, Dombre 2002, ch. 9",
-        torque=lambda p, s: p["k"] * s.q + p["tau0"],
-        # Without stiffness there is no position of rest.
-        derived=lambda p: {"q0": (-p["tau0"] / p["k"], "rad")} if p["k"] else {},
-    )
-)
-
-register(
-    Law(
-        name="torque_ripple",
-        scope="joint",
-        parameters=(
-            Parameter("sine", "N m", -1e4, 1e4, True, 0.5, "amplitude of sin(n q)"),
-            Parameter("cosine", "N m", -1e4, 1e4, True, 0.5, "amplitude of cos(n q)"),
-            Parameter("n", "1", 3.0, 200.0, False, 20.0, "order: periods per turn of the joint"),
-        ),
-        summary="a sin(n q + phase): cogging of the motor, teeth of the gear",
-        reference="Holtz, Springob 1996, IEEE Trans. Ind. Electron. 43(2)",
-        torque=lambda p, s: p["sine"] * jnp.sin(p["n"] * s.q) + p["cosine"] * jnp.cos(p["n"] * s.q),
-        derived=lambda p: {
-            "a": (jnp.hypot(p["sine"], p["cosine"]), "N m"),
-            "phase": (jnp.arctan2(p["cosine"], p["sine"]), "rad"),
-        },
-    )
-)
-
-register(
-    Law(
-        name="transmission_coupling",
-        scope="pair",
-        parameters=(
-            Parameter(
-                "b", "N m s/rad", -1e4, 1e4, True, 1.0, "viscous, per velocity of the partner"
-            ),
-            Parameter("fc", "N m", -1e4, 1e4, True, 0.0, "dry, of the motor both joints turn"),
-            Parameter(
-                "ia", "kg m^2", -1e3, 1e3, True, 0.0, "inertia, per acceleration of the partner"
-            ),
-        ),
-        summary="b dq_other + fc sign(dq + dq_other) + ia ddq_other",
-        reference="Janot, Vandanjon, Gautier 2014, IEEE TCST 22(1) (wrist of the TX40)",
-        torque=lambda p, s: p["b"] * s.dq_other + p["fc"] * s.direction_sum + p["ia"] * s.ddq_other,
-        uses_direction=True,
-    )
-)
-
-register(
-    Law(
+    TransmissionLaw(
         name="joint_elasticity",
         scope="joint",
         parameters=(
@@ -98,18 +31,32 @@ register(
         ),
         summary="encoder on the motor: the link lags by e with k e + d de/dt = torque of the link",
         reference="Spong 1987, J. Dyn. Sys. Meas. Control 109(4)",
-        warp="elastic",
+        spring=lambda p: (p["k"], p["d"]),
+        lattice=_springs,
+        shown_against="acceleration",
     )
 )
 
+# Without better knowledge: frequency of the link on a closed gear [Hz], doubt about a strike's moment [s].
+_FLANK, _BLUR = 30.0, 0.12
+
 register(
-    Law(
+    TransmissionLaw(
         name="backlash",
         scope="joint",
         parameters=(
-            Parameter("gap", "rad", 1e-5, 0.2, False, 0.005, "play to either side", "log"),
+            Parameter("gap", "rad", 1e-5, 0.2, False, 0.005, "dead zone to either side", "log"),
             Parameter(
-                "flank", "Hz", 10.0, 100.0, False, 30.0, "of the link on a closed gear", "log"
+                "flank",
+                "Hz",
+                10.0,
+                100.0,
+                False,
+                _FLANK,
+                "of the link on a closed gear",
+                "log",
+                # A torque averaged over the moment of a strike says nothing of the flank.
+                hidden_by="blur",
             ),
             Parameter(
                 "blur",
@@ -117,13 +64,16 @@ register(
                 0.0,
                 1.0,
                 False,
-                0.12,
+                _BLUR,
                 "time a predicted strike may be off",
                 fitted=False,
             ),
         ),
         summary="encoder on the motor: dead zone in the transmission",
         reference="Nordin, Gutman 2002, Automatica 38(10)",
-        warp="play",
+        gap=lambda p: p["gap"],
+        lattice=lambda inertia: [{"gap": g, "flank": _FLANK, "blur": _BLUR} for g in _GAPS],
+        stepwise=True,
+        shown_against="position",
     )
 )

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import outputs, plots
+from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.columns import refuse_terms
@@ -27,7 +28,7 @@ def excite_file(
     robot_spec: str,
     limits_path: Path,
     out: Path,
-    effects: str = "viscous_friction,coulomb_friction",
+    effects: str | None = None,
     duration: float | None = None,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
@@ -38,7 +39,7 @@ def excite_file(
         robot_spec: Built-in name, ``.urdf`` or ``.toml``.
         limits_path: Limits file, see :mod:`jaxswarm.identify.excitation.limits`.
         out: Folder to write to.
-        effects: Effects to be identified beside the rigid body.
+        effects: Effects to be identified beside the rigid body; None: viscous and dry friction.
         duration: Length [s], filled with whole periods; None: one period.
         seed: Seed of the search.
         progress: Called with one line per stage.
@@ -50,7 +51,7 @@ def excite_file(
         InputError: On anything that cannot be used; nothing is written then.
     """
     robot = load_robot(robot_spec)
-    terms = parse_terms(effects, robot.joints)
+    terms = parse_terms(USUAL_FRICTION if effects is None else effects, robot.joints)
     refuse_terms(terms, robot.joints)
     limits = read_limits(limits_path, robot.joints)
     outputs.check_folder(out)

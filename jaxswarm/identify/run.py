@@ -93,8 +93,8 @@ def refuse_undeclarable(terms: tuple[Term, ...]) -> None:
         if term.law.reference_only:
             raise InputError(
                 f"{term.effect} cannot be declared: in a fit to whole logs nothing tells it from the "
-                "arm. Leave it out; jaxswarm diagnose finds touches, and with --model what changed "
-                "since an earlier model, such as a payload"
+                "arm. Leave it out; jaxswarm diagnose finds what happened once, and with --model "
+                "what changed since an earlier model, such as a load on the last link"
             )
 
 

@@ -2,8 +2,8 @@ r"""Logs with a known truth: an arm with random physical links, a random Fourier
 
 The motion is prescribed and the torque follows from the inverse dynamics and the laws, so a log costs
 milliseconds. Joint j moves as :math:`q_j = q_{0j} + \sum_l a_l \sin(2\pi l f t) + b_l \cos(2\pi l f t)`
-(J. Swevers et al., IEEE T-RO 13 (1997)). Effects that move the links (soft joints, play) need the forward
-simulation of :mod:`jaxswarm.simulate` and are left to it.
+(J. Swevers et al., IEEE T-RO 13 (1997)). Effects that move the links (joint elasticity, backlash) need the
+forward simulation of :mod:`jaxswarm.simulate` and are left to it.
 """
 
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import LAGGING
+from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log
@@ -94,8 +94,10 @@ def synthetic_log(
     Raises:
         ValueError: If a term moves the links.
     """
-    if any(t.law.warp in LAGGING for t in terms):
-        raise ValueError("soft joints and play need the forward simulation of jaxswarm.simulate")
+    if of_kind(terms, TransmissionLaw):
+        raise ValueError(
+            "links behind their motors need the forward simulation of jaxswarm.simulate"
+        )
     noise = noise or Noise()
     rng = np.random.default_rng(seed)
     moving = rng if motion_seed is None else np.random.default_rng(motion_seed)

@@ -11,13 +11,15 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.effects.base import Law, Sample
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
+from jaxswarm.effects.term import of_kind
 from jaxswarm.robot import spatial as sp
-from jaxswarm.simulate.plant import PLAY_FREQUENCY, Acting, Plant
+from jaxswarm.simulate.plant import FLANK_FREQUENCY, Acting, Plant
 
 
 @lru_cache(maxsize=256)
-def sample_fields(law: Law) -> frozenset[str]:
+def sample_fields(law: TorqueLaw) -> frozenset[str]:
     """Return the fields of a sample that a law's torque depends on.
 
     >>> from jaxswarm.effects import get_law
@@ -74,10 +76,8 @@ def effect_torques(
     torques: list[sp.Entry] = [0.0] * plant.robot.num_joints
     inertias = []
     states = iter(memory)
-    for acting in plant.acting:
+    for acting in of_kind(plant.acting, TorqueLaw):
         law = acting.law
-        if law.torque is None:
-            continue
         state = next(states) if law.rate is not None else 0.0
         fields = sample_fields(law)
         more = {"state": state}
@@ -96,7 +96,7 @@ def effect_torques(
     return torques, inertias
 
 
-def _slope(law: Law, values: dict, sample: Sample, name: str) -> jax.Array:
+def _slope(law: TorqueLaw, values: dict, sample: Sample, name: str) -> jax.Array:
     """Derivative of a law's torque with respect to one field of its sample."""
 
     def torque(x):
@@ -107,14 +107,16 @@ def _slope(law: Law, values: dict, sample: Sample, name: str) -> jax.Array:
 
 
 def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
-    """Torque a soft joint passes from motor to link, for a twist theta - q and its rate."""
-    gap = plant.value(joint, "backlash", "gap", 0.0)
-    k = plant.value(joint, "joint_elasticity", "k")
-    d = plant.value(joint, "joint_elasticity", "d", 0.0)
-    if k is None:
-        # A stiff, damped flank: the motor alone would swing on it at PLAY_FREQUENCY.
-        frequency = 2.0 * jnp.pi * PLAY_FREQUENCY
-        rotor = plant.value(joint, "rotor_inertia", "ia")
+    """Torque a transmission passes from motor to link, for a twist theta - q and its rate."""
+    own = plant.transmissions(joint)
+    springs = [a.law.spring(a.values) for a in own if a.law.spring is not None]
+    gap = sum((a.law.gap(a.values) for a in own if a.law.gap is not None), 0.0)
+    if springs:
+        k, d = springs[0]
+    else:
+        # A stiff, damped flank: the motor alone would swing on it at FLANK_FREQUENCY.
+        frequency = 2.0 * jnp.pi * FLANK_FREQUENCY
+        rotor = plant.rotor(joint)
         k, d = rotor * frequency**2, 0.4 * rotor * frequency
     if isinstance(gap, float) and gap == 0.0:
         return k * twist + d * twist_rate

@@ -1,30 +1,37 @@
 """What is simulated: a robot, the effects that act on it, and where they act.
 
-A joint with ``joint_elasticity`` or ``backlash`` is *soft*: its motor has a coordinate of its own, and
-the transmission passes
+A joint with a :class:`TransmissionLaw` is *soft*: its motor has a coordinate of its own, and the
+transmission passes
 
     s = k z + d (dtheta - dq),   z = dead zone of (theta - q), ``gap`` to either side.
 
 Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
-ripple and rotor inertia see motor position and velocity, the rigid body sees the links. Effects that
-are another gravity or another body change the robot itself; gain and delay change what is measured.
+ripple and rotor inertia see motor position and velocity, the rigid body sees the links. A
+:class:`BodyChange` changes the robot itself, a :class:`MeasurementLaw` what is measured.
 """
 
 import dataclasses
 from collections.abc import Iterable, Sequence
+from functools import singledispatch
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Law, get_law
-from jaxswarm.effects.warps import LAGGING
+from jaxswarm.effects.base import REGISTRY, Effect, get_law
+from jaxswarm.effects.kinds import (
+    BodyChange,
+    ExternalTorque,
+    MeasurementLaw,
+    TorqueLaw,
+    TransmissionLaw,
+)
+from jaxswarm.effects.term import of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
 
-MEASURED = ("gain", "delay")
-PLAY_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
+FLANK_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
 
 
 @jax.tree_util.register_dataclass
@@ -45,7 +52,7 @@ class Acting:
     values: dict[str, Any] = dataclasses.field(default_factory=dict)
 
     @property
-    def law(self) -> Law:
+    def law(self) -> Effect:
         """The registered law."""
         return get_law(self.effect)
 
@@ -57,7 +64,7 @@ class Plant:
 
     Attributes:
         robot: The rigid body, global effects included.
-        acting: The effects with a torque of their own, then warps of single joints.
+        acting: The effects that are no part of the robot itself.
         width: (n,), width of every joint's smooth sign tanh(dq / width) in rad/s or m/s.
     """
 
@@ -68,19 +75,23 @@ class Plant:
     @property
     def soft(self) -> tuple[int, ...]:
         """Joints whose motor moves apart from the link."""
-        return tuple(sorted({a.joint for a in self.acting if a.law.warp in LAGGING}))
+        return tuple(sorted({a.joint for a in of_kind(self.acting, TransmissionLaw)}))
 
     @property
     def remembering(self) -> tuple[Acting, ...]:
         """Effects with a state of their own."""
-        return tuple(a for a in self.acting if a.law.rate is not None)
+        return tuple(a for a in of_kind(self.acting, TorqueLaw) if a.law.rate is not None)
 
-    def value(self, joint: int, effect: str, name: str, default: Any = None) -> Any:
-        """Return a parameter of the effect on this joint, or the default."""
-        for a in self.acting:
-            if a.effect == effect and a.joint == joint:
-                return a.values[name]
-        return default
+    def transmissions(self, joint: int) -> list[Acting]:
+        """Return what lies between motor and link of a joint."""
+        return [a for a in of_kind(self.acting, TransmissionLaw) if a.joint == joint]
+
+    def rotor(self, joint: int) -> Any:
+        """Return the inertia on the motor's side of a joint [kg m^2 or kg], None if none is known."""
+        for a in of_kind(self.acting, TorqueLaw):
+            if a.law.motor_inertia and a.joint == joint:
+                return a.values[a.law.motor_inertia]
+        return None
 
     def replace(self, **changes) -> "Plant":
         """Return a copy with fields replaced."""
@@ -101,7 +112,7 @@ def make_plant(
 
     Raises:
         InputError: If an effect is unknown or does not say where it acts, if a soft joint has no
-            rotor inertia, or for ``contact``, which is an external torque of the simulation.
+            rotor inertia, or for an :class:`ExternalTorque`, which the simulation is given as numbers.
 
     >>> from jaxswarm.robot import rx60
     >>> make_plant(rx60(), [Acting("viscous_friction", 0, values={"b": 2.0})]).soft
@@ -124,16 +135,14 @@ def make_plant(
         values = {**law.nominal(), **item.values}
         joint, other = _place(item, law, robot)
         placed.append(Acting(law.name, joint, other, values))
+    plant = Plant(robot, (), np.broadcast_to(widths, (robot.num_joints,)))
     for acting in placed:
-        if acting.law.scope == "global":
-            robot = _changed_robot(robot, acting)
-    local = tuple(a for a in placed if a.law.scope != "global" or a.law.warp == "delay")
-    plant = Plant(robot, local, np.broadcast_to(widths, (robot.num_joints,)))
+        plant = put_on(acting.law, plant, acting)
     _check_rotors(plant)
     return plant
 
 
-def _place(item: Any, law: Law, robot: Robot) -> tuple[int | None, int | None]:
+def _place(item: Any, law: Effect, robot: Robot) -> tuple[int | None, int | None]:
     joint, other = item.joint, item.other
     if (law.scope == "global") != (joint is None):
         where = "acts on the whole arm" if law.scope == "global" else "needs a joint"
@@ -148,24 +157,32 @@ def _place(item: Any, law: Law, robot: Robot) -> tuple[int | None, int | None]:
     return joint, other
 
 
-def _changed_robot(robot: Robot, acting: Acting) -> Robot:
-    """Return the robot with another gravity or a body on its last link."""
-    values, warp = acting.values, acting.law.warp
-    if warp == "gravity":
-        gravity = jnp.asarray(robot.gravity)
-        across = jnp.stack([jnp.asarray(values["gx"]), jnp.asarray(values["gy"])])
-        down = jnp.sqrt(jnp.sum(gravity**2) - jnp.sum(across**2))
-        tilted = jnp.concatenate([across, (jnp.where(gravity[2] > 0, 1.0, -1.0) * down)[None]])
-        return robot.replace(gravity=_known(tilted))
-    if warp == "payload":
-        load = jnp.stack([jnp.asarray(values[p.name], float) for p in acting.law.parameters])
-        parameters = jnp.asarray(robot.parameters)
-        return robot.replace(parameters=_known(parameters.at[-1].add(load)))
-    if warp == "window":
-        raise InputError(
-            f"effect {acting.effect} is no part of a plant: pass its torque as external."
-        )
-    return robot
+@singledispatch
+def put_on(law: Effect, plant: Plant, acting: Acting) -> Plant:
+    """Return the plant with one more effect."""
+    raise NotImplementedError(f"no plant for effects of kind {type(law).__name__}")
+
+
+@put_on.register(TorqueLaw)
+@put_on.register(TransmissionLaw)
+@put_on.register(MeasurementLaw)
+def _(law, plant, acting):
+    return plant.replace(acting=(*plant.acting, acting))
+
+
+@put_on.register
+def _(law: BodyChange, plant, acting):
+    robot = plant.robot
+    if law.gravity is not None:
+        gravity = law.gravity(acting.values, jnp.asarray(robot.gravity))
+        return plant.replace(robot=robot.replace(gravity=_known(gravity)))
+    parameters = jnp.asarray(robot.parameters).at[-1].add(law.body(acting.values))
+    return plant.replace(robot=robot.replace(parameters=_known(parameters)))
+
+
+@put_on.register
+def _(law: ExternalTorque, plant, acting):
+    raise InputError(f"effect {law.name} is no part of a plant: pass its torque as external.")
 
 
 def _known(array: jax.Array) -> Any:
@@ -174,10 +191,11 @@ def _known(array: jax.Array) -> Any:
 
 
 def _check_rotors(plant: Plant) -> None:
+    known = [e.name for e in REGISTRY.values() if isinstance(e, TorqueLaw) and e.motor_inertia]
     for joint in plant.soft:
-        rotor = plant.value(joint, "rotor_inertia", "ia")
+        rotor = plant.rotor(joint)
         if rotor is None or (isinstance(rotor, int | float) and not rotor > 0.0):
             raise InputError(
                 f"{plant.robot.joints[joint]} is soft, so its motor moves by itself and needs an "
-                "inertia: add rotor_inertia with ia > 0 on that joint."
+                f"inertia: add {' or '.join(known)} with a value above zero on that joint."
             )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.excitation.columns import refuse_terms
 from jaxswarm.identify.excitation.limits import parse_limits, read_limits
@@ -30,7 +31,7 @@ class Planned(Result):
 def excite(
     robot: Robot | str | Path,
     limits: Mapping[str, Any] | str | Path,
-    effects: str = "viscous_friction,coulomb_friction",
+    effects: str = USUAL_FRICTION,
     *,
     duration: float | None = None,
     seed: int = 0,

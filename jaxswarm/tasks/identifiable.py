@@ -9,6 +9,7 @@ Reference: D. A. Belsley, E. Kuh, R. E. Welsch, Regression Diagnostics, 1980, ch
 
 import numpy as np
 
+from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.estimation.base_parameters import find_base
 from jaxswarm.identify.estimation.least_squares import triangular_factor
@@ -18,7 +19,6 @@ from jaxswarm.identify.physical.physical_model import random_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import Robot, standard_parameter_names
 
-FRICTION = "viscous_friction,coulomb_friction"
 # Errors of a model of a good arm are about 1 % of its torque: magnified a hundred times they are as large
 # as the parameter, thirty times they leave one digit.
 _LOST, _WEAK = 100.0, 30.0
@@ -38,7 +38,7 @@ def identifiable(robot: Robot, motions: list[Motion]) -> dict:
         weak or lost) and ``never_seen`` (base parameters of the arm of which the motion shows nothing,
         or that it cannot tell from others).
     """
-    terms = parse_terms(FRICTION, robot.joints)
+    terms = parse_terms(USUAL_FRICTION, robot.joints)
     zero = np.zeros(10 * robot.num_joints)
     parts = []
     for motion in motions:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import outputs, plots
+from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -81,7 +82,7 @@ def prepared(
 def identify(
     logs: Logs,
     robot: Robot | str | Path,
-    effects: str = "viscous_friction,coulomb_friction",
+    effects: str = USUAL_FRICTION,
     *,
     validation: Logs | None = None,
     motion_cutoff: float | None = None,

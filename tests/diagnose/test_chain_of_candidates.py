@@ -11,14 +11,13 @@ from jaxswarm.diagnose.candidates.backlash import _curves, _Point
 from jaxswarm.diagnose.candidates.journal import fingerprint
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.search import _lattice, _survey, _Task, searching
-from jaxswarm.diagnose.candidates.whole_model import warped_candidate
+from jaxswarm.diagnose.candidates.whole_model import body_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.effects import Law, Parameter
-from jaxswarm.effects.base import make_sample
+from jaxswarm.effects import Law, Parameter, make_sample
+from jaxswarm.effects.deflection import contact_stiffness
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import contact_stiffness
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.columns import joint_series
 from jaxswarm.identify.forward.measuring_chain import assemble, late
@@ -68,7 +67,7 @@ def test_a_payload_and_a_tilt_pass_the_drives_too(stand):
         assemble(model.robot, model.terms, m, model.width, stand.pi, r, decimate=True)[:, :, 10:20]
         for m, r in zip(found.motions, found.rigids, strict=True)
     ]
-    carried = warped_candidate(stand, Term("payload")).columns[0]
+    carried = body_candidate(stand, Term("payload")).columns[0]
     np.testing.assert_allclose(
         carried, stand.background.weigh(np.concatenate(parts)), rtol=1e-9, atol=1e-9
     )
@@ -84,7 +83,7 @@ def test_a_payload_and_a_tilt_pass_the_drives_too(stand):
         for m, r in zip(found.motions, found.rigids, strict=True)
     ]  # fmt: skip
     slope = np.concatenate([(high - low) / (2 * step) for high, low in tilted])
-    found_slope = warped_candidate(stand, Term("base_tilt")).columns[0][:, :, 0]
+    found_slope = body_candidate(stand, Term("base_tilt")).columns[0][:, :, 0]
     np.testing.assert_allclose(found_slope, slope * stand.background.weight, rtol=1e-4, atol=1e-4)
 
 
@@ -122,7 +121,7 @@ def test_a_point_without_a_finite_torque_hides_no_other():
     )  # fmt: skip
     q = np.linspace(-3.0, 3.0, 600)
     series = make_sample(q=q)
-    lattice, cell = _lattice(1, 128, 1)
+    lattice, cell = _lattice(1, 128, (480, 1))
     task = _Task(np.int32(0), np.bool_(False), cell, series, fold_of(np.sin(3.0 * q)))
     points, gains = _survey((law,), 1, task, lattice, 4, np.ones(1))
     assert 1.0 + 3.0 * float(points[0, 0]) == pytest.approx(3.0, abs=0.05)
@@ -161,10 +160,10 @@ def test_a_closed_gear_is_as_stiff_in_the_search_as_in_the_fit():
     own = stand.sensed(0)
     stiff = [contact_stiffness(s.inertia(stand.pi), 30.0)[0] for s in own]
     assert abs(stiff[0] / stiff[1] - 1.0) > 1e-3
-    both = _curves(stand, 0, [_Point(0.005, 0.0, 30.0)], stand.pi, 2)
+    both = _curves(stand, Term("backlash", 0), [_Point(0.005, 0.0, 30.0)], stand.pi, 2)
     alone = estimate(small_arm(), blank(), motions[1:], bounded=False)
     single = Linearization(alone, cross_fit(alone))
-    one = _curves(single, 0, [_Point(0.005, 0.0, 30.0)], stand.pi, 2)
+    one = _curves(single, Term("backlash", 0), [_Point(0.005, 0.0, 30.0)], stand.pi, 2)
     np.testing.assert_allclose(both[:, -one.shape[1] :], one, rtol=1e-9, atol=1e-12)
 
 

@@ -91,7 +91,8 @@ def test_the_filter_of_rows_outside_does_not_reach_into_the_window():
 
 def test_two_touches_are_two_terms_and_an_unplaced_one_is_neither():
     first, second = contact(1.0, 1.5), contact(4.0, 4.5)
-    assert len({first.key, second.key, contact(1.0, 1.5, 1.0).key, Term("contact").key}) == 4
+    four = (first, second, contact(1.0, 1.5, 1.0), Term("contact"))
+    assert len({term.identity for term in four}) == 4
     names = [*first.columns(("a", "b")), *second.columns(("a", "b"))]
     assert len(set(names)) == 4
     motion = prepare(touched(log_with(), TOUCHES[:2]), BAND)
@@ -100,4 +101,4 @@ def test_two_touches_are_two_terms_and_an_unplaced_one_is_neither():
     assert both.model.terms[-2].values["tau_joint1"] == pytest.approx(6.0, abs=1.0)
     assert both.model.terms[-1].values["tau_joint2"] == pytest.approx(5.0, abs=1.0)
     assert linear_units(first, small_arm()) == ["N m", "N m"]
-    assert DECLARED[0].key == (DECLARED[0].effect, 0, None, None)
+    assert DECLARED[0].identity == (DECLARED[0].effect, 0, None, None)

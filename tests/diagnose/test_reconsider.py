@@ -13,7 +13,7 @@ from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
 from jaxswarm.diagnose.selection.pair import pair
-from jaxswarm.diagnose.selection.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import reconsider
 from jaxswarm.diagnose.selection.step import Step, competitors, near_ones
 from jaxswarm.effects.term import Term
@@ -27,7 +27,7 @@ def stage():
     scores = judge(
         Linearization(before, background), list_suspects(before.model, before.motions), 0
     )
-    return before, {key_of(s.candidate.term): s for s in scores}
+    return before, {s.candidate.term.identity: s for s in scores}
 
 
 def step_of(stage, effect, others) -> Step:
@@ -46,7 +46,7 @@ def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(stage):
     steps, found, changed = reconsider([step], step.after, 60, Rules())
     assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
     assert steps[0].added.values["c"] == pytest.approx(1.5, rel=0.05)
-    assert key_of(steps[0].added) in {key_of(t) for t in found.model.terms}
+    assert steps[0].added.identity in {t.identity for t in found.model.terms}
     assert "nonlinear_viscous_friction" not in {t.effect for t in found.model.terms}
     assert steps[0].before is stage[0]
     assert "quadratic_drag" in {t.effect for t in steps[0].after.model.terms}
@@ -73,7 +73,7 @@ def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
     scores = judge(
         Linearization(before, background), list_suspects(before.model, before.motions), 0
     )
-    there = before, {key_of(s.candidate.term): s for s in scores}
+    there = before, {s.candidate.term.identity: s for s in scores}
     step = step_of(there, "nonlinear_viscous_friction", ["quadratic_drag"])
 
     def ahead(guilty, rules, background):

@@ -4,14 +4,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxswarm.effects import REGISTRY, Law, Parameter
+from jaxswarm.effects import REGISTRY, Law, Parameter, TorqueLaw
 from jaxswarm.effects.contract import check_unit, draw_series
 from jaxswarm.effects.series import law_columns, law_torque
 from jaxswarm.effects.term import physical_unit
 from jaxswarm.testing import check_effect
 
 LAWS = sorted(REGISTRY)
-TORQUES = [name for name in LAWS if REGISTRY[name].torque is not None]
+TORQUES = [name for name in LAWS if isinstance(REGISTRY[name], TorqueLaw)]
 B = Parameter("b", "N m s/rad", 0.0, 10.0, True, 1.0, "coefficient")
 V = Parameter("v", "rad/s", 0.1, 1.0, False, 0.5, "velocity", "log")
 

@@ -12,7 +12,7 @@ from jaxswarm.effects import REGISTRY, Law, Parameter, get_law, make_sample, reg
 from jaxswarm.effects.series import law_torque, states
 from jaxswarm.errors import InputError
 
-BRAKES = sorted(law.name for law in REGISTRY.values() if law.dissipative)
+BRAKES = sorted(law.name for law in REGISTRY.values() if getattr(law, "dissipative", False))
 
 
 def value(name, parameters, **sample):
@@ -171,8 +171,9 @@ def law(**changes) -> Law:
     [
         ({"name": "viscous_friction"}, "registered already"),
         ({"scope": "link"}, "scope"),
-        ({"warp": "delay"}, "exactly one"),
-        ({"torque": None}, "exactly one"),
+        ({"scope": "global"}, "scope is 'joint' or 'pair'"),
+        ({"torque": None}, "needs a torque"),
+        ({"shown_against": "weather"}, "shown against"),
         ({"parameters": (Parameter("b", "1", 1.0, 0.0, True, 0.5, ""),)}, "lower < upper"),
         ({"parameters": (Parameter("b", "1", 0.0, 1.0, True, 2.0, ""),)}, "nominal"),
         ({"parameters": (Parameter("b", "1", 0.0, 1.0, True, 0.5, "", "log"),)}, "scale"),

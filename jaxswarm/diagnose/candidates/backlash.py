@@ -1,4 +1,4 @@
-r"""A loose joint whose strikes can be predicted one by one.
+r"""A joint with backlash whose strikes can be predicted one by one.
 
 Between two flanks the link flies freely; the moment and the force of a strike follow from the motion if
 the rigid parameters are good enough. Two things spoil those of the present fit. The strikes themselves,
@@ -7,7 +7,7 @@ And while the link follows its motor, inertia of the rotor and of the link are o
 declared, divisions of the joint's inertia between the two are tried with every gap.
 
 Where the best of these explains most of what the joint lacks, strikes are predictable; where it does
-not, :mod:`jaxswarm.diagnose.candidates.transmission` judges how the load shifts around a strike.
+not, :mod:`jaxswarm.diagnose.candidates.transmission` asks how the load shifts around a strike.
 """
 
 from dataclasses import replace
@@ -18,15 +18,9 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import (
-    FLANK,
-    GAPS,
-    ROTOR_SHARES,
-    closed_gear,
-    lag_torque,
-)
+from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
+from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import SUBSTEPS
 
 # Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
 _MOST = 0.5
@@ -36,7 +30,7 @@ _FLANKS = (20.0, 40.0, 80.0)
 
 
 class _Point(NamedTuple):
-    """A loose joint: play [rad], rotor's share of the inertia, frequency on the flank [Hz]."""
+    """A joint with backlash: gap [rad], rotor's share of the inertia, frequency on the flank [Hz]."""
 
     gap: float
     share: float
@@ -44,19 +38,21 @@ class _Point(NamedTuple):
 
 
 def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
-    """The play of a joint with its strikes where they happen; None where those cannot be predicted."""
+    """The gap of a joint with its strikes where they happen; None where those cannot be predicted."""
     (pi, residual), j = stand.steady, term.joint
     along = stand.rotor(j)
     divided = bool(along.any())
 
     def curves_at(points: list[_Point], substeps: int) -> np.ndarray:
         parts = [
-            _curves(stand, j, list(group), pi - share * along, substeps)
+            _curves(stand, term, list(group), pi - share * along, substeps)
             for share, group in groupby(points, lambda p: p.share)
         ]
         return np.concatenate(parts)
 
-    coarse = [_Point(g, s, FLANK) for s in (ROTOR_SHARES if divided else (0.0,)) for g in GAPS]
+    inertia = float(np.median(np.abs(stand.sensed(j)[0].inertia(stand.pi))))
+    lattice = [(o["gap"], o["flank"]) for o in term.law.lattice(inertia)]
+    coarse = [_Point(g, s, f) for s in (ROTOR_SHARES if divided else (0.0,)) for g, f in lattice]
     shares_of = _explained(
         curves_at(coarse, SUBSTEPS // 2), residual, np.ones(len(residual), dtype=bool), j
     )
@@ -96,14 +92,14 @@ def _explained(
 
 
 def _curves(
-    stand: Linearization, joint: int, points: list[_Point], pi: np.ndarray, substeps: int
+    stand: Linearization, term: Term, points: list[_Point], pi: np.ndarray, substeps: int
 ) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs."""
-    motions, sensed = stand.found.motions, stand.sensed(joint)
-    gap, _, flank = np.array(points).T
+    motions, sensed = stand.found.motions, stand.sensed(term.joint)
+    options = [{"gap": p.gap, "flank": p.flank} for p in points]
     terms = stand.found.model.terms
     parts = [
-        lag_torque(motion, own, pi[None], *closed_gear(own, pi, flank), gap, substeps, terms)
+        lag_torque(motion, own, pi[None], *gears(term.law, options, own, pi), substeps, terms)
         for motion, own in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

@@ -56,7 +56,7 @@ class Memory:
         best values explained so little, a share s, that none can explain much now: by the triangle
         inequality at most ((sqrt(s) + c) / (1 - c))^2 with c = |r - r_old| / |r_old|.
         """
-        old = self.known.get(_place(term))
+        old = self.known.get(term.place)
         if old is None or old.residuals.shape != residuals.shape:
             return None
         change = np.linalg.norm(residuals - old.residuals, axis=1)
@@ -67,14 +67,10 @@ class Memory:
 
     def keep(self, term: Term, residuals: np.ndarray, values: list[dict[str, float]]) -> None:
         """Remember the values per fold of a term."""
-        self.known[_place(term)] = _Known(values, residuals)
+        self.known[term.place] = _Known(values, residuals)
 
     def judged(self, term: Term, share: float) -> None:
         """Remember what the values of a term explained of the residuals they were found on."""
-        known = self.known.get(_place(term))
+        known = self.known.get(term.place)
         if known is not None and known.share is None:
             known.share = share
-
-
-def _place(term: Term) -> tuple:
-    return term.effect, term.joint, term.other

@@ -1,4 +1,4 @@
-"""A suspect with the columns it would add to the model."""
+"""A candidate term with the columns it would add to the model."""
 
 from dataclasses import dataclass
 
@@ -6,19 +6,18 @@ import numpy as np
 from scipy import ndimage
 
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import LAGGING
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A suspect with what it would add.
+    """A candidate term with what it would add.
 
     Attributes:
         term: With the nonlinear parameters found on all rows.
         columns: Weighted columns (T, n, k) for the whole log, the first half, the second half, each
             with the nonlinear parameters found on its own rows.
         size: Parameters it spends, linear and nonlinear.
-        blur: Rows over which it is averaged before it is judged. When a loose gear strikes is decided
+        blur: Rows over which it is averaged before it is scored. When a gear with backlash strikes is decided
             by torques below the noise; how the load shifts around the strike is not.
         start: Rigid parameters (10 n,) to refit from; None: those of the current model.
         signed: Whether the coefficient is a change of something known, of either sign.
@@ -40,9 +39,4 @@ class Candidate:
     @property
     def positive(self) -> bool:
         """Whether physics wants its single coefficient positive."""
-        law = self.term.law
-        if self.signed:
-            return False
-        if law.warp in LAGGING:
-            return True
-        return len(law.linear) == 1 and law.linear[0].lower >= 0
+        return not self.signed and self.term.law.positive

@@ -78,4 +78,4 @@ def fingerprint(robot: Robot, motions: Sequence[Motion], *options) -> str:
 
 
 def _name(term: Term) -> str:
-    return f"{term.effect}/{term.joint}/{term.other}"
+    return "/".join(map(str, term.place))

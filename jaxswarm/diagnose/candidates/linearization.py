@@ -1,4 +1,4 @@
-"""Where the model stands when the suspects are asked."""
+"""Where the model stands when the candidates are proposed."""
 
 from functools import cached_property
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.effects.term import Term, warped
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.columns import Load, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
@@ -22,6 +23,8 @@ from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9
+# Directions of the scaled rows weaker than this are rounding: the root of the precision, generously.
+_RANK = 3e-7
 
 
 class Linearization:
@@ -82,8 +85,9 @@ class Linearization:
             rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])
             target = (regression.target * weight / noise).ravel()
             scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-            gram = rows.T @ rows / scale / scale[:, None]
-            values = np.linalg.lstsq(gram, rows.T @ target / scale, rcond=1e-13)[0] / scale
+            triangle = np.linalg.qr(np.column_stack([rows / scale, target]), mode="r")
+            factor, reduced = triangle[:, :-1], triangle[:, -1]
+            values = np.linalg.lstsq(factor, reduced, rcond=_RANK)[0] / scale
             residual = regression.target - columns @ values
         return solution.base.expand(values)[: len(self.pi)], residual / noise
 
@@ -95,9 +99,13 @@ class Linearization:
         declared.
         """
         full = np.zeros_like(self.pi)
-        name = f"ia_{self.found.model.robot.joints[joint]}:rotor_inertia"
         regression, solution = self.found.regression, self.found.fit
-        if name not in regression.names:
+        names = [
+            f"{t.law.motor_inertia}_{self.found.model.robot.joints[joint]}:{t.effect}"
+            for t in of_kind(self.found.model.terms, TorqueLaw)
+            if t.joint == joint and t.law.motor_inertia
+        ]
+        if not names:
             return full
         inertia = min(float(own.inertia(self.pi).min()) for own in self.sensed(joint))
         if inertia <= 0:
@@ -105,7 +113,7 @@ class Linearization:
         rigid = [c for c in solution.base.kept if c < len(full)]
         rows = regression.columns / solution.sigma[:, None]
         matrix = rows[:, :, rigid].reshape(-1, len(rigid))
-        target = rows[:, :, regression.names.index(name)].ravel()
+        target = rows[:, :, regression.names.index(names[0])].ravel()
         scale = np.linalg.norm(matrix, axis=0)
         full[rigid] = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
         return inertia * full
@@ -143,9 +151,7 @@ class Linearization:
             return self.on_joint(self.low(build), term.joint)
         # They follow from the motion, and many from that alone: the next round finds them ready.
         laws = self.memory.laws_of(motions)
-        reports = tuple(
-            (t.joint, *t.values.items()) for w in ("gain", "delay") for t in warped(terms, w)
-        )
+        reports = tuple((t.place, *t.values.items()) for t in of_kind(terms, MeasurementLaw))
         place = (term, *term.values.items(), width if term.law.uses_direction else None, reports)
         if place not in laws:
             laws[place] = self.low(build)

@@ -1,4 +1,4 @@
-"""The torque that a link behind its motor changes, for many stiffnesses or gaps at once."""
+"""The torque that a link behind its motor changes, for many values of its parameters at once."""
 
 from dataclasses import replace
 
@@ -8,18 +8,13 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.folds.partial_out import Fold
-from jaxswarm.effects import get_law
+from jaxswarm.effects.deflection import deflection
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import contact_stiffness, deflection
 from jaxswarm.identify.forward.measuring_chain import report
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
 
-# Gaps [rad] that are tried, and where nothing else is known the frequency on the flank [Hz] and the time
-# [s] over which the torque of a loose joint is averaged.
-GAPS = np.geomspace(2e-4, 0.06, 44)
-_PLAY = get_law("backlash").nominal()
-FLANK, BLUR = _PLAY["flank"], _PLAY["blur"]
 # Shares of a joint's inertia that its rotor may hold.
 ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
 _MOST_LAG = 1.0
@@ -41,7 +36,7 @@ def lag_torque(
         motion: The log.
         sensed: What the rigid torque does when the joint moves otherwise.
         pis: Rigid parameters, (m, 10 n); one row serves all options.
-        k, d, gap: Stiffness, damping and play, each (m,).
+        k, d, gap: Stiffness, damping and dead zone, each (m,).
         substeps: Integration steps per sample.
         terms: The model's, whose drives report the torque.
     """
@@ -61,10 +56,13 @@ def lag_torque(
     return np.moveaxis(motion.decimator.apply(told), 2, 0)
 
 
-def closed_gear(sensed: Sensitivity, pi: np.ndarray, flank: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Stiffness and damping (m,) of a closed gear with the link's inertia on a log, as the fit has them."""
+def gears(
+    law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
     inertia = jnp.asarray(sensed.inertia(pi))
-    return tuple(np.asarray(x) for x in contact_stiffness(inertia, flank))
+    found = [law.gear(option, inertia) for option in options]
+    return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
 
 
 def best_option(judge: Candidate, fold: Fold, curves: np.ndarray) -> int:

@@ -1,4 +1,4 @@
-r"""The columns a suspect would add to the model, for the whole log and for each half.
+r"""The columns a candidate term would add to the model, for the whole log and for each half.
 
 A law's torque is linear in its linear parameters, so its columns are exact. An effect that moves the
 links, the clock or the scale is taken to first order about the current model: the difference it makes to
@@ -8,18 +8,28 @@ the model's torque, or the derivative of that by its parameter. Once added, it i
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import singledispatch
 
 import jax
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.contact import external_candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.candidates.transmission import lagging_candidate
-from jaxswarm.diagnose.candidates.whole_model import warped_candidate
+from jaxswarm.diagnose.candidates.whole_model import body_candidate, measurement_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
-from jaxswarm.effects.term import Term, warped
-from jaxswarm.effects.warps import LAGGING
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import (
+    BodyChange,
+    ExternalTorque,
+    MeasurementLaw,
+    TorqueLaw,
+    TransmissionLaw,
+)
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.measuring_chain import lateness
 from jaxswarm.logs.motion import Motion
 
 # Basis columns are filled up to a multiple, so that a model that grows does not recompile the search.
@@ -28,24 +38,53 @@ _MULTIPLE = 16
 
 def gather(stand: Linearization, suspects: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
     """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
-    searched = [t for t in suspects if t.law.torque is not None and t.law.nonlinear]
+    searched = [t for t in suspects if t.law.searched]
     done: dict[Term, Candidate | None] = {}
     # The compiled searches run while the other candidates are built.
     with _searched(stand, searched, key) as finish:
         for term in suspects:
-            law = term.law
-            if law.torque is not None and not law.nonlinear:
-                done[term] = Candidate(term, (stand.law(term),) * 3, len(law.linear))
-            elif law.torque is None:
-                soft = law.warp in LAGGING
-                build = lagging_candidate if soft else warped_candidate
-                done[term] = build(stand, term)
+            if not term.law.searched:
+                done[term] = propose(term.law, stand, term)
         found = finish()
     for term, values in zip(searched, found, strict=True):
         columns = tuple(stand.law(replace(term, values=v)) for v in values)
         placed = replace(term, values=values[0])
         done[term] = Candidate(placed, columns, len(term.law.parameters))
     return [done[t] for t in suspects if done[t] is not None]
+
+
+@singledispatch
+def propose(law: Effect, stand: Linearization, term: Term) -> Candidate | None:
+    """A term as a candidate for the present model; None where there is nothing to say.
+
+    Terms whose nonlinear parameters are searched (``law.searched``) are proposed by :func:`gather`.
+    """
+    raise NotImplementedError(f"no candidates of kind {type(law).__name__}")
+
+
+@propose.register
+def _(law: TorqueLaw, stand, term):
+    return Candidate(term, (stand.law(term),) * 3, len(law.linear))
+
+
+@propose.register
+def _(law: TransmissionLaw, stand, term):
+    return lagging_candidate(stand, term)
+
+
+@propose.register
+def _(law: BodyChange, stand, term):
+    return body_candidate(stand, term)
+
+
+@propose.register
+def _(law: ExternalTorque, stand, term):
+    return external_candidate(stand, term)
+
+
+@propose.register
+def _(law: MeasurementLaw, stand, term):
+    return measurement_candidate(stand, term)
 
 
 @contextmanager
@@ -73,7 +112,7 @@ def _searched(
         [stand.loads[k] for k in chosen],
         [_stages(stand, stand.found.regression.log == k) for k in chosen],
         key,
-        sum(t.values["seconds"] for t in warped(stand.found.model.terms, "delay")),
+        lateness(stand.found.model.terms),
     )
 
     with search as finish:

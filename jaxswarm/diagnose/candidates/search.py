@@ -21,7 +21,8 @@ import numpy as np
 
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import REGISTRY
-from jaxswarm.effects.base import Law, Sample
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
 from jaxswarm.identify.forward.measuring_chain import late
@@ -29,9 +30,8 @@ from jaxswarm.logs.motion import Motion
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
-# Lattice points, shared by the dimensions; the order of a ripple has a narrow valley.
-_POINTS, _MOST_POINTS = 128, 480
-_FINE = {"torque_ripple": _MOST_POINTS}
+# Lattice points, shared by the dimensions, for a law that does not ask for its own number of them.
+_POINTS = 128
 # Lattice points whose columns are held at a time.
 _BATCH = 32
 # What explains less of the residual than this share on every fold is not refined: it comes to nothing.
@@ -53,7 +53,9 @@ class _Task(NamedTuple):
 
 
 @partial(jax.jit, static_argnames=("laws", "factor"))
-def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array):
+def _columns_at(
+    laws: tuple[TorqueLaw, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array
+):
     """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law."""
     width = max(len(law.linear) for law in laws)
 
@@ -67,7 +69,12 @@ def _columns_at(laws: tuple[Law, ...], factor: int, task: _Task, taps: jax.Array
 
 @partial(jax.jit, static_argnames=("laws", "factor"))
 def _survey(
-    laws: tuple[Law, ...], factor: int, task: _Task, lattice: jax.Array, count, taps: jax.Array
+    laws: tuple[TorqueLaw, ...],
+    factor: int,
+    task: _Task,
+    lattice: jax.Array,
+    count,
+    taps: jax.Array,
 ):
     """The best of a lattice's first points and what it explains, one per fold: (S, d), (S,).
 
@@ -96,7 +103,7 @@ def _survey(
 
 @partial(jax.jit, static_argnames=("laws", "factor"))
 def _refine(
-    laws: tuple[Law, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
+    laws: tuple[TorqueLaw, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
 ):
     """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, d)."""
 
@@ -116,7 +123,7 @@ def _refine(
 
 @contextmanager
 def searching(
-    tasks: list[tuple[Law, int, int | None]],
+    tasks: list[tuple[TorqueLaw, int, int | None]],
     motions: Sequence[Motion],
     width: Sequence[float],
     loads: Sequence[Load],
@@ -153,27 +160,28 @@ def searching(
     joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     laws = _searched(law for law, _, _ in tasks)
-    dims = max(len(law.nonlinear) for law in laws)
+    points = max(_BATCH * -(-(law.grid_size or _POINTS) // _BATCH) for law in laws)
+    most = points, max(len(law.nonlinear) for law in laws)
     precise, tracing = jax.config.jax_enable_x64, Lock()
 
-    def search(law: Law, joint: int, other: int | None) -> list[dict[str, float]]:
+    def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
             _held(late(joint_series(motion, width, load, joint, other), delay, motion), end)
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
-        points = _FINE.get(law.name, _POINTS)
-        lattice, cell = _lattice(len(law.nonlinear), points, dims)
+        points = law.grid_size or _POINTS
+        lattice, cell = _lattice(len(law.nonlinear), points, most)
         task = _Task(
             np.int32(laws.index(law)),
-            np.bool_(len(law.linear) == 1 and law.linear[0].lower >= 0),
+            np.bool_(law.positive),
             cell,
             series,
             jax.tree.map(lambda x: x[joint], whole),
         )
         with jax.enable_x64(precise):  # a thread has settings of its own
             with tracing:
-                best = _survey(laws, factor, task, lattice, points // _BATCH, taps)
+                best = _survey(laws, factor, task, lattice, -(-points // _BATCH), taps)
             positions, gains = map(np.asarray, best)
             if (gains > _WORTH * (task.stages.residual**2).sum(axis=1)).any():
                 with tracing:
@@ -203,33 +211,26 @@ def _rows(stage: FoldData, count: int) -> FoldData:
     return jax.tree.map(fill, stage)
 
 
-def _searched(laws: Iterable[Law]) -> tuple[Law, ...]:
+def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
     """The laws that share compiled programs: all that are registered, and these."""
     known = {one.name: one for one in (*REGISTRY.values(), *laws)}
-    return tuple(one for one in known.values() if one.torque is not None and one.nonlinear)
+    return tuple(one for one in known.values() if one.searched)
 
 
-def _lattice(dims: int, points: int, most: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lattice points in the unit cube, (points, most), and half the width of a cell with its neighbors.
+def _lattice(dims: int, points: int, most: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Lattice points in the unit cube, ``most`` in shape, and half the width of a cell with its neighbors.
 
-    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most points of any law.
+    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most of any law.
     """
     count = int(points ** (1 / dims) + 1e-9)
     axis = (np.arange(count) + 0.5) / count
     grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
-    lattice = np.full((_MOST_POINTS, most), 0.5)
-    lattice[:, :dims] = grid[np.minimum(np.arange(_MOST_POINTS), len(grid) - 1)]
-    return lattice, np.where(np.arange(most) < dims, 1.0 / count, 0.5)
+    lattice = np.full(most, 0.5)
+    lattice[:, :dims] = grid[np.minimum(np.arange(most[0]), len(grid) - 1)]
+    return lattice, np.where(np.arange(most[1]) < dims, 1.0 / count, 0.5)
 
 
-def _decode(law: Law, u) -> dict:
+def _decode(law: TorqueLaw, u) -> dict:
     """Nonlinear parameters by name at a point of the unit cube."""
-    values = {}
-    for k, p in enumerate(sorted(law.nonlinear, key=lambda p: p.name)):
-        on_log = p.scale == "log"
-        values[p.name] = (
-            p.lower * (p.upper / p.lower) ** u[k]
-            if on_log
-            else p.lower + u[k] * (p.upper - p.lower)
-        )
-    return values
+    ordered = sorted(law.nonlinear, key=lambda p: p.name)
+    return {p.name: p.decode(u[k]) for k, p in enumerate(ordered)}

@@ -1,53 +1,71 @@
-"""Candidates that change the whole model: its scale, its clock, its gravity, what it carries or touches."""
+"""Candidates that change the whole model: its gravity, what it carries, how its torque is written down."""
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.effects.term import Term, warped
+from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
 
-# Lengths of the windows tried for a touch: from this many rows to a third of the log.
-_SHORTEST, _LENGTHS = 3, 32
 
+def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
+    """How the model's torque would change in what the drives write down, to first order."""
+    law, neutral = term.law, term.law.neutral()
 
-def warped_candidate(stand: Linearization, term: Term) -> Candidate | None:
-    """The candidate of a drive gain, delay, tilt, payload or touch; None where there is nothing to say."""
-    kind = term.law.warp
-    if kind == "window":
-        return _touch(stand, term)
-    if kind == "gain":
-        columns = stand.on_joint(
-            stand.low(lambda k: stand.outputs[k][:, term.joint, None]), term.joint
+    def slopes(k):
+        output, step = stand.outputs[k], 1.0 / stand.found.motions[k].rate
+        if term.joint is not None:
+            output = output[:, term.joint]
+        # Continued straight by a sample: what a delay brings in at the ends is not known.
+        ends = 2 * output[[0, -1]] - output[[1, -2]]
+        longer = jnp.asarray(np.concatenate([ends[:1], output, ends[1:]]))
+        jacobian = jax.jacfwd(lambda p: law.report(p, longer, step))(
+            {name: jnp.asarray(value, float) for name, value in neutral.items()}
         )
-        start = {"gain": 1.0}
-    elif kind == "delay":
-        rates = [m.rate for m in stand.found.motions]
-        columns = stand.stack(
-            lambda k: -np.gradient(stand.outputs[k], 1.0 / rates[k], axis=0)[:, :, None]
-        )
-        start = {"seconds": 0.0}
-    elif kind == "gravity":
-        columns = stand.background.weigh(_tilt(stand))
-        start = {"gx": 0.0, "gy": 0.0}
+        return np.stack([np.asarray(jacobian[p.name])[1:-1] for p in law.parameters], axis=-1)
+
+    low = stand.low(slopes)
+    if term.joint is None:
+        columns = stand.background.weigh(low)
     else:
+        columns = stand.on_joint(low, term.joint)
+    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+
+
+def body_candidate(stand: Linearization, term: Term) -> Candidate:
+    """Another gravity or a body on the last link, to first order."""
+    law, neutral = term.law, term.law.neutral()
+    if law.gravity is not None:
+        columns = stand.background.weigh(_gravity_columns(stand, term))
+    else:
+        names = [p.name for p in law.parameters]
+        unit = [{name: float(name == one) for name in names} for one in names]
+        bodies = np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
         last = slice(-10, None)
-        columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last]))
-        start = term.values
-    return Candidate(replace(term, values=start), (columns,) * 3, columns.shape[2])
+        columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
+    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
 
-def _tilt(stand: Linearization) -> np.ndarray:
-    """Decimated torque of a unit of gravity along base x and y, (T', n, 2 and more).
+def _directions(stand: Linearization, term: Term) -> np.ndarray:
+    """Change of gravity by each parameter, (p, 3)."""
+    start = {n: jnp.asarray(x, float) for n, x in term.law.neutral().items()}
+    slopes = jax.jacfwd(lambda p: term.law.gravity(p, jnp.asarray(stand.arm.gravity)))(start)
+    return np.stack([np.asarray(slopes[p.name]) for p in term.law.parameters])
+
+
+def _gravity_columns(stand: Linearization, term: Term) -> np.ndarray:
+    """Decimated torque by each parameter of a gravity, (T', n, p and more).
 
     Gravity aside also loads masses that the level arm never felt, such as that of a first link
     about its vertical axis: their torques follow as further columns with free coefficients.
     """
     unknown = np.setdiff1d(np.arange(len(stand.pi)), stand.found.fit.base.kept)
-    *aside, level = _by_gravity(stand)
+    *aside, level = _by_gravity(stand, _directions(stand, term))
     known = np.stack([rows @ stand.pi for rows in aside], axis=2)
     free = np.concatenate([rows[:, :, unknown] for rows in aside], axis=2)
     # What the level arm's own columns cannot say already, as few columns as span it.
@@ -60,14 +78,14 @@ def _tilt(stand: Linearization) -> np.ndarray:
     return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
 
 
-def _by_gravity(stand: Linearization) -> list[np.ndarray]:
-    """Decimated rigid columns at rest for gravity along base x, base y and as it is, (T', n, 10 n) each.
+def _by_gravity(stand: Linearization, directions: np.ndarray) -> list[np.ndarray]:
+    """Decimated rigid columns at rest for gravity along the directions and as it is, (T', n, 10 n) each.
 
     They follow from the links' positions alone, so that the next round need not build them again.
     """
-    terms = stand.found.model.terms
-    chain = [tuple(t.values.items()) for w in ("gain", "delay") for t in warped(terms, w)]
-    places = (*(id(q) for q, _, _ in stand.moved), *chain)
+    measured = of_kind(stand.found.model.terms, MeasurementLaw)
+    chain = [(t.place, *t.values.items()) for t in measured]
+    places = (directions.tobytes(), *(id(q) for q, _, _ in stand.moved), *chain)
     memory = stand.memory
     if places in memory.gravity:
         return memory.gravity[places][1]
@@ -81,34 +99,7 @@ def _by_gravity(stand: Linearization) -> list[np.ndarray]:
 
         return stand.low(rows)
 
-    found = [columns(g) for g in (*np.eye(3)[:2], stand.arm.gravity)]
+    found = [columns(g) for g in (*directions, stand.arm.gravity)]
     # The positions are kept with them: their identity is the key.
     memory.gravity = {places: ([q for q, _, _ in stand.moved], found)}
     return found
-
-
-def _touch(stand: Linearization, term: Term) -> Candidate | None:
-    """The window whose constant torques explain most, found on running sums of the residual."""
-    regression, residual = stand.found.regression, stand.background.whole.residual
-    total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
-    best, pick = 0.0, None
-    for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):
-        change = total[length:] - total[:-length]
-        gain = (change**2).sum(axis=1) / length
-        if gain.max() > best:
-            first = int(np.argmax(gain))
-            if regression.log[first] == regression.log[first + length - 1]:
-                best, pick = gain.max(), (first, first + length - 1)
-    if pick is None:
-        return None
-    start, end = regression.t[pick[0]], regression.t[pick[1]]
-    log = regression.log[pick[0]]
-
-    def build(k):
-        motion = stand.found.motions[k]
-        inside = (motion.t >= start) & (motion.t <= end) & (k == log)
-        return stand.reported(k, inside[:, None, None] * np.eye(residual.shape[1]))
-
-    columns = stand.stack(build)
-    values = {"start": float(start), "end": float(end), "log": float(log)}
-    return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])

@@ -92,8 +92,7 @@ def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = Non
 def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> Score:
     """Fit a candidate on each half and score it on the other.
 
-    ``interval`` is the log's sampling interval [s]: a delay below half of it is no delay, since a
-    torque sampled and held is late by that much already.
+    ``interval`` is the log's sampling interval [s], by which a delay is told from the log's own.
     """
     if candidate.term.law.recurring:
         return _score_event(candidate, background)
@@ -125,8 +124,7 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
     # A joint effect is a matter of its own joint; others may gain through shared parameters.
     share = float(max(per_joint[joint] / before[joint], (per_joint / before).max()))
     allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
-    if candidate.term.effect == "time_delay":
-        allowed = abs(whole[0]) > 0.5 * interval and max(map(abs, whole)) < 0.05
+    allowed = allowed and candidate.term.law.credible(whole[0], interval)
     weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
     return Score(
         candidate=candidate,

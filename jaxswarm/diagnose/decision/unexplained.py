@@ -180,10 +180,12 @@ def _features(inputs: list[_Input], seed: int) -> np.ndarray:
 
 
 def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
-    gram = free.T @ free
-    return np.linalg.solve(
-        gram + _RIDGE * np.trace(gram) / len(gram) * np.eye(len(gram)), free.T @ residual
-    )
+    """Coefficients (f,) of free columns (T, f), held back by a share of their mean square."""
+    triangle = np.linalg.qr(np.column_stack([free, residual]), mode="r")
+    factor, target = triangle[:, :-1], triangle[:, -1]
+    held = np.sqrt(_RIDGE * np.mean((factor**2).sum(axis=0))) * np.eye(factor.shape[1])
+    more = np.concatenate([target, np.zeros(len(held))])
+    return np.linalg.lstsq(np.concatenate([factor, held]), more, rcond=None)[0]
 
 
 def _try(background: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:

@@ -1,14 +1,11 @@
 """The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what remains."""
 
-from dataclasses import replace
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.text import where
-from jaxswarm.diagnose.selection.refit import key_of
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.effects.term import Term
@@ -21,22 +18,20 @@ def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.nda
     """The variable against which an effect shows itself: label and values (T,)."""
     j = 0 if term.joint is None else term.joint
     name = motion.joints[j]
-    by_position = {"torque_ripple", "joint_spring", "hysteresis", "backlash"}
-    if term.effect in by_position:
-        return f"q of {name}", motion.q[:, j]
-    if term.effect == "load_dependent_friction":
+    if term.law.shown_against == "load":
         own = Model(model.robot, (), model.width, model.filtering, model.sigma)
         load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width[j])
         return f"|load| sign(dq) of {name}", load
-    if term.effect in ("thermal_drift", "contact"):
-        return "time [s]", motion.t
-    if term.effect in ("rotor_inertia", "joint_elasticity"):
-        return f"ddq of {name}", motion.ddq[:, j]
-    if term.effect == "transmission_coupling":
-        return f"dq of {motion.joints[term.other]}", motion.dq[:, term.other]
-    if term.effect in ("drive_gain", "time_delay", "base_tilt", "torque_offset"):
+    if term.law.shown_against == "model torque":
         return f"torque of the model on {name}", model_torque(model, motion)[:, j]
-    return f"dq of {name}", motion.dq[:, j]
+    partner = j if term.other is None else term.other
+    return {
+        "position": (f"q of {name}", motion.q[:, j]),
+        "velocity": (f"dq of {name}", motion.dq[:, j]),
+        "acceleration": (f"ddq of {name}", motion.ddq[:, j]),
+        "partner velocity": (f"dq of {motion.joints[partner]}", motion.dq[:, partner]),
+        "time": ("time [s]", motion.t),
+    }[term.law.shown_against]
 
 
 def evidence(step: Step, final: Model, motion: Motion) -> Figure:
@@ -45,8 +40,8 @@ def evidence(step: Step, final: Model, motion: Motion) -> Figure:
     Left against the variable the law is about, right over time; the dots are measured minus the final
     model without this effect, the line is the effect.
     """
-    others = tuple(t for t in final.terms if key_of(t) != key_of(step.added))
-    without = step.rest or replace(final, terms=others)
+    others = tuple(t for t in final.terms if t.identity != step.added.identity)
+    without = Model(final.robot, others, final.width, final.filtering, final.sigma)
     low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
     whole, rest = model_torque(final, motion), model_torque(without, motion)
     contribution = low.apply(whole - rest)

@@ -16,7 +16,7 @@ from jaxswarm.diagnose.decision.verdict import (
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
-from jaxswarm.diagnose.selection.refit import key_of, refit_with
+from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.diagnose.selection.survives import HARM
@@ -132,7 +132,7 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
 
 def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
     for term, errors in zip(final.model.terms, final.std_errors, strict=True):
-        if key_of(term) == key_of(added):
+        if term.identity == added.identity:
             return term, errors
     return added, {}
 
@@ -219,7 +219,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
     if item.repeats < rules.repeat:
         reasons.append(f"helps in only {item.repeats:.0%} of the blocks")
     if not reasons and not passes(item, len(diagnosis.last), rules):
-        reasons.append("no touch that explains more than everything that lasts")
+        reasons.append("no single event that explains more than everything that lasts")
     return {
         **place(item.candidate.term, joints),
         "share_of_error": item.share,

@@ -3,19 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
+from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
-from jaxswarm.diagnose.selection.refit import key_of
 from jaxswarm.effects.term import Term
-from jaxswarm.effects.warps import LAGGING
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.columns import rigid_columns
-from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model
 
 # A value may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
@@ -34,7 +30,8 @@ class Change:
         others: Runners-up.
         now: Where the effect was known, its values with the change in them,
         now_errors: and their standard errors.
-        aside: Torque (T', n) of masses that only a tilted arm feels.
+        further: Torque (T', n) of a candidate's columns beyond its parameters, such as of masses that
+            only another gravity loads; None: there are none.
     """
 
     term: Term
@@ -44,14 +41,14 @@ class Change:
     others: tuple[Score, ...]
     now: dict[str, float] = field(default_factory=dict)
     now_errors: dict[str, float] = field(default_factory=dict)
-    aside: np.ndarray | None = None
+    further: np.ndarray | None = None
 
 
 def changes_of(
     before: Estimate, picked: Sequence[tuple[Candidate, Score, tuple[Score, ...]]]
 ) -> tuple[Change, ...]:
     """Fit all picked changes together on what the earlier model leaves."""
-    held = {key_of(t): t for t in before.model.terms}
+    held = {t.identity: t for t in before.model.terms}
     found = fit_changes(before, [candidate for candidate, _, _ in picked])
     changes, start = [], 0
     for candidate, worth, others in picked:
@@ -59,12 +56,15 @@ def changes_of(
         start = own.stop
         term = candidate.term
         values, errors = _values(term, own, found, before.model.robot.joints)
-        term, aside = replace(term, values=values), None
-        if term.law.warp == "gravity":
-            aside = candidate.columns[0][:, :, 2:] @ found.values[own][2:]
-        old = held.get(key_of(term))
+        term, further = replace(term, values=values), None
+        told = len(term.law.candidate_names(before.model.robot.joints))
+        if 0 < told < own.stop - own.start:
+            further = candidate.columns[0][:, :, told:] @ found.values[own][told:]
+        old = held.get(term.identity)
         now, now_errors = ({}, {}) if old is None else _now(before, old, term, own, found)
-        changes.append(Change(term, errors, old is not None, worth, others, now, now_errors, aside))
+        changes.append(
+            Change(term, errors, old is not None, worth, others, now, now_errors, further)
+        )
     return tuple(changes)
 
 
@@ -81,8 +81,8 @@ def doubt_of(change: Change) -> str | None:
                 f"[{p.lower:g}, {p.upper:g}]: no value that it can have"
             )
     told = [n for n, e in errors.items() if np.isfinite(e)]
-    # Of a gain the change is what differs from one.
-    change_of = {n: term.values[n] - (n == "gain") for n in told}
+    neutral = term.law.neutral()
+    change_of = {n: term.values[n] - neutral.get(n, 0.0) for n in told}
     if told and not any(abs(change_of[n]) > _DOUBT * errors[n] for n in told):
         return "is no larger than its doubt, with that of the earlier model in it"
     return None
@@ -90,24 +90,11 @@ def doubt_of(change: Change) -> str | None:
 
 def _values(term: Term, own: slice, found: Coefficients, joints) -> tuple[dict, dict]:
     """Values and standard errors by name from the coefficients of a term's columns."""
-    law, values = term.law, found.values[own]
+    neutral, names = term.law.neutral(), term.law.candidate_names(joints)
     doubt = np.sqrt(np.diag(found.covariance)[own])
-    if law.warp == "payload":
-        names = [p.name for p in law.parameters]
-    elif law.warp == "gain":
-        values, names = values + 1.0, ["gain"]
-    elif law.warp == "delay":
-        names = ["seconds"]
-    elif law.warp == "gravity":
-        names, values, doubt = ["gx", "gy"], values[:2], doubt[:2]
-    elif law.warp == "window":
-        names = [f"tau_{j}" for j in joints]
-    elif law.warp in LAGGING:
-        return dict(term.values), {}
-    else:
-        names = [p.name for p in law.linear]
-    table = {**term.values, **{n: float(x) for n, x in zip(names, values, strict=True)}}
-    return table, {n: float(x) for n, x in zip(names, doubt, strict=True)}
+    pairs = zip(names, found.values[own], strict=False)
+    table = {**term.values, **{n: float(neutral.get(n, 0.0) + x) for n, x in pairs}}
+    return table, {n: float(x) for n, x in zip(names, doubt, strict=False)} if names else {}
 
 
 def _now(before: Estimate, old: Term, term: Term, own: slice, found: Coefficients):
@@ -132,42 +119,5 @@ def with_changes(before: Estimate, changes: Sequence[Change]) -> Model:
     """The earlier model with changes in it; how certain it is now is not known."""
     model = before.model
     for change in changes:
-        model = _with_change(model, change)
-        if change.aside is not None:
-            model = _with_masses(model, before, change.aside)
+        model = apply_change(change.term.law, model, change, before.motions)
     return replace(model, uncertainty=None) if changes else model
-
-
-def _with_change(model: Model, change: Change) -> Model:
-    robot, term = model.robot, change.term
-    if term.law.warp == "payload":
-        added = np.zeros((robot.num_joints, 10))
-        added[-1] = [term.values[p.name] for p in term.law.parameters]
-        parameters = jnp.asarray(np.asarray(robot.parameters) + added)
-        return replace(model, robot=robot.replace(parameters=parameters))
-    if not change.known:
-        return replace(model, terms=(*model.terms, term))
-    terms = tuple(
-        replace(t, values=change.now) if key_of(t) == key_of(term) else t for t in model.terms
-    )
-    return replace(model, terms=terms)
-
-
-def _with_masses(model: Model, before: Estimate, torque: np.ndarray) -> Model:
-    """The tilted model with the masses that the level arm never felt, from their torque (T', n).
-
-    They lie in the directions of the parameters that leave the level arm's torque as it is.
-    """
-
-    def rows(arm):
-        motions = before.motions
-        parts = [m.decimator.apply(rigid_columns(arm, m.q, m.dq, m.ddq)) for m in motions]
-        return np.concatenate(parts).reshape(torque.size, -1)
-
-    level = rows(model.robot)
-    _, size, directions = np.linalg.svd(level, full_matrices=False)
-    unfelt = directions[size <= 1e-9 * size[0]].T
-    felt = rows(tilted(model.robot, model.terms)) @ unfelt
-    change = unfelt @ np.linalg.lstsq(felt, torque.ravel(), rcond=1e-6)[0]
-    parameters = model.robot.parameters + jnp.asarray(change.reshape(-1, 10))
-    return replace(model, robot=model.robot.replace(parameters=parameters))

@@ -100,7 +100,7 @@ def _expanded(
     size, bodies, start = len(base.names), [], 0
     for candidate in candidates:
         own = slice(start, start + candidate.columns[0].shape[2])
-        if candidate.term.law.warp == "payload":
+        if getattr(candidate.term.law, "body", None) is not None:
             body = _nearest_body(base, values, covariance, own)
             inside = np.flatnonzero((base.kept >= own.start) & (base.kept < own.stop))
             # What the others were found to be beside the payload goes with it.

@@ -23,7 +23,6 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes
 from jaxswarm.diagnose.selection.change_fit import crossed
 from jaxswarm.diagnose.selection.earlier_model import freeze
-from jaxswarm.diagnose.selection.refit import key_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.usable import check_usable
@@ -80,11 +79,11 @@ def compare(
         journal: Keeps the searches on disk, so that an interrupted comparison can go on.
     """
     rules = rules or Rules()
-    # A touch happened in the earlier log alone.
+    # An event happened in the earlier log alone.
     model = replace(model, terms=tuple(t for t in model.terms if not t.law.recurring))
     check_usable(model.terms, motions)
     before = current = freeze(model, motions)
-    held = {key_of(t) for t in before.model.terms}
+    held = {t.identity for t in before.model.terms}
     picked: list[tuple[Candidate, Score, tuple[Score, ...]]] = []
     stages: list[Estimate] = []
     unseen: list[np.ndarray] = []
@@ -94,7 +93,7 @@ def compare(
     for number in range(_MOST_STEPS + 1):
         progress(f"round {number + 1}: asking what changed")
         background = cross_fit(current, frozen=True)
-        done = {key_of(t) for t in (*(c.term for c, _, _ in picked), *(t for t, _ in refused))}
+        done = {t.identity for t in (*(c.term for c, _, _ in picked), *(t for t, _ in refused))}
         scores = _ask(current, background, held, seed, done, memory)
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
@@ -134,10 +133,12 @@ def _raw(candidate: Candidate, background: CrossFit) -> Candidate:
 
 
 def _ask(found: Estimate, background: CrossFit, held, seed: int, done, memory) -> list[Score]:
-    suspects = [t for t in list_suspects(found.model, found.motions, True) if key_of(t) not in done]
+    suspects = [
+        t for t in list_suspects(found.model, found.motions, True) if t.identity not in done
+    ]
     return judge(
         Linearization(found, background, memory),
         suspects,
         seed,
-        signed=lambda term: key_of(term) in held,
+        signed=lambda term: term.identity in held,
     )

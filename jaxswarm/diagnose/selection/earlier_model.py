@@ -18,8 +18,8 @@ def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
     """An earlier model on new logs, as an estimate in which nothing was fitted."""
     rigids = tuple(rigid_of(model.robot, m) for m in motions)
     pi = np.asarray(model.robot.parameters).ravel()
-    # A payload is in the last link's parameters.
-    terms = tuple(t for t in model.terms if t.law.warp != "payload")
+    # A body that was added is in the last link's parameters.
+    terms = tuple(t for t in model.terms if not (t.law.reference_only and not t.law.recurring))
     model = replace(model, terms=terms)
     regression = build_regression(model.robot, terms, motions, model.width, pi, rigids)
     theta = linear_values(model)

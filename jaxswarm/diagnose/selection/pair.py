@@ -15,7 +15,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
-from jaxswarm.diagnose.selection.refit import key_of, refit, refit_with
+from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -36,11 +36,11 @@ def pair(
         steps, current, asked, rules, seed: As for :func:`reconsider`.
     """
     for number, step in enumerate(steps):
-        own, rivals = key_of(step.added), competitors(step)
-        there = {key_of(t) for t in current.model.terms}
+        own, rivals = step.added.identity, competitors(step)
+        there = {t.identity for t in current.model.terms}
         if step.score.joint not in joints or step.removed or own not in there or not rivals:
             continue
-        rest = refit(current, tuple(t for t in current.model.terms if key_of(t) != own))
+        rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
         for rival in rivals:
             one = _ask(rest, rival, asked, rules, seed)
             first = one and refit_with(rest, one)
@@ -48,7 +48,7 @@ def pair(
             both = two and refit_with(first, two)
             if not both or not _predicts_better(both, current, step.score.joint, asked, rules):
                 continue
-            others = tuple(s for s in step.others if key_of(s.candidate.term) != key_of(rival))
+            others = tuple(s for s in step.others if s.candidate.term.identity != rival.identity)
             found = [
                 Step(find_term(first, rival), one, (), others, step.before, first, ()),
                 Step(find_term(both, step.added), two, (), others, first, both, ()),

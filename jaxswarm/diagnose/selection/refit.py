@@ -4,16 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.eligible import CONTAINS
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import robust_weight
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths
 from jaxswarm.identify.forward.regression import Diverged
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
+# A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
+_INSIDE = 0.95
 
 
 def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
@@ -21,7 +23,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     coefficient leaves its physical bounds or the torque leaves the finite numbers.
     """
     term = _with_start(chosen)
-    inner = CONTAINS.get(term.effect, ())
+    inner = term.law.contains
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
     try:
         after = refit(current, (*kept, term), chosen.candidate.start)
@@ -30,7 +32,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     fitted, errors = next(
         (t, e)
         for t, e in zip(after.model.terms, after.std_errors, strict=True)
-        if key_of(t) == key_of(term)
+        if t.identity == term.identity
     )
     linear = term.law.linear
     physical = all(fitted.values[p.name] >= p.lower for p in linear)
@@ -94,22 +96,17 @@ def _fit_from(
 
 
 def _with_start(chosen: Score) -> Term:
-    """The term with a first-order start of what its linearization found."""
-    term, a = chosen.candidate.term, chosen.coefficients
-    values = dict(term.values)
-    if term.law.warp == "gain":
-        values["gain"] = float(np.clip(1.0 + a[0], 0.55, 1.9))
-    elif term.law.warp == "delay":
-        values["seconds"] = float(np.clip(a[0], -0.045, 0.045))
-    elif term.law.warp == "gravity":
-        values["gx"], values["gy"] = (float(np.clip(x, -2.9, 2.9)) for x in a[:2])
+    """The term with a first-order start of what its linearization found, away from the bounds."""
+    term = chosen.candidate.term
+    law, values = term.law, dict(term.values)
+    moving = {p.name: p for p in law.free(values)}
+    for name, change in zip(law.candidate_names(()), chosen.coefficients, strict=False):
+        if name in moving:
+            p, neutral = moving[name], law.neutral()[name]
+            low, high = (neutral + _INSIDE * (bound - neutral) for bound in (p.lower, p.upper))
+            values[name] = float(np.clip(neutral + change, low, high))
     return replace(term, values=values)
 
 
 def _cost(one: Estimate, weights: Estimate) -> float:
-    return float(((one.fit.residual / weights.fit.sigma) ** 2).sum())
-
-
-def key_of(term: Term) -> tuple:
-    """What a term is, see :attr:`jaxswarm.effects.term.Term.key`."""
-    return term.key
+    return weighted_cost(one.fit.residual, weights.fit.sigma)

@@ -17,7 +17,7 @@ from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, robust_weight
 from jaxswarm.diagnose.selection.pair import pair
-from jaxswarm.diagnose.selection.refit import is_certain, key_of, refit, refit_with
+from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -84,15 +84,15 @@ def reconsider(
     for step in steps:
         rivals = competitors(step)
         errors = {
-            key_of(t): (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
+            t.identity: (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
         }
-        if step.removed or key_of(step.added) not in errors:
+        if step.removed or step.added.identity not in errors:
             continue
-        if not rivals and is_certain(*errors[key_of(step.added)]):
+        if not rivals and is_certain(*errors[step.added.identity]):
             continue
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
-        own = key_of(step.added)
-        rest = refit(current, tuple(t for t in current.model.terms if key_of(t) != own))
+        own = step.added.identity
+        rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
         background = cross_fit(rest)
         suspects = [replace(t, values={}) for t in (step.added, *rivals)]
         scores = judge(Linearization(rest, background), suspects, seed)
@@ -104,7 +104,7 @@ def reconsider(
                 current, changed = rest, True
             continue
         chosen, near = choose(guilty, rules, background)
-        same = key_of(chosen.candidate.term) == own
+        same = chosen.candidate.term.identity == own
         instead = _replacement(
             _simpler(chosen, guilty) if same else [chosen], chosen, rest, current
         )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from jaxswarm.diagnose.decision.competing import OVERLAP, overlap
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.diagnose.selection.refit import key_of, refit
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
@@ -56,7 +56,7 @@ def near_ones(chosen: Score, guilty: Sequence[Score], background: CrossFit) -> t
 
 def competitors(step: Step) -> list[Term]:
     """Terms that came near a chosen one when it was added."""
-    known = {key_of(s.candidate.term): s.candidate.term for s in (*step.rivals, *step.near)}
+    known = {s.candidate.term.identity: s.candidate.term for s in (*step.rivals, *step.near)}
     return list(known.values())
 
 
@@ -65,8 +65,8 @@ def chain(steps: Sequence[Step]) -> list[Step]:
     done = []
     for step in steps:
         before = done[-1].after if done else step.before
-        gone = {key_of(t) for t in step.removed}
-        kept = tuple(t for t in before.model.terms if key_of(t) not in gone)
+        gone = {t.identity for t in step.removed}
+        kept = tuple(t for t in before.model.terms if t.identity not in gone)
         after = refit(before, (*kept, step.added))
         done.append(replace(step, added=find_term(after, step.added), before=before, after=after))
     return done
@@ -74,4 +74,4 @@ def chain(steps: Sequence[Step]) -> list[Step]:
 
 def find_term(found: Estimate, term: Term) -> Term:
     """A term of a model with its fitted values."""
-    return next(t for t in found.model.terms if key_of(t) == key_of(term))
+    return next(t for t in found.model.terms if t.identity == term.identity)

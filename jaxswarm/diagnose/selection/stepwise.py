@@ -14,11 +14,12 @@ from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
-from jaxswarm.diagnose.selection.refit import key_of, refit_with
+from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import survives
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
@@ -57,8 +58,8 @@ class Diagnosis:
     @property
     def kept(self) -> tuple[Step, ...]:
         """The steps whose effect was not removed again by a later one."""
-        gone = {key_of(t) for step in self.steps for t in step.removed}
-        return tuple(step for step in self.steps if key_of(step.added) not in gone)
+        gone = {t.identity for step in self.steps for t in step.removed}
+        return tuple(step for step in self.steps if step.added.identity not in gone)
 
 
 def diagnose(
@@ -99,7 +100,7 @@ def diagnose(
         background = cross_fit(current)
         stand = Linearization(current, background, memory)
         suspects = [
-            t for t in list_suspects(current.model, current.motions) if key_of(t) not in banned
+            t for t in list_suspects(current.model, current.motions) if t.identity not in banned
         ]
         late = clock_skew(stand, suspects, rules, seed) if len(skews) < _MOST_SKEWS else 0.0
         if late:
@@ -110,7 +111,7 @@ def diagnose(
         scores = judge(stand, suspects, seed)
         asked = asked or len(scores)
         guilty = [s for s in scores if passes(s, len(scores), rules)]
-        # A touch is believed only if nothing that lasts explains more.
+        # What happens once is believed only if nothing that lasts explains more.
         most = max((s.gain for s in scores), default=0.0)
         guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
         if round_number == _MOST_STEPS:
@@ -125,25 +126,25 @@ def diagnose(
             )
             if not changed:
                 break
-            held = {key_of(s.added) for s in steps}
-            withdrawn = tuple(s.added for s in former if key_of(s.added) not in held)
+            held = {s.added.identity for s in steps}
+            withdrawn = tuple(s.added for s in former if s.added.identity not in held)
             continue
         chosen, rivals = choose(guilty, rules, background)
         if stands_in(chosen, current, background, seed):
-            banned.add(replace(chosen.candidate.term, values={}).key)
+            banned.add(replace(chosen.candidate.term, values={}).identity)
             continue
         progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
         after, removed = add(current, chosen)
         if after is None:
-            banned.add(replace(chosen.candidate.term, values={}).key)
+            banned.add(replace(chosen.candidate.term, values={}).identity)
             continue
         term = chosen.candidate.term
         why = None if term.law.recurring else survives(current, after, chosen.joint, other)
         if why:
             refused.append((term, why))
-            banned.add(replace(term, values={}).key)
+            banned.add(replace(term, values={}).identity)
             continue
-        added = next(t for t in after.model.terms if key_of(t) == key_of(chosen.candidate.term))
+        added = next(t for t in after.model.terms if t.identity == term.identity)
         others = [
             s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
         ]
@@ -193,7 +194,7 @@ def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int)
 
 def clock_skew(stand: Linearization, suspects: Sequence[Term], rules: Rules, seed: int) -> float:
     """The delay [s] that is real but below half a sample: a matter of the clock, not of the robot; else 0."""
-    for s in judge(stand, [t for t in suspects if t.effect == "time_delay"], seed):
+    for s in judge(stand, [t for t in of_kind(suspects, MeasurementLaw) if t.law.clock], seed):
         if not s.allowed:
             real = s.gain > 0 and s.p_value * len(suspects) < rules.significance
             return float(s.coefficients[0]) if real and s.share > 0.02 else 0.0
@@ -217,8 +218,8 @@ def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, 
     after = refit_with(current, chosen)
     if after is None:
         return None, ()
-    kept = {key_of(t) for t in after.model.terms}
-    return after, tuple(t for t in current.model.terms if key_of(t) not in kept)
+    kept = {t.identity for t in after.model.terms}
+    return after, tuple(t for t in current.model.terms if t.identity not in kept)
 
 
 def _error(one: Estimate) -> float:

@@ -180,13 +180,11 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
     ]
     for free, error in zip(moving, positions, strict=True):
         if free.term is not None:
-            slope = free.slope(terms[free.term].values[free.name])
+            slope = free.parameter.slope(terms[free.term].values[free.name])
             errors[free.term][free.name] = float(error * slope)
     for term, own in zip(terms, errors, strict=True):
-        if term.law.warp == "play":
-            pressed = flank_compression(
-                tilted(robot, terms), term, first, here.pi, problem.rigids[0]
-            )
+        pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
+        if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
     if any(t.law.recurring for t in terms):
         model, errors = with_event_torques(

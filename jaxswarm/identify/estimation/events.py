@@ -8,7 +8,7 @@ import numpy as np
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, window_columns
+from jaxswarm.identify.forward.measuring_chain import assemble, own_columns
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs.motion import Motion
@@ -45,7 +45,8 @@ def with_event_torques(
                 decimate=True,
             )
             left = motion.decimator.apply(motion.tau) - columns @ linear_values(model.during(None))
-            window = motion.decimator.apply(window_columns(term, motion))[:, 0, 0]
+            own_window = own_columns(term, motion, model.width, None)
+            window = motion.decimator.apply(own_window)[:, 0, 0]
             lasting = [k for k, name in enumerate(names) if name not in _own_columns(model)]
             doubt = covariance[np.ix_(lasting, lasting)]
             values, spread = _mean(window, left, columns, doubt, solution.sigma, memory)

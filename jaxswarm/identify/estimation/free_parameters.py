@@ -1,17 +1,16 @@
 """Nonlinear parameters and the sign's width, each moved on [0, 1] on its own scale, with tangents."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 
-# The output of a loose joint has small steps along its gap: its slope there is that over a wider span.
+# Half width of a difference, and the wider one along a parameter where the output has small steps.
 _DIFFERENCE, _WIDE = 1e-4, 0.02
-# Parameters of these warps follow from the data in one linear step and are not searched here.
-_NOT_SEARCHED = ("window", "payload")
 
 
 class Place(NamedTuple):
@@ -21,66 +20,53 @@ class Place(NamedTuple):
     width: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class FreeParameter:
-    """One nonlinear parameter of one term, moved between its bounds by a number in [0, 1].
+class FreeParameter(NamedTuple):
+    """One nonlinear parameter of one term, or the width of some joints' signs.
 
     Attributes:
-        term: Index of the term; None for the width of a joint's sign.
-        name: Parameter name.
-        lower, upper: Bounds.
-        log: Whether it moves on a logarithmic scale.
+        term: Index of the term; None for a width.
+        parameter: With its bounds and its scale.
         stepwise: Whether the model's output has small steps along it.
         joints: Whose signs' width it is; empty for a term's parameter.
     """
 
     term: int | None
-    name: str
-    lower: float
-    upper: float
-    log: bool
+    parameter: Parameter
     stepwise: bool = False
     joints: tuple[int, ...] = ()
 
-    def decode(self, u: float) -> float:
-        """Value at position u."""
-        if self.log:
-            return float(self.lower * (self.upper / self.lower) ** u)
-        return float(self.lower + u * (self.upper - self.lower))
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return self.parameter.name
 
-    def encode(self, value: float) -> float:
-        """Position of a value."""
-        if self.log:
-            return float(np.log(value / self.lower) / np.log(self.upper / self.lower))
-        return float((value - self.lower) / (self.upper - self.lower))
+    @property
+    def lower(self) -> float:
+        """Least value."""
+        return self.parameter.lower
 
-    def slope(self, value: float) -> float:
-        """Derivative of the value by the position."""
-        if self.log:
-            return float(value * np.log(self.upper / self.lower))
-        return float(self.upper - self.lower)
+    @property
+    def upper(self) -> float:
+        """Largest value."""
+        return self.parameter.upper
 
 
 def free_parameters(
     terms: tuple[Term, ...], widths: Sequence[FreeParameter] = ()
 ) -> list[FreeParameter]:
-    """All nonlinear parameters of a model, in order, and the widths that are free.
-
-    A torque averaged over the moment of a strike says nothing of the flank, which then stays as it is.
-    """
+    """All nonlinear parameters of a model, in order, and the widths that are free."""
     own = [
-        FreeParameter(k, p.name, p.lower, p.upper, p.scale == "log", term.law.warp == "play")
+        FreeParameter(k, p, term.law.stepwise)
         for k, term in enumerate(terms)
-        if term.law.warp not in _NOT_SEARCHED
-        for p in term.law.nonlinear
-        if p.fitted and not (p.name == "flank" and term.values.get("blur"))
+        for p in term.law.free(term.values)
     ]
     return [*own, *widths]
 
 
 def width_parameter(joints: Sequence[int], limits: tuple[float, float]) -> FreeParameter:
     """The width that some joints share, within limits."""
-    return FreeParameter(None, "width", *limits, True, joints=tuple(joints))
+    width = Parameter("width", "rad/s", *limits, False, limits[0], "of the smooth sign", "log")
+    return FreeParameter(None, width, joints=tuple(joints))
 
 
 def read(place: Place, moving: list[FreeParameter]) -> np.ndarray:
@@ -89,7 +75,9 @@ def read(place: Place, moving: list[FreeParameter]) -> np.ndarray:
         place.width[k.joints[0]] if k.term is None else place.terms[k.term].values[k.name]
         for k in moving
     ]
-    return np.array([free.encode(value) for free, value in zip(moving, values, strict=True)])
+    return np.array(
+        [free.parameter.encode(value) for free, value in zip(moving, values, strict=True)]
+    )
 
 
 def write(place: Place, moving: list[FreeParameter], position: np.ndarray) -> Place:
@@ -98,9 +86,9 @@ def write(place: Place, moving: list[FreeParameter], position: np.ndarray) -> Pl
     for free, u in zip(moving, position, strict=True):
         if free.term is None:
             for joint in free.joints:
-                width[joint] = free.decode(float(u))
+                width[joint] = float(free.parameter.decode(float(u)))
         else:
-            changed[free.term][free.name] = free.decode(float(u))
+            changed[free.term][free.name] = float(free.parameter.decode(float(u)))
     terms = tuple(replace(t, values=v) for t, v in zip(place.terms, changed, strict=True))
     return Place(terms, tuple(width))
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term, parameter_bounds
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, read, tangents, write
-from jaxswarm.identify.estimation.least_squares import Fit, fit
+from jaxswarm.identify.estimation.least_squares import Fit, fit, weighted_cost
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, term_block, uses_load
 from jaxswarm.identify.forward.regression import Diverged, Regression, build_regression
@@ -68,7 +69,8 @@ class Problem:
                 for k, t in enumerate(place.terms)
                 if t.joint in free.joints and t.law.uses_direction
             ]
-        alone = place.terms[free.term].law.torque is not None and not moves_links(place.terms)
+        own = isinstance(place.terms[free.term].law, TorqueLaw)
+        alone = own and not moves_links(place.terms)
         return [free.term] if alone else None
 
 
@@ -125,13 +127,12 @@ def _attempt(build, *at):
 
 def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> float:
     """Weighted squares that a model leaves whose rigid parameters the columns were made with."""
-    residual = (regression.target - regression.columns @ theta) / sigma
-    return float((residual**2).sum())
+    return weighted_cost(regression.target - regression.columns @ theta, sigma)
 
 
 def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Settled:
     """Gauss-Newton steps of the free parameters; a step that does not pay is shortened."""
-    cost = weighted_cost(here.solution, here.solution.sigma)
+    cost = weighted_cost(here.solution.residual, here.solution.sigma)
     for _ in range(_STEPS):
         sigma = here.solution.sigma
         position = read(here.place, moving)
@@ -139,14 +140,14 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
         for shrink in (1.0, 0.3, 0.1):
             trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
             there = _attempt(settle, problem, trial, here.pi)
-            new = np.inf if there is None else weighted_cost(there.solution, sigma)
+            new = np.inf if there is None else weighted_cost(there.solution.residual, sigma)
             if new < cost * (1 - 1e-7):
                 break
         else:
             break
         gain = 1 - new / cost
         here = there
-        cost = weighted_cost(here.solution, here.solution.sigma)
+        cost = weighted_cost(here.solution.residual, here.solution.sigma)
         if gain < 1e-5:
             break
     return here
@@ -210,8 +211,3 @@ def standard_errors(
     errors[solution.base.kept] = solution.std_error
     count = len(regression.names)
     return errors[:count], errors[count:]
-
-
-def weighted_cost(solution: Fit, sigma: np.ndarray) -> float:
-    """Sum of squares of a fit's residual in units of ``sigma`` (n,)."""
-    return float(((solution.residual / sigma) ** 2).sum())

@@ -142,6 +142,11 @@ def solve(
     return theta, (theta == lower) | (theta == upper)
 
 
+def weighted_cost(residual: np.ndarray, sigma: np.ndarray) -> float:
+    """Sum of squares of a residual (T, n) in units of ``sigma`` (n,)."""
+    return float(((residual / sigma) ** 2).sum())
+
+
 def fit(
     regression: Regression,
     lower: np.ndarray | None = None,

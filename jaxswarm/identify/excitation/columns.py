@@ -8,7 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Sample
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
@@ -24,12 +25,12 @@ def refuse_terms(terms: tuple[Term, ...], joints: tuple[str, ...]) -> None:
     """Refuse effects whose columns do not follow from the motion alone.
 
     Raises:
-        InputError: On a warp, or on a law that needs the load or a temperature.
+        InputError: On an effect that is no torque of a joint, or on a law that needs the load or a temperature.
     """
     for term in terms:
         law = term.law
         heat = bool(np.isnan(_law_columns(term, *np.ones((4, len(joints), 2)), 1.0)).any())
-        if law.torque is None or law.scope == "global" or law.uses_load or heat:
+        if not isinstance(law, TorqueLaw) or law.uses_load or heat:
             raise InputError(
                 f"effect {term.label(joints)} has no columns that follow from the motion alone, so no "
                 "motion can be planned for it; leave it out of --effects"
@@ -80,7 +81,7 @@ def planned_columns(
 
 def _law_columns(term: Term, t, q, dq, ddq, width) -> jax.Array:
     """Columns (K, k) of one term's linear parameters on its own joint."""
-    if term.law.torque is None or term.joint is None:
+    if not isinstance(term.law, TorqueLaw):
         return jnp.zeros((q.shape[1], len(term.law.linear)))
     j = term.joint
     other = j if term.other is None else term.other

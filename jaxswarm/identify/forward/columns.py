@@ -14,7 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Law, Sample
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import Motion
@@ -54,7 +55,7 @@ def _rigid(
 
 
 @partial(jax.jit, static_argnames="law")
-def _law(law: Law, nonlinear: dict, series: Sample) -> jax.Array:
+def _law(law: TorqueLaw, nonlinear: dict, series: Sample) -> jax.Array:
     return law_columns(law, nonlinear, series)
 
 

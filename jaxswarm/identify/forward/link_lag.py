@@ -1,6 +1,7 @@
 r"""The motion of links that lag behind their motors, and what it takes from the rigid parameters.
 
-The lag e of a soft or loose joint follows the rigid torque (:mod:`jaxswarm.effects.warps`), so the torque
+The lag e of a flexible joint, or of one with backlash, follows the rigid torque
+(:mod:`jaxswarm.effects.deflection`), so the torque
 is no longer linear in the rigid parameters :math:`\pi`: near resonance the lag decides the fit that decides
 the lag. :func:`lag_slopes` gives the missing part of the derivative,
 :math:`-(\tau_q\,\partial e + \tau_{\dot q}\,\partial\dot e + \tau_{\ddot q}\,\partial\ddot e)/\partial\pi`.
@@ -13,8 +14,9 @@ import jax.numpy as jnp
 import numpy as np
 from scipy import ndimage
 
-from jaxswarm.effects.term import Term, warped
-from jaxswarm.effects.warps import contact_stiffness, deflection
+from jaxswarm.effects.deflection import deflection
+from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.logs.motion import Motion
@@ -22,7 +24,7 @@ from jaxswarm.robot.model import Robot
 
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
-    """Lag of the link of a soft or loose joint along a log: e, de, dde, each (T,)."""
+    """Lag of a link behind its motor along a log: e, de, dde, each (T,)."""
     torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
     lag = deflection(by_ddq, by_dq, by_q, torque, *_transmission(term, by_ddq), 1.0 / motion.rate)
     size = max(1, round(blur_of(term) * motion.rate))
@@ -30,7 +32,7 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
 
 
 def blur_of(term: Term) -> float:
-    """Time [s] over which a lag is averaged: by how much the moment of a strike is uncertain."""
+    """Time [s] over which a lag is averaged: by how much a strike may be off; zero without backlash."""
     return _values(term).get("blur", 0.0)
 
 
@@ -40,18 +42,19 @@ def _values(term: Term) -> dict[str, float]:
 
 
 def slope_terms(terms: tuple[Term, ...]) -> list[Term]:
-    """The soft and loose joints whose lag follows the rigid parameters smoothly enough for a derivative."""
-    loose = [t for t in warped(terms, "play") if blur_of(t) == 0.0]
-    return [*warped(terms, "elastic"), *loose]
+    """The transmissions whose lag follows the rigid parameters smoothly enough for a derivative."""
+    return [t for t in of_kind(terms, TransmissionLaw) if blur_of(t) == 0.0]
 
 
 def flank_compression(
     robot: Robot, term: Term, motion: Motion, pi: np.ndarray, rigid: Rigid | None = None
 ) -> float:
-    """How far the gear of a loose joint is pressed together on its flanks [rad], the median along a log.
+    """How far a gear with backlash is pressed together on its flanks [rad], the median along a log.
 
-    Where a flank begins is not known more closely: the play and the compression add up.
+    Where a flank begins is not known more closely: gap and compression add up. Zero for other terms.
     """
+    if not isinstance(term.law, TransmissionLaw) or term.law.gap is None:
+        return 0.0
     torque, _, _, inertia = (
         x[:, term.joint] for x in sensitivity_of(robot, motion, term.joint, rigid).at(pi)
     )
@@ -59,15 +62,9 @@ def flank_compression(
 
 
 def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
-    """Stiffness, damping and play of a joint whose link has this inertia (T,)."""
+    """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
     values = {n: jnp.asarray(x) for n, x in _values(term).items()}
-    return _gear(term.law.warp == "play", values, jnp.asarray(inertia))
-
-
-def _gear(loose: bool, values: dict[str, jax.Array], inertia: jax.Array) -> tuple[jax.Array, ...]:
-    if loose:
-        return (*contact_stiffness(inertia, values["flank"]), values["gap"])
-    return values["k"], values["d"], jnp.zeros_like(values["k"])
+    return term.law.gear(values, jnp.asarray(inertia))
 
 
 def link_motion(
@@ -79,7 +76,7 @@ def link_motion(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
-    for term in warped(terms, "elastic") + warped(terms, "play"):
+    for term in of_kind(terms, TransmissionLaw):
         lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
@@ -93,7 +90,7 @@ def lag_slopes(
     pi: np.ndarray,
     rigid: Rigid | None = None,
 ) -> np.ndarray:
-    """Derivative of the torque by the rigid parameters that runs through the lag of soft and loose joints.
+    """Derivative of the torque by the rigid parameters that runs through the lag of links.
 
     To first order about the motors' motion, shape (T, n, 10 n).
     """
@@ -103,20 +100,20 @@ def lag_slopes(
         sensed = sensitivity_of(robot, motion, j, rigid)
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
-        loose, step = term.law.warp == "play", 1.0 / motion.rate
-        lags = _lag_directions(loose, own @ pi, own[:, :, felt], _values(term), step)
+        step = 1.0 / motion.rate
+        lags = _lag_directions(term.law, own @ pi, own[:, :, felt], _values(term), step)
         for by, lag in zip(sensed.at(pi)[1:], lags, strict=True):
             total[:, :, felt] -= by[:, :, None] * np.asarray(lag)[:, None, :]
     return total
 
 
-@partial(jax.jit, static_argnames="loose")
-def _lag_directions(loose, own, directions, values, step):
+@partial(jax.jit, static_argnames="law")
+def _lag_directions(law, own, directions, values, step):
     """Derivatives (T, m) of e, de, dde along m directions (4, T, m) of torque and sensitivities."""
 
     def lag(signals):
         torque, by_q, by_dq, by_ddq = signals
-        return deflection(by_ddq, by_dq, by_q, torque, *_gear(loose, values, by_ddq), step)
+        return deflection(by_ddq, by_dq, by_q, torque, *law.gear(values, by_ddq), step)
 
     along = partial(jax.jvp, lag, (own,))
     return jax.vmap(lambda x: along((x,))[1], in_axes=2, out_axes=1)(directions)

@@ -1,19 +1,28 @@
-r"""All columns of a model with its warps: what the rigid body really did, on which clock, on which scale.
+r"""All columns of a model: what the rigid body really did, on which clock, on which scale.
 
-The order in which a torque comes about fixes the order here: the links move (``joint_elasticity``,
-``backlash``) in a gravity (``base_tilt``), the motors add their laws, the drive scales what it reports
-(``drive_gain``) and the log's clock may lag (``time_delay``).
+The order in which a torque comes about fixes the order here: the links move behind their motors
+(:class:`TransmissionLaw`) in a gravity (:class:`BodyChange`), motors and surroundings add their torques
+(:class:`TorqueLaw`, :class:`ExternalTorque`), and the drives write them down (:class:`MeasurementLaw`).
 """
 
 from collections.abc import Sequence
+from functools import singledispatch
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Sample
-from jaxswarm.effects.term import Term, warped
-from jaxswarm.effects.warps import LAGGING, shift
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import (
+    BodyChange,
+    ExternalTorque,
+    MeasurementLaw,
+    TorqueLaw,
+    TransmissionLaw,
+)
+from jaxswarm.effects.measurement import shift
+from jaxswarm.effects.sample import Sample
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.logs.motion import Motion
@@ -21,13 +30,11 @@ from jaxswarm.robot.model import Robot
 
 
 def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
-    """The robot in the gravity its ``base_tilt`` term says; the magnitude is kept."""
-    robot_gravity = np.asarray(robot.gravity)
-    for term in warped(terms, "gravity"):
-        size = np.linalg.norm(robot_gravity)
-        xy = np.array([term.values["gx"], term.values["gy"]])
-        down = np.sign(robot_gravity[2]) * np.sqrt(max(size**2 - xy @ xy, 0.0))
-        robot = robot.replace(gravity=jnp.array([*xy, down]))
+    """The robot in the gravity its terms say."""
+    for term in of_kind(terms, BodyChange):
+        if term.law.gravity is not None:
+            gravity = term.law.gravity(term.values, jnp.asarray(robot.gravity))
+            robot = robot.replace(gravity=gravity)
     return robot
 
 
@@ -38,7 +45,7 @@ def uses_load(terms: tuple[Term, ...]) -> bool:
 
 def moves_links(terms: tuple[Term, ...]) -> bool:
     """Whether a term changes the rigid columns themselves."""
-    return any(t.law.warp in (*LAGGING, "gravity") for t in terms)
+    return any(t.law.changes_rigid_columns for t in terms)
 
 
 def assemble(
@@ -56,8 +63,8 @@ def assemble(
         robot: Kinematics and nominal gravity.
         terms: With values of their nonlinear parameters.
         motion: The log.
-        width: Width of every joint's smooth sign, (n,).
-        pi: Rigid parameters (10 n,) that load-dependent and soft terms go by.
+        width: Width of the smooth sign.
+        pi: Rigid parameters (10 n,) that load-dependent terms and transmissions go by.
         rigid: Rigid columns of the plain motion in nominal gravity, where known.
         decimate: Whether to return the columns through the decimator, (T', n, p).
 
@@ -65,7 +72,7 @@ def assemble(
         Standard parameters first, then the linear parameters of the terms in their order.
     """
     low = motion.decimator.apply if decimate else np.asarray
-    delays = warped(terms, "delay")
+    measured = of_kind(terms, MeasurementLaw)
     if moves_links(terms) or rigid is None:
         arm, kept = tilted(robot, terms), None
         moved = link_motion(arm, terms, motion, pi, rigid)
@@ -73,7 +80,7 @@ def assemble(
         static = None
     else:
         full, static = rigid.full, rigid.static
-        kept = rigid.low if decimate and not delays else None
+        kept = rigid.low if decimate and not measured else None
     load = None
     if uses_load(terms):
         if static is None:
@@ -81,7 +88,7 @@ def assemble(
         load = load_of(full, static, pi)
 
     parts = [kept if kept is not None else low(full)]
-    if warped(terms, "gain") or delays:
+    if measured:
         parts = [low(report(terms, motion, full))]
     for term in terms:
         if term.columns(robot.joints):
@@ -93,30 +100,60 @@ def own_columns(
     term: Term, motion: Motion, width: Sequence[float], load: Load | None
 ) -> np.ndarray:
     """Columns of a term on the working clock, (T, n, k), zero on joints it does not act on."""
-    if term.law.warp == "window":
-        return window_columns(term, motion)
+    return law_block(term.law, term, motion, width, load)
+
+
+@singledispatch
+def law_block(
+    law: Effect, term: Term, motion: Motion, width: Sequence[float], load: Load | None
+) -> np.ndarray:
+    """Columns (T, n, k) that a term adds by itself."""
+    raise NotImplementedError(f"no columns for effects of kind {type(law).__name__}")
+
+
+@law_block.register(TransmissionLaw)
+@law_block.register(BodyChange)
+@law_block.register(MeasurementLaw)
+def _(law, term, motion, width, load):
+    return np.zeros((*motion.q.shape, 0))  # they change the columns of others
+
+
+@law_block.register
+def _(law: TorqueLaw, term, motion, width, load):
     own = term_columns(term, motion, width, load)
     block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
     block[:, term.joint] = own
     return block
 
 
+@law_block.register
+def _(law: ExternalTorque, term, motion, width, load):
+    return law.weight(term.values, motion.t)[:, None, None] * np.eye(motion.q.shape[1])
+
+
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
-    """Columns (T, n, k) as the drives report them: scaled by their gains, on a late clock."""
-    for term in warped(terms, "gain"):
+    """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
+    measured = of_kind(terms, MeasurementLaw)
+    for term in sorted(measured, key=lambda t: t.joint is None):
+        own = (slice(None), slice(None) if term.joint is None else term.joint)
         block = block.copy()
-        block[:, term.joint] *= term.values["gain"]
-    for term in warped(terms, "delay"):
-        block = np.asarray(_shift(block, term.values["seconds"], 1.0 / motion.rate))
+        block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
     return block
 
 
 def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
     """Columns (T, k) that act on one joint as its drive reports them."""
-    scale = np.prod([t.values["gain"] for t in warped(terms, "gain") if t.joint == joint])
-    for term in warped(terms, "delay"):
-        own = np.asarray(_shift(own, term.values["seconds"], 1.0 / motion.rate))
-    return own * scale
+    if not of_kind(terms, MeasurementLaw):
+        return own
+    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
+    block[:, joint] = own
+    return report(terms, motion, block)[:, joint]
+
+
+def lateness(terms: tuple[Term, ...]) -> float:
+    """Time [s] by which the terms say the clock of the torque lags."""
+    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
+    return sum(t.values[t.law.parameters[0].name] for t in clocks)
 
 
 def late(series: Sample, seconds: float, motion: Motion) -> Sample:
@@ -138,12 +175,6 @@ def term_block(
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
     load = load_of(rigid.full, rigid.static, pi) if term.law.uses_load else None
     return motion.decimator.apply(report(terms, motion, own_columns(term, motion, width, load)))
-
-
-def window_columns(term: Term, motion: Motion) -> np.ndarray:
-    """One constant torque per joint while a touch lasts, shape (T, n, n)."""
-    inside = (motion.t >= term.values["start"]) & (motion.t <= term.values["end"])
-    return inside[:, None, None] * np.eye(motion.q.shape[1])
 
 
 _shift = jax.jit(shift)

@@ -187,8 +187,10 @@ def _from_json(content: dict) -> Model:
     for entry in content["terms"]:
         joint = None if entry["joint"] is None else joints.index(entry["joint"])
         other = None if entry["other"] is None else joints.index(entry["other"])
-        term = Term(entry["effect"], joint, other, dict(entry["values"]))
-        terms.append(term)
+        term = Term(entry["effect"], joint, other)
+        # Files written before a choice was one of the parameters lack it.
+        chosen = {p.name: p.nominal for p in term.law.parameters if not p.fitted}
+        terms.append(replace(term, values={**chosen, **entry["values"]}))
     return Model(
         robot,
         tuple(terms),

@@ -72,9 +72,7 @@ def _check_term(term, joints: list[str], place: str) -> None:
     given = _get(term, "values", dict, f"{place}.")
     values = {**{p.name: p.nominal for p in law.parameters if not p.fitted}, **given}
     names = [p.name for p in law.parameters]
-    if law.warp == "window":
-        names += [f"tau_{joint}" for joint in joints]
-    for name in names:
+    for name in dict.fromkeys([*names, *law.linear_names(tuple(joints))]):
         if not _is_number(values.get(name)):
             raise InputError(
                 f"{place} ({law.name}) lacks a number for {name}, it has {values.get(name)!r}"

@@ -15,18 +15,12 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
+from jaxswarm.effects.base import get_law
 from jaxswarm.errors import InputError
 from jaxswarm.identify.physical.consistency import check_physical
 from jaxswarm.robot.model import Robot
 from jaxswarm.robot.placements import inertia_matrix
 
-# What a format holds of the effects: (effect, parameter) -> attribute of the joint.
-_URDF = {("viscous_friction", "b"): "damping", ("coulomb_friction", "fc"): "friction"}
-_MJCF = {
-    ("viscous_friction", "b"): "damping",
-    ("coulomb_friction", "fc"): "frictionloss",
-    ("rotor_inertia", "ia"): "armature",
-}
 _FREE = {"lower": "-1000", "upper": "1000", "effort": "1000000", "velocity": "1000"}
 
 
@@ -47,7 +41,7 @@ def export_urdf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
     check_physical(robot)
     root = xml.Element("robot", name=robot.name)
     xml.SubElement(root, "link", name="base")
-    held, left = _split(effects, _URDF)
+    held, left = _split(effects, "urdf")
     for i, joint in enumerate(robot.joints):
         link = xml.SubElement(root, "link", name=f"{joint}_link")
         mass, center, inertia = _body(robot.parameters[i])
@@ -85,9 +79,7 @@ def export_mjcf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
     xml.SubElement(root, "option", gravity=_text(robot.gravity), integrator="RK4")
     bodies = {-1: xml.SubElement(root, "worldbody")}
     motors = xml.SubElement(root, "actuator")
-    effects = list(effects)
-    held, left = _split(effects, _MJCF)
-    left = [e for e in left if not _hold_spring(e, held)]
+    held, left = _split(effects, "mjcf")
     for i, joint in enumerate(robot.joints):
         place = {"pos": _text(robot.translation[i]), "quat": _text(quaternion(robot.rotation[i]))}
         body = xml.SubElement(bodies[robot.parents[i]], "body", name=f"{joint}_link", **place)
@@ -103,31 +95,23 @@ def export_mjcf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
     return _write(root, Path(path), robot, left, {})
 
 
-def _split(effects: Iterable[Any], held_by: dict) -> tuple[dict[int, dict[str, float]], list]:
+def _split(effects: Iterable[Any], form: str) -> tuple[dict[int, dict[str, float]], list]:
     """Return joint attributes the format holds, and the effects it does not."""
     held: dict[int, dict[str, float]] = {}
     left = []
     for effect in effects:
-        names = [held_by.get((effect.effect, name)) for name in effect.values]
-        # The formats know only dissipation: a negative estimate stays in the side file.
-        if all(names) and all(value >= 0.0 for value in effect.values.values()):
-            attributes = held.setdefault(effect.joint, {})
-            for name, value in zip(names, effect.values.values(), strict=True):
-                attributes[name] = attributes.get(name, 0.0) + float(value)
-        else:
+        export = next((e for e in get_law(effect.effect).export if e.format == form), None)
+        if export is None or not export.holds(effect.values):
             left.append(effect)
+            continue
+        own = export.attributes(effect.values)
+        attributes = held.setdefault(effect.joint, {})
+        if not export.adds and set(own) & set(attributes):
+            left.append(effect)
+            continue
+        for name, value in own.items():
+            attributes[name] = attributes.get(name, 0.0) + float(value)
     return held, left
-
-
-def _hold_spring(effect: Any, held: dict[int, dict[str, float]]) -> bool:
-    """Put a joint spring k (q - q0) into the joint's attributes, if there is room and k > 0."""
-    attributes = held.setdefault(effect.joint, {}) if effect.joint is not None else {}
-    if effect.effect != "joint_spring" or "stiffness" in attributes or not effect.values["k"] > 0:
-        return False
-    stiffness = float(effect.values["k"])
-    rest = -float(effect.values.get("tau0", 0.0)) / stiffness
-    attributes.update(stiffness=stiffness, springref=rest)
-    return True
 
 
 def _write(root: xml.Element, path: Path, robot: Robot, left: list, beside: dict) -> Path:

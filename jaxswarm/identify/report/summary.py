@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from jaxswarm.effects.base import Law
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.regression import event_columns
@@ -79,13 +80,13 @@ def unidentified(found: Estimate) -> list[dict]:
 
 def term_parameters(term: Term, robot: Robot, errors: dict[str, float] | None = None) -> dict:
     """Parameters of a term with value, standard error and unit, derived ones and torques included."""
-    law: Law = term.law
+    law: Effect = term.law
     kind = "revolute" if term.joint is None else robot.kinds[term.joint]
     rows = [(p.name, term.values[p.name], physical_unit(p.unit, kind)) for p in law.parameters]
     if law.derived is not None:
         derived = law.derived(term.values).items()
         rows += [(name, value, physical_unit(unit, kind)) for name, (value, unit) in derived]
-    # A touch has a torque on every joint beside the parameters of its law.
+    # An external torque is one on every joint beside the parameters of its law.
     own = {name for name, _, _ in rows}
     torques = zip(term.linear_names(robot.joints), linear_units(term, robot), strict=True)
     rows += [(n, term.values.get(n, 0.0), unit) for n, unit in torques if n not in own]
@@ -101,7 +102,7 @@ def term_parameters(term: Term, robot: Robot, errors: dict[str, float] | None = 
 
 def linear_units(term: Term, robot: Robot) -> list[str]:
     """Units of the values that a term's columns multiply, in their order."""
-    if term.law.warp == "window":
+    if isinstance(term.law, ExternalTorque):
         return list(units(robot))
     kind = "revolute" if term.joint is None else robot.kinds[term.joint]
     return [physical_unit(p.unit, kind) for p in term.law.linear]

@@ -16,6 +16,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -52,7 +53,7 @@ def by_instruments(found: Estimate) -> tuple[Estimate, dict]:
         InputError: If a log has no ``q_ref``, or a term is no added torque.
     """
     model, solution = found.model, found.fit
-    _refuse_warps(found, "instrumental")
+    _refuse_other_kinds(found, "instrumental")
     pi = np.asarray(model.robot.parameters).ravel()
     commanded = [_along_reference(motion) for motion in found.motions]
     along = build_regression(model.robot, model.terms, commanded, model.width, pi)
@@ -85,7 +86,7 @@ def by_output_error(found: Estimate) -> tuple[Estimate, dict]:
     Raises:
         InputError: If a term is no added torque, rates of the logs differ, or a simulation diverges.
     """
-    _refuse_warps(found, "output_error")
+    _refuse_other_kinds(found, "output_error")
     model, base = found.model, found.fit.base
     robot, motions = model.robot, found.motions
     dt = 1.0 / motions[0].rate
@@ -162,9 +163,9 @@ def _along_reference(motion: Motion) -> Motion:
     return replace(motion, q=q, dq=dq, ddq=ddq)
 
 
-def _refuse_warps(found: Estimate, name: str) -> None:
+def _refuse_other_kinds(found: Estimate, name: str) -> None:
     for term in found.model.terms:
-        if term.law.torque is None:
+        if not isinstance(term.law, TorqueLaw):
             raise InputError(
                 f"{name} fits torques that are added: {term.label(found.model.robot.joints)} changes "
                 "the motion or the measurement; use least_squares"

@@ -1,22 +1,20 @@
-r"""Effects that are no added torque: another motion, clock, scale or gravity for the whole model.
+r"""The lag of a link behind its motor, where the encoder is.
 
-**Soft joint and play.** With the encoder on the motor, the link of joint j lags by :math:`e = q_m - q_l`.
-The transmission carries :math:`\tau_t = k\,z(e) + d\,\dot e`, with :math:`z` the identity for a spring and
-a dead zone of ``gap`` to either side for play. The link obeys its own dynamics, so with :math:`RB_j` the rigid
-torque of joint j, linearized about the motor's motion,
+With the encoder on the motor, the link of joint j lags by :math:`e = q_m - q_l`. The transmission carries
+:math:`\tau_t = k\,z(e) + d\,\dot e`, with :math:`z` the identity for a spring and a dead zone of ``gap``
+to either side for backlash. The link obeys its own dynamics, so with :math:`RB_j` the rigid torque of
+joint j, linearized about the motor's motion,
 
 .. math:: M_{jj} \ddot e + (d + C_j) \dot e + K_j e + k\,z(e) = RB_j(q_m, \dot q_m, \ddot q_m),
 
 :math:`M_{jj}, C_j, K_j` the derivatives of :math:`RB_j` with respect to acceleration, velocity and
 position of joint j. It is integrated from the motor's side (:func:`deflection`); the quasi-static
-correction would differentiate the noise twice more and fail near resonance. The stiffness of a loose joint's
-gear is told by the frequency ``flank`` at which the link swings on it when closed, with damping ratio 0.5; its
-lag is averaged over ``blur``, by which the moment of a strike may be off (zero: strikes where they are
-predicted). The simulation knows neither of the two and takes a stiff flank. The rigid body then moves
+correction would differentiate the noise twice more and fail near resonance. The stiffness of a gear with
+backlash is told by the frequency ``flank`` at which the link swings on it when closed, with damping ratio
+0.5; its lag is averaged over ``blur``, by which the moment of a strike may be off (zero: strikes where they
+are predicted). The simulation knows neither of the two and takes a stiff flank. The rigid body then moves
 by ``q - e``, friction and rotor inertia stay with the motor. Reference: M. W. Spong, J. Dyn. Sys. Meas.
 Control 109 (1987); M. Nordin, P.-O. Gutman, Automatica 38 (2002), eq. 6 for the dead zone.
-
-**Delay** shifts the torque's clock, **gain** scales one joint's measured torque, **gravity** tilts.
 """
 
 from functools import partial
@@ -24,12 +22,12 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
-# Warps by which a link moves apart from its motor.
-LAGGING = ("elastic", "play")
 # Steps of the integrator within one sample: keeps a stiff contact accurate.
 SUBSTEPS = 4
 # Damping ratio of a link on a closed gear.
 _CONTACT_DAMPING = 0.5
+# Time [s] whose torque says on which flank a link starts: longer than the ends of a smoothing reach.
+_EARLY = 0.25
 
 
 @partial(jax.jit, static_argnames="substeps")
@@ -46,7 +44,7 @@ def deflection(
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Integrate the lag of a link behind its motor along a log.
 
-    Trapezoidal (Newmark) steps with the contact of the play taken as it was: stable for any stiffness.
+    Trapezoidal (Newmark) steps with the contact on the flank taken as it was: stable for any stiffness.
 
     Args:
         inertia, damping, stiffness: Derivatives of the joint's rigid torque by its own acceleration,
@@ -54,12 +52,13 @@ def deflection(
         torque: Rigid torque on the motor's motion [N m], shape (T,).
         k: Stiffness of the transmission [N m/rad].
         d: Its damping [N m s/rad].
-        gap: Play to either side [rad]; zero for a spring.
+        gap: Dead zone to either side [rad]; zero for a spring.
         step: Sampling interval [s].
         substeps: Integration steps per sample.
 
     Returns:
-        e [rad], its first and second derivative, each (T,). The start is the equilibrium of a spring.
+        e [rad], its first and second derivative, each (T,). The start is the equilibrium of a spring; with
+        a gap it is on the flank that the torque of the first quarter second presses.
     """
     h = step / substeps
 
@@ -81,7 +80,11 @@ def deflection(
         carry = jax.lax.fori_loop(0, substeps, small, carry)
         return carry, carry
 
-    start = gap * jnp.sign(torque[0]) + torque[0] / (k + stiffness[0])
+    # The first samples of a filtered motion are the least certain: their sign may be wrong.
+    early = jnp.where(jnp.arange(len(torque)) * step < _EARLY, torque, 0.0)
+    side = jnp.sign(early.sum())
+    pressed = torque[0] / (k + stiffness[0])
+    start = jnp.where(gap > 0, side * (gap + jnp.maximum(side * pressed, 0.0)), pressed)
     zero = jnp.zeros((), torque.dtype)
     m = jnp.maximum(inertia, 1e-6 * jnp.max(jnp.abs(inertia)) + 1e-12)
     driven = tuple((jnp.roll(x, 1).at[0].set(x[0]), x) for x in (m, damping, stiffness, torque))
@@ -95,22 +98,3 @@ def contact_stiffness(
     """Stiffness and damping of a closed gear, on which a link of inertia (T,) swings at a frequency [Hz]."""
     m, w = jnp.median(jnp.abs(inertia)) + 1e-9, 2 * jnp.pi * frequency
     return m * w**2, 2 * _CONTACT_DAMPING * m * w
-
-
-def shift(x: jax.Array, seconds: jax.Array, step: float) -> jax.Array:
-    """Delay a uniformly sampled signal: ``x(t - seconds)`` along the first axis, cubic in between.
-
-    Catmull-Rom interpolation, ends held. ``step`` is the sampling interval [s].
-
-    >>> x = jnp.arange(6.0)[:, None]
-    >>> shift(x, 0.5, 1.0)[2:4, 0]
-    Array([1.5, 2.5], dtype=float64)
-    """
-    length = x.shape[0]
-    place = jnp.arange(length) - seconds / step
-    base = jnp.floor(place).astype(jnp.int32)
-    u = (place - base).reshape(-1, *(1,) * (x.ndim - 1))
-    p0, p1, p2, p3 = (x[jnp.clip(base + k, 0, length - 1)] for k in (-1, 0, 1, 2))
-    return p1 + 0.5 * u * (
-        p2 - p0 + u * (2 * p0 - 5 * p1 + 4 * p2 - p3 + u * (3 * (p1 - p2) + p3 - p0))
-    )

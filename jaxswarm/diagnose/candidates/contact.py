@@ -1,0 +1,39 @@
+"""Torques of the surroundings as candidates: the window in which they explain most."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.effects.term import Term
+
+# Lengths of the windows tried: from this many rows to a third of the log.
+_SHORTEST, _LENGTHS = 3, 32
+
+
+def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
+    """The window whose constant torques explain most, found on running sums of the residual."""
+    regression, residual = stand.found.regression, stand.background.whole.residual
+    total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
+    best, pick = 0.0, None
+    for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):
+        change = total[length:] - total[:-length]
+        gain = (change**2).sum(axis=1) / length
+        if gain.max() > best:
+            first = int(np.argmax(gain))
+            if regression.log[first] == regression.log[first + length - 1]:
+                best, pick = gain.max(), (first, first + length - 1)
+    if pick is None:
+        return None
+    start, end = regression.t[pick[0]], regression.t[pick[1]]
+    log = regression.log[pick[0]]
+
+    values = {"start": float(start), "end": float(end), "log": float(log)}
+
+    def build(k):
+        weight = term.law.weight(values, stand.found.motions[k].t) * (k == log)
+        return stand.reported(k, weight[:, None, None] * np.eye(residual.shape[1]))
+
+    columns = stand.stack(build)
+    return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])

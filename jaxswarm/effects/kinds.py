@@ -1,0 +1,228 @@
+"""The five kinds of effects, by where in the measuring chain they act.
+
+A link moves behind its motor (:class:`TransmissionLaw`), as a body in a gravity (:class:`BodyChange`); the
+motor supplies torques of its own (:class:`TorqueLaw`) and those that the surroundings exert
+(:class:`ExternalTorque`); what is written down of all this is not quite what was (:class:`MeasurementLaw`).
+Identification, diagnosis and simulation dispatch on these classes.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import jax
+import numpy as np
+
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.deflection import contact_stiffness
+from jaxswarm.effects.sample import Sample
+
+
+@dataclass(frozen=True)
+class TorqueLaw(Effect):
+    """A torque the motor has to supply on one joint, as a function of what that joint does.
+
+    Attributes:
+        torque: ``torque(p, sample) -> scalar`` [N m or N] for one :class:`Sample` of scalars and a
+            dictionary of parameters; friction has the sign of the velocity.
+        rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
+        dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
+        motor_inertia: Linear parameter that is an inertia on the motor's side of the transmission.
+    """
+
+    torque: Callable[[dict, Sample], jax.Array] | None = None
+    rate: Callable[[dict, Sample], jax.Array] | None = None
+    dissipative: bool = False
+    motor_inertia: str = ""
+
+    @property
+    def searched(self) -> bool:
+        """Whether there are nonlinear parameters."""
+        return bool(self.nonlinear)
+
+    def neutral(self) -> dict[str, float]:
+        """Without its linear parameters there is no torque."""
+        return {p.name: 0.0 if p.linear else p.nominal for p in self.parameters}
+
+    def check(self) -> None:
+        """Refuse a law without a torque, or one of the whole arm."""
+        super().check()
+        if self.torque is None:
+            raise ValueError(f"effect {self.name!r} needs a torque")
+        if self.scope == "global":
+            raise ValueError(f"effect {self.name!r} is a torque: its scope is 'joint' or 'pair'")
+
+
+@dataclass(frozen=True)
+class TransmissionLaw(Effect):
+    """A link that lags behind its motor, where the encoder is; one a joint.
+
+    Attributes:
+        spring: ``spring(p) -> (k, d)``: stiffness and damping [N m/rad, N m s/rad]; None: the gear is as
+            stiff as its parameter ``flank`` says, the frequency [Hz] at which the link swings on it.
+        gap: ``gap(p)``: dead zone to either side [rad]; None: there is none. A law with one has the
+            parameters ``gap``, ``flank`` and ``blur``, the time [s] over which its lag is averaged.
+        lattice: ``lattice(inertia) -> [values, ...]``: what to try on a joint of this inertia [kg m^2].
+    """
+
+    spring: Callable[[Mapping], tuple] | None = None
+    gap: Callable[[Mapping], jax.Array] | None = None
+    lattice: Callable[[float], list[dict[str, float]]] | None = None
+
+    @property
+    def positive(self) -> bool:
+        """A lag takes off what it explains with its own sign only."""
+        return True
+
+    @property
+    def changes_rigid_columns(self) -> bool:
+        """The links move otherwise than the motors."""
+        return True
+
+    def gear(self, p: Mapping, inertia: jax.Array) -> tuple[jax.Array, ...]:
+        """Stiffness, damping and gap where the link's inertia is (T,)."""
+        if self.spring is None:
+            k, d = contact_stiffness(inertia, p["flank"])
+        else:
+            k, d = self.spring(p)
+        return k, d, 0.0 * k if self.gap is None else self.gap(p)
+
+    def excludes(self, other: Effect) -> bool:
+        """One transmission a joint: a dead zone has a spring on its flanks."""
+        return isinstance(other, TransmissionLaw) or super().excludes(other)
+
+    def check(self) -> None:
+        """Refuse a transmission that is not fully described."""
+        super().check()
+        names = {p.name for p in self.parameters}
+        needed = set() if self.gap is None else {"gap", "flank", "blur"}
+        needed |= set() if self.spring else {"flank"}
+        if self.scope != "joint" or self.lattice is None or self.linear or not needed <= names:
+            raise ValueError(
+                f"effect {self.name!r} is a transmission: it needs scope 'joint', a lattice, no linear "
+                f"parameter, and {sorted(needed)} among its parameters"
+            )
+
+
+@dataclass(frozen=True)
+class BodyChange(Effect):
+    """Another gravity or another rigid body.
+
+    Attributes:
+        gravity: ``gravity(p, gravity) -> gravity`` [m/s^2], (3,).
+        body: ``body(p) -> (10,)``: inertial parameters added to the last link, its ten parameters in
+            their standard order.
+    """
+
+    gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
+    body: Callable[[Mapping], jax.Array] | None = None
+
+    @property
+    def changes_rigid_columns(self) -> bool:
+        """They depend on gravity, not on the links' parameters."""
+        return self.gravity is not None
+
+    def free(self, values: Mapping[str, float]) -> tuple:
+        """A body is found in one linear step."""
+        return () if self.body is not None else super().free(values)
+
+    def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
+        """All parameters."""
+        return [p.name for p in self.parameters]
+
+    def check(self) -> None:
+        """Refuse a change of nothing, of both, or of a single joint."""
+        super().check()
+        if self.scope != "global" or (self.gravity is None) == (self.body is None) or self.linear:
+            raise ValueError(
+                f"effect {self.name!r} is a change of the body: it needs scope 'global', exactly one of "
+                "gravity and body, and no linear parameter"
+            )
+        if self.body is not None and not (self.reference_only and len(self.parameters) == 10):
+            raise ValueError(
+                f"effect {self.name!r} adds to the last link, which every fit finds as a whole: it needs "
+                "reference_only=True and ten inertial parameters"
+            )
+
+
+def _constant(phase: np.ndarray) -> np.ndarray:
+    return np.ones_like(phase)
+
+
+@dataclass(frozen=True)
+class ExternalTorque(Effect):
+    """A torque of the surroundings on all joints between the times ``start`` and ``end`` [s] of a log.
+
+    How large it is on each joint is linear; it has a value ``tau_<joint>`` of its own. Its log is told by
+    the parameter ``log``, from zero.
+
+    Attributes:
+        profile: ``profile(phase) -> (T,)``: its course over the window, phase in [0, 1].
+    """
+
+    recurring: bool = True
+    reference_only: bool = True
+    identity: tuple[str, ...] = ("log", "start")
+    profile: Callable[[np.ndarray], np.ndarray] = _constant
+
+    def weight(self, p: Mapping, t: np.ndarray) -> np.ndarray:
+        """Its course at times t (T,), zero outside the window."""
+        phase = (t - p["start"]) / max(p["end"] - p["start"], 1e-12)
+        inside = (t >= p["start"]) & (t <= p["end"])
+        return np.where(inside, self.profile(np.clip(phase, 0.0, 1.0)), 0.0)
+
+    def free(self, values: Mapping[str, float]) -> tuple:
+        """The window stays where it was found."""
+        return ()
+
+    def linear_names(self, joints: tuple[str, ...]) -> list[str]:
+        """A torque for every joint."""
+        return [f"tau_{joint}" for joint in joints]
+
+    def check(self) -> None:
+        """Refuse a torque without a window."""
+        super().check()
+        if self.scope != "global" or not {p.name for p in self.nonlinear} >= {
+            "log",
+            "start",
+            "end",
+        }:
+            raise ValueError(
+                f"effect {self.name!r} is an external torque: it needs scope 'global' and the nonlinear "
+                "parameters log, start and end"
+            )
+
+
+@dataclass(frozen=True)
+class MeasurementLaw(Effect):
+    """How the drives and their clock write down a torque.
+
+    Attributes:
+        report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
+            x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
+            arm sees (T, n, ...), one of a joint that joint's (T, ...).
+        clock: Whether its one parameter is the time [s] by which the torque's clock lags.
+    """
+
+    report: Callable[[Mapping, jax.Array, float], jax.Array] | None = None
+    clock: bool = False
+
+    def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
+        """All parameters."""
+        return [p.name for p in self.parameters]
+
+    def credible(self, change: float, interval: float) -> bool:
+        """Less than half a sample is no delay: a torque sampled and held is late by that much already."""
+        if not self.clock:
+            return True
+        return abs(change) > 0.5 * interval and abs(change) < self.parameters[0].upper
+
+    def check(self) -> None:
+        """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
+        super().check()
+        if self.report is None or self.scope == "pair" or self.linear:
+            raise ValueError(
+                f"effect {self.name!r} is a measurement: it needs a report, scope 'joint' or 'global', "
+                "and no linear parameter"
+            )
+        if self.clock and (self.scope != "global" or len(self.parameters) != 1):
+            raise ValueError(f"effect {self.name!r} is a clock: one parameter, scope 'global'")

@@ -1,0 +1,57 @@
+"""A named number of an effect, with its unit, its bounds, and how a search walks between them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One named parameter of an effect.
+
+    Attributes:
+        name: Short symbol, unique within the effect.
+        unit: Unit for a revolute joint, for example ``"N m s/rad"``.
+        lower, upper: Physical bounds; a linear friction coefficient has ``lower = 0``.
+        linear: Whether a torque is linear in it (and in all linear parameters together).
+        nominal: A usual value: default in simulations, and where a search starts.
+        scale: ``"linear"`` or ``"log"``: how a search should walk between the bounds.
+        description: One clause that says what it is.
+        fitted: Whether a fit may move it; a choice stays what it was set to.
+        neutral: Value at which the effect does nothing; None: the nominal one.
+        hidden_by: Another parameter that leaves this one undetermined unless it is zero.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    linear: bool
+    nominal: float
+    description: str
+    scale: str = "linear"
+    fitted: bool = True
+    neutral: float | None = None
+    hidden_by: str = ""
+
+    def decode(self, u):
+        """Value at a position u in [0, 1] between the bounds, on the parameter's scale.
+
+        >>> Parameter("k", "1", 1.0, 100.0, False, 5.0, "any", "log").decode(0.5)
+        10.0
+        """
+        if self.scale == "log":
+            return self.lower * (self.upper / self.lower) ** u
+        return self.lower + u * (self.upper - self.lower)
+
+    def encode(self, value: float) -> float:
+        """Position of a value, the inverse of :meth:`decode`."""
+        if self.scale == "log":
+            return float(np.log(value / self.lower) / np.log(self.upper / self.lower))
+        return float((value - self.lower) / (self.upper - self.lower))
+
+    def slope(self, value: float) -> float:
+        """Derivative of the value by the position."""
+        if self.scale == "log":
+            return float(value * np.log(self.upper / self.lower))
+        return float(self.upper - self.lower)
