@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Sample
+from jaxswarm.effects.sample import Sample
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
 
