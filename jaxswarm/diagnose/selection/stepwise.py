@@ -14,6 +14,7 @@ from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.everyday import add_everyday
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
@@ -24,7 +25,8 @@ from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
-_MOST_STEPS, _MOST_SKEWS = 12, 3
+# Rounds per joint, and for any arm; how often the clocks' skew is found anew.
+_ROUNDS_PER_JOINT, _LEAST_ROUNDS, _MOST_SKEWS = 4, 12, 3
 # Events of one kind that are looked for in a row.
 _MOST_EVENTS = 20
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
@@ -43,6 +45,7 @@ class Diagnosis:
         background: The folds of the final model.
         asked: Suspects asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
+        ended: Whether the search ended by its number of rounds, and more might be added.
         refused: What would have been added but did not survive on other motion, and why.
     """
 
@@ -54,6 +57,7 @@ class Diagnosis:
     asked: int
     withdrawn: tuple[Term, ...] = ()
     refused: tuple[tuple[Term, str], ...] = ()
+    ended: bool = False
 
     @property
     def kept(self) -> tuple[Step, ...]:
@@ -93,7 +97,9 @@ def diagnose(
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
     memory, settled, withdrawn, refused = Memory(journal, rules.share), False, (), []
-    for round_number in range(_MOST_STEPS + 1):
+    ended = False
+    most_rounds = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
+    for round_number in range(most_rounds + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
         )
@@ -114,7 +120,8 @@ def diagnose(
         # What happens once is believed only if nothing that lasts explains more.
         most = max((s.gain for s in scores), default=0.0)
         guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
-        if round_number == _MOST_STEPS:
+        if round_number == most_rounds:
+            ended = bool(guilty)
             break
         if not guilty:
             if settled or not steps:
@@ -128,6 +135,11 @@ def diagnose(
                 break
             held = {s.added.identity for s in steps}
             withdrawn = tuple(s.added for s in former if s.added.identity not in held)
+            continue
+        together = add_everyday(current, scores, len(scores), rules)
+        if together:
+            progress(f"round {round_number + 1}: adding what every drive has")
+            steps, current = [*steps, *together[0]], together[1]
             continue
         chosen, rivals = choose(guilty, rules, background)
         if stands_in(chosen, current, background, seed):
@@ -157,7 +169,15 @@ def diagnose(
         # What was refused on this joint was refused without the new effect.
         banned = {key for key in banned if key[1] != added.joint}
     return Diagnosis(
-        first, current, tuple(steps), tuple(scores), background, asked, withdrawn, tuple(refused)
+        first,
+        current,
+        tuple(steps),
+        tuple(scores),
+        background,
+        asked,
+        withdrawn,
+        tuple(refused),
+        ended,
     )
 
 
