@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import special
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import list_suspects
@@ -14,6 +15,7 @@ from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.everyday import add_everyday
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
@@ -24,7 +26,10 @@ from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion, shift_motion
 from jaxswarm.robot.model import Robot
 
-_MOST_STEPS, _MOST_SKEWS = 12, 3
+# Rounds per joint, and for any arm; how often the clocks' skew is found anew.
+_ROUNDS_PER_JOINT, _LEAST_ROUNDS, _MOST_SKEWS = 4, 12, 3
+# A skew [s] below this moves a torque at 10 Hz by a thousandth of its size.
+_LEAST_SKEW = 2e-5
 # Events of one kind that are looked for in a row.
 _MOST_EVENTS = 20
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
@@ -43,6 +48,7 @@ class Diagnosis:
         background: The folds of the final model.
         asked: Suspects asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
+        ended: Whether the search ended by its number of rounds, and more might be added.
         refused: What would have been added but did not survive on other motion, and why.
     """
 
@@ -54,6 +60,7 @@ class Diagnosis:
     asked: int
     withdrawn: tuple[Term, ...] = ()
     refused: tuple[tuple[Term, str], ...] = ()
+    ended: bool = False
 
     @property
     def kept(self) -> tuple[Step, ...]:
@@ -93,7 +100,9 @@ def diagnose(
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
     memory, settled, withdrawn, refused = Memory(journal, rules.share), False, (), []
-    for round_number in range(_MOST_STEPS + 1):
+    ended = False
+    most_rounds = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
+    for round_number in range(most_rounds + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
         )
@@ -102,8 +111,8 @@ def diagnose(
         suspects = [
             t for t in list_suspects(current.model, current.motions) if t.identity not in banned
         ]
-        late = clock_skew(stand, suspects, rules, seed) if len(skews) < _MOST_SKEWS else 0.0
-        if late:
+        late = clock_skew(stand, suspects, seed) if len(skews) < _MOST_SKEWS else 0.0
+        if abs(late) > _LEAST_SKEW:
             skews.append(late)
             current = with_skew(current, late)
             first = current if not steps else first
@@ -114,7 +123,8 @@ def diagnose(
         # What happens once is believed only if nothing that lasts explains more.
         most = max((s.gain for s in scores), default=0.0)
         guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
-        if round_number == _MOST_STEPS:
+        if round_number == most_rounds:
+            ended = bool(guilty)
             break
         if not guilty:
             if settled or not steps:
@@ -128,6 +138,11 @@ def diagnose(
                 break
             held = {s.added.identity for s in steps}
             withdrawn = tuple(s.added for s in former if s.added.identity not in held)
+            continue
+        together = add_everyday(current, scores, len(scores), rules)
+        if together:
+            progress(f"round {round_number + 1}: adding what every drive has")
+            steps, current = [*steps, *together[0]], together[1]
             continue
         chosen, rivals = choose(guilty, rules, background)
         if stands_in(chosen, current, background, seed):
@@ -157,7 +172,15 @@ def diagnose(
         # What was refused on this joint was refused without the new effect.
         banned = {key for key in banned if key[1] != added.joint}
     return Diagnosis(
-        first, current, tuple(steps), tuple(scores), background, asked, withdrawn, tuple(refused)
+        first,
+        current,
+        tuple(steps),
+        tuple(scores),
+        background,
+        asked,
+        withdrawn,
+        tuple(refused),
+        ended,
     )
 
 
@@ -192,12 +215,16 @@ def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int)
     return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
 
 
-def clock_skew(stand: Linearization, suspects: Sequence[Term], rules: Rules, seed: int) -> float:
-    """The delay [s] that is real but below half a sample: a matter of the clock, not of the robot; else 0."""
+def clock_skew(stand: Linearization, suspects: Sequence[Term], seed: int) -> float:
+    """A delay [s] below half a sample: a matter of the clock, not of the robot, and so always allowed for.
+
+    Every sampled and held torque is early or late by a part of a sample. The estimate is shrunk by its own
+    certainty, the positive-part rule of W. James and C. Stein (1961): nothing where there is nothing.
+    """
     for s in judge(stand, [t for t in of_kind(suspects, MeasurementLaw) if t.law.clock], seed):
-        if not s.allowed:
-            real = s.gain > 0 and s.p_value * len(suspects) < rules.significance
-            return float(s.coefficients[0]) if real and s.share > 0.02 else 0.0
+        if not s.allowed and s.gain > 0:
+            certainty = float(-special.ndtri(max(s.p_value, 1e-300)))
+            return float(s.coefficients[0]) * max(0.0, 1.0 - 1.0 / max(certainty, 1e-9) ** 2)
     return 0.0
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.remainder import noise_of
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import region_residual, regions
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import model_torque
