@@ -1,4 +1,4 @@
-r"""Dry friction that jumps in the middle of a log: a bearing that gives, grease that arrives, a brake that drags.
+r"""Dry friction that jumps in the middle of a log: a bearing that gives, grease that arrives.
 
 :math:`f_c \sigma((t - t_0)/0.1\,\mathrm{s})\,\mathrm{sign}(\dot q)` with the logistic function
 :math:`\sigma` for the jump, so that its moment has a derivative. Told from ``thermal_drift``, which falls

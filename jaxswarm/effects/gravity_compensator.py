@@ -2,10 +2,11 @@ r"""A spring mechanism that carries the weight of an arm: a coil or gas spring o
 
 A spring between a point of the link at radius r and one of the base at distance d from the axis has the
 length :math:`L = \sqrt{r^2 + d^2}\,\sqrt{1 + b \cos x}`, with x the angle from where the three points are in
-line and :math:`b = 2 r d/(r^2 + d^2)`. A gas spring of constant force gives :math:`c \sin x / \sqrt{1 + b \cos x}`,
-one whose force goes with the projection of the lever :math:`a \sin 2x / \sqrt{1 + b \cos x}`; the sine that is
-left of a coil spring is taken up by the weight. Turning q0 by half a turn changes the sign of b and c, so
-that b is positive. Told from ``joint_spring`` and ``cubic_spring`` by a motion over more than a radian.
+line and :math:`b = 2 r d/(r^2 + d^2)`. A gas spring of constant force gives
+:math:`c \sin x / \sqrt{1 + b \cos x}`, one whose force goes with the projection of the lever
+:math:`a \sin 2x / \sqrt{1 + b \cos x}`; the sine that is left of a coil spring is taken up by the weight.
+Turning q0 by half a turn changes the sign of b and c, so that b is positive. Told from ``joint_spring``
+and ``cubic_spring`` by a motion over more than a radian.
 
 Reference: V. Arakelian, "Gravity compensation in robotics", Advanced Robotics 30(2) (2016), eqs. 5-9.
 """
