@@ -1,22 +1,28 @@
 r"""Dry friction that jumps in the middle of a log: a bearing that gives, grease that arrives.
 
-:math:`f_c \sigma((t - t_0)/0.1\,\mathrm{s})\,\mathrm{sign}(\dot q)` with the logistic function
-:math:`\sigma` for the jump, so that its moment has a derivative. Told from ``thermal_drift``, which falls
-from the start of the log and does not jump. Where the joint rests around the jump its moment is known no
-better than the rest lasts.
+:math:`f_c\,u(t - t_0)\,\mathrm{sign}(\dot q)` with a smooth step u of half a second, so that its moment has a
+derivative; outside of that it is exactly zero and one, so that a jump after the log is no column of tiny
+numbers. Told from ``thermal_drift``, which falls from the start of the log and does not jump. Where the joint
+rests around the jump its moment is known no better than the rest lasts.
 
 Reference: M. Basseville, I. V. Nikiforov, "Detection of Abrupt Changes" (1993), section 2.4 (change of a
 regression coefficient at an unknown time).
 """
 
-import jax
+import jax.numpy as jnp
 
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
 
 # Time [s] that the jump takes: short against a movement, and some samples of any log.
-_RAMP = 0.1
+_RAMP = 0.5
+
+
+def _jumping(p, s):
+    u = jnp.clip((s.t - p["t0"]) / _RAMP + 0.5, 0.0, 1.0)
+    return p["fc"] * u * u * (3.0 - 2.0 * u) * s.direction
+
 
 register(
     TorqueLaw(
@@ -28,7 +34,7 @@ register(
         ),
         summary="fc sign(dq) from the time t0 on: damage, lubrication",
         reference="Basseville, Nikiforov 1993, Detection of Abrupt Changes, sec. 2.4",
-        torque=lambda p, s: p["fc"] * jax.nn.sigmoid((s.t - p["t0"]) / _RAMP) * s.direction,
+        torque=_jumping,
         shown_against="time",
         uses_direction=True,
         # Points lie 8 % apart: what a jump explains falls off in proportion to how far it is missed.
