@@ -2,8 +2,8 @@ r"""Dry friction that jumps in the middle of a log: a bearing that gives, grease
 
 :math:`f_c\,u(t - t_0)\,\mathrm{sign}(\dot q)` with a smooth step u of a twentieth of a second, so that its
 moment has a derivative; outside of that it is exactly zero and one, so that a jump after the log is no column
-of tiny numbers. Told from ``thermal_drift``, which falls from the start of the log and does not jump. Where the joint
-rests around the jump its moment is known no better than the rest lasts.
+of tiny numbers. Told from ``thermal_drift``, which falls from the start of the log and does not jump. Where
+the joint rests around the jump its moment is known no better than the rest lasts.
 
 Reference: M. Basseville, I. V. Nikiforov, "Detection of Abrupt Changes" (1993), section 2.4 (change of a
 regression coefficient at an unknown time).
