@@ -2,10 +2,10 @@ r"""A spring mechanism that carries the weight of an arm: a coil or gas spring o
 
 A spring between a point of the link at radius r and one of the base at distance d from the axis has the
 length :math:`\sqrt{r^2 + d^2}\,\sqrt{1 + b \cos x}`, with x the angle from where the three points are in line
-and :math:`b = 2 r d/(r^2 + d^2)`. Its torque is :math:`a \sin 2x / \sqrt{1 + b \cos x}` where the force goes with
-the lever's projection. One of constant force or with preload gives :math:`\sin x` over the same root: of that
-the weight takes up the sine, and what remains is of the same form to second order in b. Turning q0 by half a
-turn is the same as changing the sign of b, so that b is positive. Told from ``joint_spring`` and
+and :math:`b = 2 r d/(r^2 + d^2)`. Its torque is :math:`a \sin 2x / \sqrt{1 + b \cos x}` where the force goes
+with the lever's projection. One of constant force or with preload gives :math:`\sin x` over the same root: of
+that the weight takes up the sine, and what remains is of the same form to second order in b. Turning q0 by
+half a turn is the same as changing the sign of b, so that b is positive. Told from ``joint_spring`` and
 ``cubic_spring``, which have fewer parameters, by a motion over more than a radian.
 
 Reference: V. Arakelian, "Gravity compensation in robotics", Advanced Robotics 30(2) (2016), section 3.
@@ -36,7 +36,7 @@ register(
         reference="Arakelian 2016, Advanced Robotics 30(2)",
         torque=_lever,
         shown_against="position",
-        # Eight angles and eight levers.
-        grid_size=64,
+        # Twelve angles, of which the double angle needs that many, and twelve levers.
+        grid_size=144,
     )
 )
