@@ -61,7 +61,7 @@ _EXCITED = ("trajectory.csv", "excitation.json")
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
-    run(lambda: app(console.modes_first(sys.argv[1:]), standalone_mode=True))
+    run(lambda: app(args=console.modes_first(sys.argv[1:]), standalone_mode=True))
 
 
 @app.callback()
@@ -198,7 +198,7 @@ def identify(
         optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
         estimator, physical, prior, prior_weight,
     )  # fmt: skip
-    inputs = (*logs, validation, prior, Path(robot))
+    inputs = (*logs, validation, prior and Path(prior), Path(robot))
     with work(out, inputs, _IDENTIFIED) as status:
         report = identify_files(logs, robot, effects, out, validation, options, status)
     console.notes([*report["logs"], *report["validation_logs"]])

@@ -125,7 +125,7 @@ def safe(content: Any) -> Any:
 
 def notes(logs: Sequence[dict]) -> None:
     """Print on stderr what was found in logs while they were read."""
-    for log in logs:
+    for log in () if _QUIET.get() else logs:
         for note in log.get("notes", ()):
             print(f"note: {printable(str(log['source']))}: {printable(note)}", file=sys.stderr)
 

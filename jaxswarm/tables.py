@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from jaxswarm.errors import printable
+
 
 @dataclass(frozen=True)
 class Table:
@@ -32,7 +34,7 @@ class Table:
         for column in self.columns:
             grid.add_column(column, overflow="fold")
         for row in self.rows:
-            grid.add_row(*(Text(cell) for cell in row))
+            grid.add_row(*(Text(printable(cell)) for cell in row))
         return grid
 
     def _repr_html_(self) -> str:
@@ -73,7 +75,7 @@ class Result(Mapping):
         from rich.console import Group
         from rich.text import Text
 
-        return Group(*(Text(line) for line in self.lines), *self.tables)
+        return Group(*(Text(printable(line)) for line in self.lines), *self.tables)
 
     def __repr__(self) -> str:
         from rich.console import Console

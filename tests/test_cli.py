@@ -283,7 +283,7 @@ def test_random_damage_never_gives_a_traceback(folder, tmp_path, data):
 
 
 def test_keyboard_interrupt_says_so(monkeypatch):
-    def interrupt(**_):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("jaxswarm.cli.app", interrupt)

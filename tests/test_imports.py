@@ -13,6 +13,7 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "outputs": set(),
+    "provenance": set(),
     "claim": set(),
     "terminal": set(),
     "console": {"outputs"},
@@ -25,11 +26,11 @@ ALLOWED = {
     "simulate": {"robot", "effects"},
     "logs": set(),
     "identify": {*PHYSICS, "swarm", "outputs", "plots"},
-    "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots"},
+    "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots", "provenance"},
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
-    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables"},
+    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables", "work"},
     "testing": {"effects", "swarm"},
     "cli_robot": {"robot", "console", "catalog"},
     "cli": {

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from jaxswarm import console
 from jaxswarm.commands.options import Json, ModelFile, numbers, show
 from jaxswarm.errors import InputError
+from jaxswarm.work import work
 
 
 def register(app: typer.Typer, start: Callable[[], None]) -> None:
@@ -44,7 +44,7 @@ def register(app: typer.Typer, start: Callable[[], None]) -> None:
         from jaxswarm import tasks
 
         weight = {} if prior_weight is None else {"prior_weight": prior_weight}
-        with console.status() as status:
+        with work(out, (model, log, prior and Path(prior))) as status:
             result = tasks.export(
                 model, out, format, log=log, prior=prior, **weight, progress=status
             )
@@ -85,7 +85,7 @@ def register(app: typer.Typer, start: Callable[[], None]) -> None:
         _check_csv(out)
         outputs.check_folder(out.parent)
         gains = {"kp": numbers(kp, "--kp"), "kd": numbers(kd, "--kd")}
-        with console.status() as status:
+        with work(out, (model, reference)) as status:
             result = tasks.simulate(
                 model, reference, **gains, feedforward=feedforward, playback=playback, rate=rate,
                 progress=status,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jaxswarm import outputs, plots
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
-from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.insufficient import all_rest, resting_joints, too_short, undecidable
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
 from jaxswarm.diagnose.report import figures as pictures
 from jaxswarm.diagnose.report.html import render
@@ -22,8 +22,10 @@ from jaxswarm.identify.run import (
     refuse_missing_channels,
     refuse_undeclarable,
 )
+from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.provenance import provenance
 from jaxswarm.robot.load import load_robot
 
 
@@ -69,25 +71,35 @@ def diagnose_files(
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
     short = too_short(motions, columns)
-    if short:
+    rests = all_rest(motions)
+    if short or rests:
         declared = [place(t, robot.joints) for t in terms]
-        result = undecidable(robot, declared, units(robot), [*short, *reasons])
+        result = undecidable(robot, declared, units(robot), [*rests, *short, *reasons])
         result["logs"] = described(logs)
         outputs.write_results(out, {"diagnosis.json": outputs.to_json(result)})
         return result
-    journal = Journal(out, fingerprint(robot, motions, terms, options.seed))
+    other = [part for parts in prepared[len(paths) :] for part in parts]
+    journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
     diagnosis = diagnose(
-        robot, terms, motions, seed=options.seed, progress=progress, journal=journal
+        robot, terms, motions, seed=options.seed, progress=progress, journal=journal, other=other
     )
     band = diagnosis.final.model.filtering
     unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
-    result["reasons"] = reasons
+    result["reasons"] += reasons
     result["logs"] = described(logs)
     result["validation_logs"] = described(scored)
+    result["findings"] = findings([*logs, *scored])
+    given = {"declare": declare, "robot": robot.name, **vars(options)}
+    result["provenance"] = provenance([*paths, *further], given)
     write_report(diagnosis, left, result, unseen, out, progress)
     journal.close()
     return result
+
+
+def findings(logs: list[Log]) -> list[dict]:
+    """What was found wrong with the logs themselves."""
+    return [{"log": Path(log.source).name, "what": note} for log in logs for note in log.notes]
 
 
 def conclude(

@@ -10,7 +10,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.report.result import place, to_result
-from jaxswarm.diagnose.run import write_report
+from jaxswarm.diagnose.run import findings, write_report
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.step import Step
@@ -26,6 +26,7 @@ from jaxswarm.identify.run import (
     refuse_missing_channels,
     refuse_resting_joints,
 )
+from jaxswarm.provenance import provenance
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -78,7 +79,10 @@ def compare_files(
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
     found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
     result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
-    result["model"] = str(model_path)
+    result["model"] = Path(model_path).name
+    result["findings"] = findings(read)
+    given = {"robot": robot.name, **vars(options)}
+    result["provenance"] = provenance([*paths, *further, model_path], given)
     result["logs"] = described(read[: len(paths)])
     result["validation_logs"] = described(read[len(paths) :])
     write_report(diagnosis, left, result, unseen, out, progress)
@@ -98,7 +102,7 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     pairs = list(zip(result["effects"], found.changes, strict=True))
     result["effects"] = [entry for entry, change in pairs if not change.known]
     result["changed"] = [entry for entry, change in pairs if change.known]
-    result["reasons"] = _reasons(found)
+    result["reasons"] += _reasons(found)
     measured, moving = found.before.regression.torque, found.before.regression.moving
     if not unseen:
         before = _errors(measured, found.before.fit.residual, moving)

@@ -1,8 +1,7 @@
 """The command ``identify``, from files to files."""
 
 import hashlib
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -10,73 +9,18 @@ import numpy as np
 
 from jaxswarm import outputs
 from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
-from jaxswarm.errors import InputError, nearest
+from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.swarm_fit import swarm_fit
 from jaxswarm.identify.forward.model import save_model, with_linear_values
-from jaxswarm.identify.physical.enforce import consistency_of, consistency_report, with_bodies
-from jaxswarm.identify.physical.physical_model import PULL
+from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.report import pictures_of, report_of
-from jaxswarm.identify.simulation_error.from_log import by_instruments, by_output_error
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
-from jaxswarm.swarm import find_optimizer
-
-
-@dataclass(frozen=True)
-class Options:
-    """How to identify; the fields are the options of the command line."""
-
-    optimizer: str = "least_squares"
-    runs: int = 10
-    steps: int = 500
-    whiten: bool = True
-    seed: int = 0
-    motion_cutoff: float | None = None
-    torque_cutoff: float | None = None
-    estimator: str = "least_squares"
-    physical: bool = False
-    prior: str | None = None
-    prior_weight: float = PULL
-
-
-ESTIMATORS: dict[str, Callable[[Estimate], tuple[Estimate, dict]]] = {
-    "least_squares": lambda found: (found, {"name": "least_squares"}),
-    "instrumental": by_instruments,
-    "output_error": by_output_error,
-}
-
-
-def check_options(options: Options) -> None:
-    """Refuse options that do not exist or exclude each other, before any work."""
-    if options.estimator not in ESTIMATORS:
-        raise InputError(
-            f"unknown estimator {options.estimator!r}. {nearest(options.estimator, ESTIMATORS)}"
-        )
-    if options.optimizer != "least_squares":
-        find_optimizer(options.optimizer)
-        if options.estimator != "least_squares":
-            raise InputError("a swarm searches the least-squares problem: leave out one of both")
-    if not 0.0 < options.prior_weight < np.inf:
-        raise InputError(f"prior weight {options.prior_weight}: give a number above zero")
-
-
-def refined(found: Estimate, options: Options, progress) -> tuple[Estimate, dict, dict]:
-    """The estimate by the estimator asked for, with bodies where asked for, and what to tell of both."""
-    if options.estimator != "least_squares":
-        progress(f"estimating by {options.estimator}")
-    found, told = ESTIMATORS[options.estimator](found)
-    progress("asking whether rigid bodies can have these parameters")
-    prior = None if options.prior is None else load_robot(options.prior)
-    bodies = consistency_of(found, prior, options.prior_weight)
-    consistency = consistency_report(
-        found, bodies, options.physical, options.prior, options.prior_weight
-    )
-    return (with_bodies(found, bodies) if options.physical else found), told, consistency
 
 
 def read_motions(
@@ -198,8 +142,8 @@ def identify_files(
     options = options or Options()
     robot = load_robot(robot_spec)
     terms = parse_terms(effects, robot.joints)
-    refuse_undeclarable(terms)
     check_options(options)
+    refuse_undeclarable(terms)
     outputs.check_folder(out)
     progress("reading logs")
     further = [] if validation is None else [validation]
@@ -230,9 +174,9 @@ def identify_files(
     found, told, consistency = refined(found, options, progress)
     progress("scoring")
     report = report_of(found, logs, unseen, validation, search)
+    report |= {"estimator": told, "physical_consistency": consistency}
     report["validation_logs"] = described(validated)
     shown = max(unseen or found.motions, key=lambda motion: len(motion.t))
-    report |= {"estimator": told, "physical_consistency": consistency}
     progress("writing")
     outputs.write_results(
         out,

@@ -46,10 +46,10 @@ def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, **more) -> Sa
         t=t,
         q=q[j],
         dq=dq[j],
-        direction=jnp.tanh(dq[j] / plant.width),
+        direction=jnp.tanh(dq[j] / plant.width[j]),
         temperature=temperature[j],
         dq_other=dq_other,
-        direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width),
+        direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width[j]),
         **more,
     )
     return Sample(**{name: like + value for name, value in fields.items()})

@@ -11,7 +11,7 @@ ripple and rotor inertia see motor position and velocity, the rigid body sees th
 """
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import singledispatch
 from typing import Any
 
@@ -65,7 +65,7 @@ class Plant:
     Attributes:
         robot: The rigid body, global effects included.
         acting: The effects that are no part of the robot itself.
-        width: Width of the smooth sign tanh(dq / width) in rad/s or m/s.
+        width: (n,), width of every joint's smooth sign tanh(dq / width) in rad/s or m/s.
     """
 
     robot: Robot
@@ -98,7 +98,9 @@ class Plant:
         return dataclasses.replace(self, **changes)
 
 
-def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01) -> Plant:
+def make_plant(
+    robot: Robot, effects: Iterable[Any] = (), *, width: float | Sequence[float] = 0.01
+) -> Plant:
     """Put effects on a robot.
 
     Args:
@@ -106,7 +108,7 @@ def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01
         effects: Objects with the attributes ``effect`` (name), ``joint``, ``other`` (index or
             None) and ``values``; :class:`Acting` or the terms of an identified model. Missing values
             are the law's nominal ones.
-        width: Width of the smooth sign in rad/s or m/s, > 0.
+        width: Width of the smooth sign in rad/s or m/s, > 0, one for all joints or one each.
 
     Raises:
         InputError: If an effect is unknown or does not say where it acts, if a soft joint has no
@@ -116,8 +118,11 @@ def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01
     >>> make_plant(rx60(), [Acting("viscous_friction", 0, values={"b": 2.0})]).soft
     ()
     """
-    if not width > 0.0:
-        raise InputError(f"width of the smooth sign is {width}: give a positive speed in rad/s.")
+    widths = np.asarray(width, float)
+    if widths.shape not in ((), (robot.num_joints,)) or not (widths > 0.0).all():
+        raise InputError(
+            f"width of the smooth sign is {width}: give a positive speed in rad/s, or one a joint."
+        )
     placed = []
     for item in effects:
         law = get_law(item.effect)
@@ -130,7 +135,7 @@ def make_plant(robot: Robot, effects: Iterable[Any] = (), *, width: float = 0.01
         values = {**law.nominal(), **item.values}
         joint, other = _place(item, law, robot)
         placed.append(Acting(law.name, joint, other, values))
-    plant = Plant(robot, (), np.asarray(width, float))
+    plant = Plant(robot, (), np.broadcast_to(widths, (robot.num_joints,)))
     for acting in placed:
         plant = put_on(acting.law, plant, acting)
     _check_rotors(plant)

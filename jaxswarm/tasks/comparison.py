@@ -160,7 +160,8 @@ def _show(content: dict, one: Any) -> tuple[tuple[str, ...], tuple[Table, ...]]:
             content["joints"], moved["rms"], moved["torque_rms"], moved["units"], strict=True
         )
         cells = tuple((j, f"{number(a, 3)} {u}", f"{number(b, 4)} {u}") for j, a, b, u in parts)
-        lines.append("model.json holds no intervals: compare identification.json to have them.")
+        if not all(row["interval_known"] for row in content["parameters"]):
+            lines.append("Where no interval is known every difference beyond rounding is marked.")
         tables.append(
             Table("rigid body at random states", ("joint", "torque of b - a, RMS", "a, RMS"), cells)
         )

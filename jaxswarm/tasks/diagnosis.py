@@ -16,10 +16,11 @@ from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.summary import units
-from jaxswarm.logs.motion import prepare
+from jaxswarm.identify.run import refuse_undeclarable
+from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
-from jaxswarm.tasks.inputs import Logs, as_logs, as_model, as_robot, in_double
+from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double
 from jaxswarm.tasks.words import effect_table, error_table
 
 
@@ -63,7 +64,8 @@ def diagnose(
             raise InputError("model excludes declare, rules and cutoffs: the model holds them")
         return _against(logs, as_model(model), validation, seed, progress)
     terms = parse_terms(declare or "none", robot.joints)
-    read, motions = prepared(logs, robot, motion_cutoff, torque_cutoff)
+    refuse_undeclarable(terms)
+    _, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms)
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
     short = too_short(motions, columns)
@@ -72,7 +74,9 @@ def diagnose(
         result = undecidable(robot, declared, units(robot), [*short, *reasons])
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress)
-    unseen = [prepare(log, found.final.model.filtering) for log in as_logs(validation, robot)]
+    unseen = []
+    if validation is not None:
+        _, unseen = prepared(validation, robot, found.final.model.filtering, terms)
     result, left = conclude(found, unseen, seed, progress)
     result["reasons"] = reasons
     shown = unseen[0] if unseen else found.final.motions[0]
@@ -80,8 +84,10 @@ def diagnose(
 
 
 def _against(logs: Logs, model: Model, validation, seed: int, progress) -> Fitted:
-    motions = [prepare(log, model.filtering) for log in as_logs(logs, model.robot)]
-    unseen = [prepare(log, model.filtering) for log in as_logs(validation, model.robot)]
+    _, motions = prepared(logs, model.robot, model.filtering, model.terms)
+    unseen = []
+    if validation is not None:
+        _, unseen = prepared(validation, model.robot, model.filtering, model.terms)
     found = changes_since(model, motions, seed=seed, progress=progress)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
     shown = unseen[0] if unseen else motions[0]

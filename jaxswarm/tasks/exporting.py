@@ -16,7 +16,7 @@ from jaxswarm.identify.physical.export_yaml import yaml_text
 from jaxswarm.identify.physical.physical_model import PULL, PhysicalModel, physical_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs import Log
-from jaxswarm.logs.motion import prepare
+from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_logs, as_model, as_robot, in_double
@@ -103,9 +103,11 @@ def _columns(model: Model, log) -> tuple[np.ndarray | None, str]:
     if log is None:
         return None, "random states of an arm at work"
     (read,) = as_logs(log, model.robot, require_torque=False)
-    motion = prepare(read, model.filtering)
-    kept = motion.decimator.kept(len(motion.t))
-    states = (x[kept] for x in (motion.q, motion.dq, motion.ddq))
+    parts = []
+    for motion in prepare_segments(read, model.filtering)[1]:
+        kept = motion.decimator.kept(len(motion.t))
+        parts.append([x[kept] for x in (motion.q, motion.dq, motion.ddq)])
+    states = (np.concatenate(x) for x in zip(*parts, strict=True))
     return np.asarray(rigid_columns(model.robot, *states)), read.source
 
 

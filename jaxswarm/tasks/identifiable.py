@@ -43,7 +43,7 @@ def identifiable(robot: Robot, motions: list[Motion]) -> dict:
     parts = []
     for motion in motions:
         kept = motion.decimator.kept(len(motion.t))
-        columns = assemble(robot, terms, motion, _WIDTH, zero)[kept]
+        columns = assemble(robot, terms, motion, [_WIDTH] * robot.num_joints, zero)[kept]
         # Small joints count as much as large ones: each is a row of its own scale.
         scale = np.sqrt(np.mean(columns**2, axis=(0, 2)))
         parts.append((columns / np.maximum(scale, 1e-12)[:, None]).reshape(-1, columns.shape[2]))

@@ -9,14 +9,21 @@ from matplotlib.figure import Figure
 
 from jaxswarm import outputs, plots
 from jaxswarm.effects.friction import USUAL_FRICTION
-from jaxswarm.effects.term import parse_terms
+from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
-from jaxswarm.identify.run import refuse_resting_joints
-from jaxswarm.logs.motion import Filtering, Motion, prepare
+from jaxswarm.identify.run import (
+    refuse_missing_channels,
+    refuse_resting_joints,
+    refuse_undeclarable,
+)
+from jaxswarm.logs import Log
+from jaxswarm.logs.consistency import refuse_dead_torque
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
@@ -53,17 +60,22 @@ class Fitted(Result):
         return path
 
 
-def prepared(logs: Logs, robot: Robot, motion_cutoff, torque_cutoff) -> tuple[list, list[Motion]]:
-    """Logs and their motions; the frequencies of the first one hold for all."""
-    logs = as_logs(logs, robot)
-    if not logs:
+def prepared(
+    logs: Logs, robot: Robot, filtering: Filtering, terms: tuple[Term, ...]
+) -> tuple[list[Log], list[Motion]]:
+    """Logs, and their stretches between gaps; the frequencies of the first one hold for all."""
+    read = as_logs(logs, robot)
+    if not read:
         raise InputError("no logs: pass at least one")
-    filtering = Filtering(motion_cutoff, torque_cutoff)
-    motions = []
-    for log in logs:
-        motions.append(prepare(log, filtering))
-        filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
-    return logs, motions
+    refuse_missing_channels(terms, read)
+    noted, motions = [], []
+    for log in read:
+        refuse_dead_torque(log)
+        log, parts = prepare_segments(log, filtering)
+        filtering = parts[0].filtering
+        noted.append(log)
+        motions += parts
+    return noted, motions
 
 
 @in_double
@@ -96,16 +108,17 @@ def identify(
     """
     robot = as_robot(robot)
     terms = parse_terms(effects, robot.joints)
-    read, motions = prepared(logs, robot, motion_cutoff, torque_cutoff)
+    refuse_undeclarable(terms)
+    read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms)
     refuse_resting_joints(read, robot)
-    band = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
-    further = [prepare(log, band) for log in as_logs(validation, robot)]
+    unseen, scored = None, []
+    if validation is not None:
+        scored, unseen = prepared(validation, robot, motions[0].filtering, terms)
     progress("fitting")
     found = estimate(robot, terms, motions)
     progress("scoring")
-    unseen = further[0] if further else None
-    report = report_of(found, read, unseen, unseen and unseen.source, None)
-    return _result(report, found, unseen or motions[0])
+    report = report_of(found, read, unseen, scored[0].source if scored else None, None)
+    return _result(report, found, max(unseen or motions, key=lambda part: len(part.t)))
 
 
 def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:

@@ -12,7 +12,8 @@ from jaxswarm.errors import InputError
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.coverage import coverage, period_of
 from jaxswarm.logs.joints import joints_in
-from jaxswarm.logs.motion import Filtering, prepare
+from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.identifiable import identifiable
@@ -77,8 +78,8 @@ def inspect(
         content["robot"] = arm.name
         filtering, motions = Filtering(), []
         for log in read:
-            motions.append(prepare(log, filtering))
-            filtering = Filtering(motions[0].motion_cutoff, motions[0].torque_cutoff)
+            motions += prepare_segments(log, filtering)[1]
+            filtering = motions[0].filtering
         content["identifiable"] = identifiable(arm, motions)
     return _result(content, tuple(read))
 

@@ -10,6 +10,7 @@ from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.predict import predict_log
 from jaxswarm.identify.report.summary import units
+from jaxswarm.identify.run import refuse_missing_channels
 from jaxswarm.logs import Log
 from jaxswarm.tables import Result
 from jaxswarm.tasks.inputs import as_logs, as_model, in_double
@@ -47,11 +48,13 @@ def predict(model: Model | str | Path, log: Log | str | Path) -> Predicted:
     if not isinstance(log, Log | str | Path):
         raise InputError(f"log is a {type(log).__name__}: pass one Log or one file")
     (read,) = as_logs(log, model.robot, require_torque=False)
-    t, tau, motion = predict_log(model, read)
-    content = {"log": read.source, "samples": len(t)}
+    refuse_missing_channels(model.terms, [read])
+    noted, tau, motions = predict_log(model, read)
+    t = read.t
+    content = {"log": read.source, "samples": len(t), "notes": list(noted.notes)}
     tables = ()
-    if motion.tau is not None:
-        content["error"] = log_errors(model, motion)
+    if read.tau is not None:
+        content["error"] = log_errors(model, *motions)
         rows = {read.source: content["error"]}
         tables = (error_table(model.robot.name, rows, model.robot.joints, units(model.robot)),)
     return Predicted(content, (f"{len(t)} samples of {read.source}",), tables, t=t, tau=tau)

@@ -175,6 +175,7 @@ def test_commands_import_heavy_things_inside_functions_only():
     folder = Path(__file__).resolve().parents[2] / "jaxswarm" / "commands"
     light = {
         "jaxswarm.console",
+        "jaxswarm.work",
         "jaxswarm.errors",
         "jaxswarm.commands",
         "jaxswarm.commands.options",

@@ -2,15 +2,19 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from planted import BAND, diagnose_log, log_with
 
+from jaxswarm.diagnose.decision.remainder import NEAR, Remainder
 from jaxswarm.diagnose.decision.unexplained import Unexplained
+from jaxswarm.diagnose.decision.verdict import verdict
 from jaxswarm.diagnose.report import figures as pictures
+from jaxswarm.diagnose.report.errors import grown
 from jaxswarm.diagnose.report.html import render
-from jaxswarm.diagnose.report.result import to_result, verdict
+from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.run import conclude, write_report
 from jaxswarm.effects.term import Term
@@ -79,11 +83,52 @@ def test_without_validation_errors_are_on_held_out_time(found):
     assert to_result(found, [])["error"]["after"]["on"] == "held-out blocks of time"
 
 
-def test_verdicts(found, clean):
-    assert verdict(clean, []) == "nothing missing"
-    assert verdict(clean, [LEFT]) == "unexplained"
-    assert verdict(found, []) == "explained"
-    assert verdict(found, [LEFT]) == "partly explained"
+def test_verdicts():
+    near, far = (Remainder(0, times, (), (0.0, 1.0)) for times in (1.2, 3.3))
+    assert verdict(0, [], [near]) == "nothing missing"
+    assert verdict(0, [LEFT], [near]) == "unexplained"
+    assert verdict(0, [], [near, far]) == "unexplained"
+    assert verdict(1, [], [near]) == "explained"
+    assert verdict(1, [LEFT], [near]) == "partly explained"
+    assert verdict(1, [], [far]) == "partly explained"
+
+
+def test_no_verdict_contradicts_the_noise(found, clean):
+    for one in (found, clean):
+        told = to_result(one, [])
+        assert max(told["residual_over_noise"]) < NEAR and told["proof"] == "held-out regions"
+    # Half of the torque's error is made unexplained: a model without the spring.
+    blind = replace(found, steps=(), final=found.declared)
+    told = to_result(blind, [])
+    assert told["verdict"] == "unexplained" and told["residual_over_noise"][0] > NEAR
+    entry = told["unexplained"][0]
+    assert entry["joint"] == "joint1" and entry["depends_on"] == [] and entry["windows"]
+    assert entry["share"] == pytest.approx(1 - 1 / told["residual_over_noise"][0] ** 2)
+    assert "times the noise" in verdict_sentence(told)
+
+
+def test_a_log_whose_torque_is_noise_cannot_be_judged(clean):
+    rng = np.random.default_rng(0)
+    fit = clean.final.fit
+    noise = replace(fit, residual=clean.final.regression.torque)
+    deaf = replace(clean.final, fit=noise, regression=replace(
+        clean.final.regression, torque=rng.normal(size=fit.residual.shape)))  # fmt: skip
+    told = to_result(replace(clean, final=deaf, declared=deaf), [])
+    assert told["verdict"] == "cannot be judged"
+    assert "units" in verdict_sentence(told)
+
+
+def test_of_several_validation_logs_the_worst_leads(found, unseen):
+    other = prepare(log_with(seed=3), BAND)  # without the spring: there the addition does harm
+    told = to_result(found, [], [*unseen, replace(other, source="without")])
+    assert [v["on"] for v in told["error"]["validation"]] == [unseen[0].source, "without"]
+    assert told["error"]["after"]["on"] == "without" and told["proof"] == "other motion"
+
+
+def test_an_error_that_grew_on_another_log_is_told():
+    entry = {"on": "b", "before": {"rms": [1.0, 0.1]}, "after": {"rms": [1.5, 0.15]}}
+    noise = np.array([0.2, 0.2])  # what happens below it is no harm
+    assert grown([entry], ("j1", "j2"), noise, 1.05) == ["on b the error of j1 grew from 1 to 1.5"]
 
 
 def test_sentence_of_every_verdict(found, clean):

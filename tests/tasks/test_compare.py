@@ -50,6 +50,11 @@ def test_models_compare_by_torque_whatever_their_basis(results, tmp_path):
         abs(masses[2] / masses[0] - 1), rel=1e-6
     )
     assert not differing(compare(paths[0], paths[0]))
+    report, file = compare(results[0], results[2]), found
+    for name in ("b", "fc"):  # the file holds intervals too, less what widths add
+        one, two = (next(r for r in x["parameters"] if r["name"] == name) for x in (report, file))
+        assert one["a"]["std_error"] == pytest.approx(two["a"]["std_error"], rel=0.1)
+        assert one["differs"] == two["differs"]
 
 
 def test_effects_of_one_side_are_told(results):

@@ -24,7 +24,7 @@ from jaxswarm.robot import inverse_dynamics, load_robot, standard_parameter_name
 from jaxswarm.robot.placements import body_parameters
 from jaxswarm.tasks import export
 
-WIDTH = 0.02
+WIDTH = (0.02, 0.01, 0.05)
 
 
 def base_model(scale=1.0):
@@ -96,7 +96,7 @@ def test_yaml_builds_the_arm_in_pinocchio(model, tmp_path):
     tau = pin.rnea(arm, arm.createData(), q, dq, ddq)
     np.testing.assert_allclose(tau, inverse_dynamics(model.robot, q, dq, ddq), atol=2e-3)
     assert read["effects"][1]["joint"] == "joint2" and read["effects"][1]["values"] == {"b": 2.0}
-    assert read["sign_width"] == WIDTH
+    assert read["sign_width"] == list(WIDTH)
 
 
 def test_what_no_bodies_have_is_told(tmp_path):
@@ -163,8 +163,8 @@ def test_every_law_is_the_same_in_c(tmp_path):
             other = (0.0, 0.0) if o is None else (dq[o], ddq[o])
             mine = state[memories.index(term)] if term in memories else 0.0
             sample = Sample(
-                t, q[j], dq[j], ddq[j], np.tanh(dq[j] / WIDTH), load[j], static[j], warm[j],
-                *other, np.tanh((dq[j] + other[0]) / WIDTH), mine,
+                t, q[j], dq[j], ddq[j], np.tanh(dq[j] / WIDTH[j]), load[j], static[j], warm[j],
+                *other, np.tanh((dq[j] + other[0]) / WIDTH[j]), mine,
             )  # fmt: skip
             sample = jax.tree.map(jnp.asarray, sample)
             wanted[j] += float(term.law.torque(term.values, sample))

@@ -37,7 +37,7 @@ def model_of(robot, terms=()):
     base = find_base(random_columns(robot).reshape(-1, 30), standard_parameter_names(robot))
     full = base.expand(base.reduce(np.asarray(robot.parameters).ravel()))
     robot = robot.replace(parameters=jnp.asarray(full.reshape(3, 10)))
-    return Model(robot, tuple(terms), 0.01, Filtering(), (0.1, 0.1, 0.1))
+    return Model(robot, tuple(terms), (0.01,) * 3, Filtering(), (0.1, 0.1, 0.1))
 
 
 VISCOUS = [Term("viscous_friction", j, values={"b": 2.0 + j}) for j in range(3)]

@@ -4,11 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.verdict import CANNOT, NO_PROOF
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
 # Least number of independent rows per parameter, and least time [s], to hold blocks of time out.
 _ROWS_PER_PARAMETER, _SECONDS = 3.0, 2.0
+# Least travel [rad or m] of a joint that moves.
+_LEAST_TRAVEL = 1e-3
 
 
 def resting_joints(motions: Sequence[Motion], robot: Robot) -> list[str]:
@@ -17,7 +20,7 @@ def resting_joints(motions: Sequence[Motion], robot: Robot) -> list[str]:
     for j, joint in enumerate(robot.joints):
         speed = np.concatenate([m.dq[:, j] for m in motions])
         travel = max(float(np.ptp(m.q[:, j])) for m in motions)
-        if travel < 1e-3:
+        if travel < _LEAST_TRAVEL:
             reasons.append(
                 f"{joint} never moves: no effect on it can be seen; move it through its range"
             )
@@ -29,6 +32,13 @@ def resting_joints(motions: Sequence[Motion], robot: Robot) -> list[str]:
                 f"{joint} never reverses: dry friction cannot be told from an offset; move it both ways"
             )
     return reasons
+
+
+def all_rest(motions: Sequence[Motion]) -> list[str]:
+    """A sentence if no joint moves in any log: then any parameter fits."""
+    if any((np.ptp(m.q, axis=0) > _LEAST_TRAVEL).any() for m in motions):
+        return []
+    return ["no joint moves: a standing arm tells nothing of its model; log a motion"]
 
 
 def too_short(motions: Sequence[Motion], parameters: int) -> list[str]:
@@ -65,8 +75,11 @@ def undecidable(
         "undecided": [],
         "error": {"before": None, "after": None, "noise_floor": None},
         "torque_units": list(units),
-        "verdict": "nothing missing",
-        "reasons": ["nothing could be decided", *reasons],
+        "verdict": CANNOT,
+        "proof": NO_PROOF,
+        "residual_over_noise": [],
+        "discovered": [],
+        "reasons": list(reasons),
         "asked": 0,
         "suspects": [],
     }

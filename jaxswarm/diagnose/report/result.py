@@ -1,29 +1,29 @@
 """The outcome of a diagnosis as plain data: the keys of ``diagnosis.json``."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
+from jaxswarm.diagnose.decision.remainder import Remainder, noise_of, remainders
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
+from jaxswarm.diagnose.decision.verdict import (
+    CANNOT,
+    NO_PROOF,
+    OTHER_MOTION,
+    REGIONS,
+    hopeless,
+    verdict,
+)
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.stepwise import Diagnosis
+from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
 from jaxswarm.identify.report.summary import term_parameters, units, with_intervals
 from jaxswarm.logs.motion import Motion
-
-
-def unseen_errors(found: Estimate, validation: Sequence[Motion]) -> dict:
-    """Errors on motion that was not fitted: the validation logs, else held-out blocks of time."""
-    if not validation:
-        return {**held_out_errors(found), "on": "held-out blocks of time"}
-    parts = [
-        {**log_errors(found.model.during(None), m), "on": Path(m.source).name} for m in validation
-    ]
-    return parts[0] if len(parts) == 1 else {**parts[0], "further": parts[1:]}
 
 
 def place(term: Term, joints: tuple[str, ...]) -> dict:
@@ -32,13 +32,6 @@ def place(term: Term, joints: tuple[str, ...]) -> dict:
     if term.other is not None:
         entry["other"] = joints[term.other]
     return entry
-
-
-def verdict(diagnosis: Diagnosis, left: Sequence[Unexplained]) -> str:
-    """One of the four verdicts."""
-    if diagnosis.steps:
-        return "partly explained" if left else "explained"
-    return "unexplained" if left else "nothing missing"
 
 
 def to_result(
@@ -58,10 +51,13 @@ def to_result(
     rules = rules or Rules()
     final, robot = diagnosis.final, diagnosis.final.model.robot
     joints = robot.joints
-    steps = [_step(step, joints, validation) for step in diagnosis.steps]
-    before = unseen_errors(diagnosis.declared, validation)
-    after = unseen_errors(final, validation)
-    noise = [m.torque_noise for m in (validation or final.motions)][0]
+    errors = UnseenErrors(validation, diagnosis.declared, final)
+    steps = [_step(step, joints, errors) for step in diagnosis.steps]
+    before, after = errors.of(diagnosis.declared), errors.of(final)
+    noise, remains = noise_of(final), remainders(final)
+    smooth = any(u.term is not None for u in left)
+    described = errors.with_model(with_smooth_terms(final, left)) if smooth else None
+    why = hopeless(after["relative_global"])
     return {
         "robot": robot.name,
         "joints": list(joints),
@@ -76,30 +72,27 @@ def to_result(
             place(t, joints)
             for t in (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
         ],
-        "unexplained": [
-            {
-                "joint": joints[u.joint],
-                "depends_on": list(u.depends_on),
-                "share": u.share,
-                "p_value": u.p_value,
-                "in_model": u.term is not None,
-            }
-            for u in left
-        ],
+        "unexplained": _unexplained(left, remains, joints),
         "undecided": [u for step in diagnosis.steps for u in _undecided(step, joints)],
         "error": {
             "before": before,
             "after": after,
-            **_smooth_errors(final, left, validation),
+            "validation": errors.validation,
+            **({"with_smooth_terms": described} if described else {}),
             "noise_floor": {
                 "rms": list(map(float, noise)),
                 "how": "sample-to-sample noise of the torque (median third difference), taken as "
-                "white, below the torque cutoff",
+                "white, below the torque cutoff; the least of the fitted logs",
                 "torque_cutoff_hz": final.motions[0].torque_cutoff,
             },
         },
         "torque_units": list(units(robot)),
-        "verdict": verdict(diagnosis, left),
+        "verdict": CANNOT if why else verdict(len(diagnosis.kept), left, remains),
+        "proof": proof(final, validation),
+        "residual_over_noise": [r.over_noise for r in remains],
+        "discovered": [],
+        "reasons": [*([why] if why else []), *grown(errors.validation, joints, noise, HARM)],
+        "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
         "asked": diagnosis.asked,
         "suspects": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
         "effective_samples": diagnosis.background.effective,
@@ -111,15 +104,6 @@ def to_result(
         },
         "rules": vars(rules),
     }
-
-
-def _smooth_errors(final: Estimate, left: Sequence[Unexplained], validation) -> dict:
-    """Errors on the validation logs with smooth terms in the model, where there are both."""
-    if not validation or not any(u.term is not None for u in left):
-        return {}
-    model = with_smooth_terms(final, left).during(None)
-    parts = [{**log_errors(model, m), "on": Path(m.source).name} for m in validation]
-    return {"with_smooth_terms": {**parts[0], **({"further": parts[1:]} if parts[1:] else {})}}
 
 
 def _ranked(scores: Sequence[Score]) -> list[Score]:
@@ -153,11 +137,44 @@ def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
     return added, {}
 
 
-def _step(step: Step, joints: tuple[str, ...], validation) -> dict:
+def proof(final: Estimate, validation: Sequence[Motion]) -> str:
+    """On what motion the outcome is shown."""
+    if validation:
+        return OTHER_MOTION
+    return NO_PROOF if regions(final) is None else REGIONS
+
+
+def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], joints) -> list[dict]:
+    """Structure that was found, and joints that are far from the noise without any."""
+    told = []
+    for u in left:
+        entry = {"share": u.share, "p_value": u.p_value, "in_model": u.term is not None}
+        told.append((u.joint, {"depends_on": list(u.depends_on), **entry}))
+    seen = {joint for joint, _ in told}
+    for r in remains:
+        if not r.near and r.joint not in seen:
+            entry = {"share": 1.0 - 1.0 / r.over_noise**2, "p_value": None, "in_model": False}
+            told.append((r.joint, {"depends_on": [], **entry}))
+    return [
+        {
+            "joint": joints[joint],
+            **entry,
+            "over_noise": remains[joint].over_noise,
+            "windows": [
+                {"log": log, "start": start, "end": end}
+                for log, start, end in remains[joint].windows
+            ],
+            "band_hz": list(remains[joint].band),
+        }
+        for joint, entry in told
+    ]
+
+
+def _step(step: Step, joints: tuple[str, ...], errors: UnseenErrors) -> dict:
     return {
         "added": place(step.added, joints),
-        "before": unseen_errors(step.before, validation),
-        "after": unseen_errors(step.after, validation),
+        "before": errors.of(step.before),
+        "after": errors.of(step.after),
         "removed": [place(t, joints) for t in step.removed],
     }
 

@@ -16,24 +16,45 @@ def verdict_sentence(result: dict) -> str:
     before, after = result["error"]["before"], result["error"]["after"]
     if before is None:
         return "; ".join(result["reasons"]) + "."
+    if result["verdict"] == "cannot be judged":
+        return "This log cannot be judged: " + "; ".join(result["reasons"]) + "."
     change = f"{100 * before['relative_global']:.2f} %"
     if result["effects"] or result["changed"]:
         change += f" before, {100 * after['relative_global']:.2f} % after, on {after['on']}"
     added = _found(result)
-    left = "; ".join(
-        f"{100 * u['share']:.0f} % of the remaining error of {u['joint']} follows "
-        f"{' and '.join(u['depends_on'])}"
-        for u in result["unexplained"]
-    )
+    left = "; ".join(remaining(u) for u in result["unexplained"])
     sentences = {
         "nothing missing": f"Nothing is missing: no known effect lowers the error on unseen motion "
-        f"beyond chance (error {change}).",
+        f"beyond chance, and what is left is near the noise (error {change}).",
         "explained": f"{added} (error {change}).",
         "partly explained": f"{added} (error {change}), and more is missing that no known law "
         f"explains: {left}.",
         "unexplained": f"Something is missing that no known law explains: {left} (error {change}).",
     }
-    return sentences[result["verdict"]]
+    return f"{sentences[result['verdict']]} {_PROOF[result['proof']]}".strip()
+
+
+_PROOF = {
+    "other motion": "",
+    "held-out regions": "Shown on regions of this motion that were not fitted; to prove it, record another "
+    "motion and pass it with --validation.",
+    "none": "Not proven: record another motion and pass it with --validation.",
+}
+
+
+def remaining(entry: dict) -> str:
+    """What is left on a joint, in one clause: what it follows, or when and at which frequencies it is."""
+    times = f"{entry['over_noise']:.1f} times the noise"
+    if entry["depends_on"]:
+        names = " and ".join(entry["depends_on"])
+        return (
+            f"{100 * entry['share']:.0f} % of the remaining error of {entry['joint']} ({times}) "
+            f"follows {names}"
+        )
+    low, high = entry["band_hz"]
+    spans = ", ".join(f"{w['start']:.3g}-{w['end']:.3g} s" for w in entry["windows"])
+    when = f", mostly at {spans}" if spans else ""
+    return f"{entry['joint']} is left with {times} at {low:.2g} to {high:.2g} Hz{when}"
 
 
 def _found(result: dict) -> str:
@@ -75,6 +96,8 @@ def next_steps(result: dict) -> list[str]:
         if rms < 2.0 * low:
             steps.append(f"{joint} is at {rms / low:.1f} times the torque's noise: stop there.")
     for u in result["unexplained"]:
+        if not u["depends_on"]:
+            continue
         names = " and ".join(u["depends_on"])
         steps.append(
             f"Vary {names} alone to see the shape on {u['joint']}; a law registered with "

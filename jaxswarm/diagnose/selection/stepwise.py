@@ -17,6 +17,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
+from jaxswarm.diagnose.selection.survives import survives
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -42,6 +43,7 @@ class Diagnosis:
         background: The folds of the final model.
         asked: Suspects asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
+        refused: What would have been added but did not survive on other motion, and why.
     """
 
     declared: Estimate
@@ -51,6 +53,7 @@ class Diagnosis:
     background: CrossFit
     asked: int
     withdrawn: tuple[Term, ...] = ()
+    refused: tuple[tuple[Term, str], ...] = ()
 
     @property
     def kept(self) -> tuple[Step, ...]:
@@ -68,6 +71,7 @@ def diagnose(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     journal: Journal | None = None,
+    other: Sequence[Motion] = (),
 ) -> Diagnosis:
     """Find what a declared model lacks.
 
@@ -79,6 +83,7 @@ def diagnose(
         seed: Seed of the searches.
         progress: Called with one line per stage.
         journal: Keeps the searches on disk, so that an interrupted diagnosis can go on.
+        other: Prepared logs of other motion, with torque: what is added has to survive on them.
 
     Returns:
         The :class:`Diagnosis`.
@@ -87,7 +92,7 @@ def diagnose(
     progress("fitting the declared model")
     current = estimate(robot, declared, motions, bounded=False)
     first, steps, banned, asked, skews = current, [], set(), 0, []
-    memory, settled, withdrawn = Memory(journal, rules.share), False, ()
+    memory, settled, withdrawn, refused = Memory(journal, rules.share), False, (), []
     for round_number in range(_MOST_STEPS + 1):
         progress(
             f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
@@ -133,7 +138,13 @@ def diagnose(
         if after is None:
             banned.add(replace(chosen.candidate.term, values={}).identity)
             continue
-        added = next(t for t in after.model.terms if t.identity == chosen.candidate.term.identity)
+        term = chosen.candidate.term
+        why = None if term.law.recurring else survives(current, after, chosen.joint, other)
+        if why:
+            refused.append((term, why))
+            banned.add(replace(term, values={}).identity)
+            continue
+        added = find_term(after, term)
         others = [
             s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
         ]
@@ -145,7 +156,9 @@ def diagnose(
             steps, current = further_events(steps, current, added, asked, rules, memory, seed)
         # What was refused on this joint was refused without the new effect.
         banned = {key for key in banned if key[1] != added.joint}
-    return Diagnosis(first, current, tuple(steps), tuple(scores), background, asked, withdrawn)
+    return Diagnosis(
+        first, current, tuple(steps), tuple(scores), background, asked, withdrawn, tuple(refused)
+    )
 
 
 def further_events(

@@ -87,7 +87,9 @@ def with_bodies(found: Estimate, bodies: Consistency) -> Estimate:
     solution = replace(
         found.fit, values=values, residual=found.regression.target - columns @ values
     )
-    return replace(found, fit=solution, model=with_linear_values(found.model, bodies.theta))
+    # How certain the parameters are on the edge of what bodies can have is not known.
+    model = replace(with_linear_values(found.model, bodies.theta), uncertainty=None)
+    return replace(found, fit=solution, model=model)
 
 
 def consistency_report(

@@ -8,7 +8,7 @@ no added torque (a soft joint, a delay, a tilted base) are told in the head of t
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import count
 from typing import Any
 
@@ -39,13 +39,13 @@ _INNER = ("jit", "pjit", "closed_call", "custom_jvp_call", "custom_vjp_call")
 _SAME = ("convert_element_type", "copy", "stop_gradient", "broadcast_in_dim", "squeeze", "reshape")
 
 
-def c_text(robot: Robot, effects: Iterable[Any], width: float) -> str:
+def c_text(robot: Robot, effects: Iterable[Any], width: Sequence[float]) -> str:
     """The text of a C file that holds one function of the effects of a model.
 
     Args:
         robot: The robot.
         effects: Terms with values.
-        width: Width of the smooth sign [rad/s or m/s].
+        width: Width of every joint's smooth sign [rad/s or m/s], (n,).
 
     Raises:
         InputError: If a law uses an operation that has no C expression here.
@@ -70,7 +70,7 @@ def c_text(robot: Robot, effects: Iterable[Any], width: float) -> str:
  *   joints: {", ".join(robot.joints)}{told}
  * t in s; q, dq, ddq in rad or m; load: torque of the rigid body, static_load: its part without
  * acceleration; temperature in deg C; state and rate: {len(states)} memories of effects. Arrays that no
- * effect uses may be null. sign(x) is tanh(x / {width:.17g}).
+ * effect uses may be null. sign(x) is tanh(x / width), width {", ".join(f"{w:.6g}" for w in width)}.
  */
 #include <math.h>
 
@@ -86,7 +86,7 @@ void {name}_effects(double t, const double *q, const double *dq, const double *d
 """
 
 
-def _fields(item: Any, width: float, slot: int | None) -> dict[str, str]:
+def _fields(item: Any, width: Sequence[float], slot: int | None) -> dict[str, str]:
     """C expression of every field of a sample."""
     j, other = item.joint, item.other
     return {
@@ -95,17 +95,17 @@ def _fields(item: Any, width: float, slot: int | None) -> dict[str, str]:
             name: f"{name}[{j}]"
             for name in ("q", "dq", "ddq", "load", "static_load", "temperature")
         },
-        "direction": f"tanh(dq[{j}] / {width:.17g})",
+        "direction": f"tanh(dq[{j}] / {width[j]:.17g})",
         "dq_other": "0.0" if other is None else f"dq[{other}]",
         "ddq_other": "0.0" if other is None else f"ddq[{other}]",
-        "direction_sum": f"tanh(dq[{j}] / {width:.17g})"
+        "direction_sum": f"tanh(dq[{j}] / {width[j]:.17g})"
         if other is None
-        else f"tanh((dq[{j}] + dq[{other}]) / {width:.17g})",
+        else f"tanh((dq[{j}] + dq[{other}]) / {width[j]:.17g})",
         "state": "0.0" if slot is None else f"state[{slot}]",
     }
 
 
-def _law(item: Any, function, width: float, slot: int | None, target: str) -> list[str]:
+def _law(item: Any, function, width: Sequence[float], slot: int | None, target: str) -> list[str]:
     values = {name: float(value) for name, value in item.values.items()}
     with jax.enable_x64(True):
         sample = Sample(*[jnp.ones(()) for _ in Sample._fields])

@@ -6,7 +6,7 @@ value is written as JSON, which is YAML as well, so that no digit and no name is
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,15 @@ from jaxswarm.robot.model import Robot
 ORDER = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 
 
-def yaml_text(robot: Robot, effects: Iterable[Any] = (), width: float | None = None) -> str:
+def yaml_text(
+    robot: Robot, effects: Iterable[Any] = (), width: Sequence[float] | None = None
+) -> str:
     """The text of the file.
 
     Args:
         robot: Robot with the link parameters to write.
         effects: Objects with ``effect``, ``joint``, ``other`` and ``values``, as in a model.
-        width: Width of the smooth sign [rad/s or m/s], where effects use one.
+        width: Width of every joint's smooth sign [rad/s or m/s], where effects use one.
     """
     lines = [f"robot: {_value(robot.name)}", f"gravity: {_value(robot.gravity)}  # m/s^2"]
     lines += [f"# parameters: {', '.join(ORDER)}; kg, kg m, kg m^2 about the joint's origin"]
@@ -45,7 +47,7 @@ def yaml_text(robot: Robot, effects: Iterable[Any] = (), width: float | None = N
             for k, (name, value) in enumerate(entries.items())
         ]
     if width is not None:
-        lines += [f"sign_width: {_value(width)}  # sign(x) is tanh(x / sign_width)"]
+        lines += [f"sign_width: {_value(width)}  # sign(x) of a joint is tanh(x / sign_width)"]
     effects = list(effects)
     lines += ["effects:" if effects else "effects: []"]
     for item in effects:

@@ -113,7 +113,8 @@ def physical_model(
         base_matrix(base), base.reduce(theta), prior=bodies, weight=weight, pull=pull
     )
     moved = np.sqrt(np.mean((columns @ (theta - found.parameters.ravel())) ** 2, axis=0))
-    whole = replace(model, robot=robot.replace(parameters=jnp.asarray(found.parameters)))
+    links = robot.replace(parameters=jnp.asarray(found.parameters))
+    whole = replace(model, robot=links, uncertainty=None)
     return PhysicalModel(whole, moved, torque, where, found.base_error)
 
 

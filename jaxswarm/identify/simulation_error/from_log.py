@@ -22,6 +22,7 @@ from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import with_linear_values
 from jaxswarm.identify.forward.regression import build_regression
+from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.identify.simulation_error.instrumental import exogeneity_test, instrumental
 from jaxswarm.identify.simulation_error.levenberg_marquardt import refine_output
 from jaxswarm.identify.simulation_error.output_error import (
@@ -157,7 +158,7 @@ def _along_reference(motion: Motion) -> Motion:
             f"{motion.source}: the instrumental estimator needs the commanded positions, one "
             f"{REFERENCE}_<joint> [rad or m] for every joint; log them, or use another estimator"
         )
-    q = smooth(q, motion.rate, motion.motion_cutoff)
+    q = smooth(q, motion.rate, np.asarray(motion.motion_cutoff))
     dq, ddq = derivatives(q, motion.rate, 2)
     return replace(motion, q=q, dq=dq, ddq=ddq)
 
@@ -181,7 +182,8 @@ def _with(found: Estimate, values: np.ndarray, std_error: np.ndarray) -> Estimat
         residual=found.regression.target - columns @ values,
         at_bound=np.zeros(len(values), bool),
     )
-    own = dict(zip((found.fit.base.names[k] for k in found.fit.base.kept), std_error, strict=True))
+    names = tuple(found.fit.base.names[k] for k in found.fit.base.kept)
+    own = dict(zip(names, std_error, strict=True))
     errors = []
     joints = found.model.robot.joints
     for term, old in zip(found.model.terms, found.std_errors, strict=True):
@@ -192,4 +194,5 @@ def _with(found: Estimate, values: np.ndarray, std_error: np.ndarray) -> Estimat
         }
         errors.append({**old, **new})
     model = with_linear_values(found.model, solution.theta)
+    model = replace(model, uncertainty=Uncertainty(names, solution.covariance))
     return replace(found, fit=solution, model=model, std_errors=tuple(errors))

@@ -1,0 +1,43 @@
+"""The verdict: one of five words, and how far it is proven."""
+
+from collections.abc import Sequence
+
+from jaxswarm.diagnose.decision.remainder import Remainder
+from jaxswarm.diagnose.decision.unexplained import Unexplained
+
+# A model that leaves this share of all torque on unseen time says nothing of the arm: the log, its units or
+# its signs are wrong. The worst right fit of a log at hand leaves a quarter (a missing spring, p04).
+HOPELESS = 0.8
+
+NOTHING, EXPLAINED, PARTLY, UNEXPLAINED, CANNOT = (
+    "nothing missing",
+    "explained",
+    "partly explained",
+    "unexplained",
+    "cannot be judged",
+)
+OTHER_MOTION, REGIONS, NO_PROOF = "other motion", "held-out regions", "none"
+
+
+def verdict(added: int, left: Sequence[Unexplained], remains: Sequence[Remainder]) -> str:
+    """Nothing may be called explained that is not near the noise.
+
+    Args:
+        added: How many effects were added or changed.
+        left: Structure that no law explains.
+        remains: What is left on every joint.
+    """
+    more = bool(left) or not all(r.near for r in remains)
+    if added:
+        return PARTLY if more else EXPLAINED
+    return UNEXPLAINED if more else NOTHING
+
+
+def hopeless(relative: float) -> str | None:
+    """Why a log cannot be judged whose model leaves a share of all torque on unseen time; None: it can."""
+    if relative < HOPELESS:
+        return None
+    return (
+        f"the model leaves {100 * relative:.0f} % of the torque on unseen time: torque and motion do not "
+        "belong together; check units, signs and the order of the columns"
+    )

@@ -1,0 +1,48 @@
+"""Motion that was not fitted, within a log: regions of its states, each predicted by a fit to the others.
+
+Exciting motion is periodic, so that a block of time held out repeats one that was fitted. States do not
+repeat: rows are grouped by where the joints are and how fast they move, and one group is held out at a
+time. What a wrong law has learned in one region it gets wrong in another.
+"""
+
+import numpy as np
+from scipy.cluster.vq import kmeans2
+
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.least_squares import values_on
+
+# Groups that are tried, and the least number of rows in one.
+_GROUPS, _LEAST_ROWS = (6, 4, 3), 15
+
+
+def regions(found: Estimate) -> np.ndarray | None:
+    """Region of every row, (T,); None where the log is too short for any."""
+    states = []
+    for motion in found.motions:
+        kept = motion.decimator.kept(len(motion.t))
+        states.append(np.concatenate([motion.q[kept], motion.dq[kept]], axis=1))
+    states = np.concatenate(states)
+    spread = states.std(axis=0)
+    states = states[:, spread > 1e-9] / spread[spread > 1e-9]
+    for count in _GROUPS if states.shape[1] else ():
+        if len(states) < 2 * count * _LEAST_ROWS:
+            continue
+        _, label = kmeans2(states, count, minit="++", rng=np.random.default_rng(0))
+        if (np.bincount(label, minlength=count) >= _LEAST_ROWS).all():
+            return label
+    return None
+
+
+def region_residual(found: Estimate, label: np.ndarray) -> np.ndarray:
+    """Residual (T, n) where every region is predicted by a fit to the others.
+
+    Nonlinear parameters, widths, weights and bounds stay those of the whole fit.
+    """
+    regression, solution = found.regression, found.fit
+    residual = np.empty_like(solution.residual)
+    for part in np.unique(label):
+        out = label == part
+        values = values_on(regression.rows(~out), solution)
+        columns = regression.columns[out][:, :, solution.base.kept]
+        residual[out] = regression.target[out] - columns @ values
+    return residual

@@ -1,0 +1,75 @@
+"""Errors on motion that was not fitted, as ``diagnosis.json`` has them; of several logs the worst one leads."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
+from jaxswarm.identify.forward.model import Model
+from jaxswarm.logs.motion import Motion
+
+
+class UnseenErrors:
+    """Errors of models on validation logs, else on held-out blocks of time.
+
+    Args:
+        validation: Stretches of the validation logs; those of one log have one source.
+        before, after: The declared and the final model: they decide which log is the worst, the one on
+            which the error grew most or fell least.
+    """
+
+    def __init__(self, validation: Sequence[Motion], before: Estimate, after: Estimate):
+        self.logs: dict[str, list[Motion]] = {}
+        for motion in validation:
+            self.logs.setdefault(motion.source, []).append(motion)
+        self.worst = None
+        if self.logs:
+            change = {
+                source: self._on(after.model, source)["relative_global"]
+                / max(self._on(before.model, source)["relative_global"], 1e-12)
+                for source in self.logs
+            }
+            self.worst = max(change, key=change.get)
+            self.validation = [
+                {
+                    "on": Path(source).name,
+                    "before": self._on(before.model, source),
+                    "after": self._on(after.model, source),
+                }
+                for source in self.logs
+            ]
+        else:
+            self.validation = []
+
+    def of(self, found: Estimate) -> dict:
+        """Errors of a model on the worst log, or on held-out blocks of time."""
+        if self.worst is None:
+            return {**held_out_errors(found), "on": "held-out blocks of time"}
+        return {**self._on(found.model, self.worst), "on": Path(self.worst).name}
+
+    def with_model(self, model: Model) -> dict | None:
+        """Errors of a model that is no fit, on the worst log; None without a validation log."""
+        if self.worst is None:
+            return None
+        return {**self._on(model, self.worst), "on": Path(self.worst).name}
+
+    def _on(self, model: Model, source: str) -> dict:
+        return log_errors(model.during(None), *self.logs[source])
+
+
+def grown(
+    validation: list[dict], joints: Sequence[str], noise: np.ndarray, harm: float
+) -> list[str]:
+    """Sentences on joints whose error on a validation log grew beyond the noise by what was added."""
+    told = []
+    for entry in validation:
+        for joint, one, two, low in zip(
+            joints, entry["before"]["rms"], entry["after"]["rms"], noise, strict=True
+        ):
+            if two > harm * one and two > low:
+                told.append(
+                    f"on {entry['on']} the error of {joint} grew from {one:.3g} to {two:.3g}"
+                )
+    return told

@@ -1,0 +1,76 @@
+"""Whether an addition survives on motion it was not fitted to.
+
+It has to lower the error of its joint there, and must not raise that of any joint: on other logs where there
+are any, the worst one deciding, else on regions of states held out one after the other.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.remainder import noise_of
+from jaxswarm.diagnose.folds.other_motion import region_residual, regions
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.logs.motion import Motion, shift_motion
+
+# An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
+# the effect's own joint: half of what a fifth of the squared error (the least share asked for) is worth.
+HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
+# Time [s] at either end of another log that is left out.
+_ENDS = 0.25
+
+
+def survives(
+    before: Estimate, after: Estimate, joint: int, other: Sequence[Motion] = ()
+) -> str | None:
+    """Why an addition does not survive; None if it does, or if there is no other motion to ask.
+
+    Args:
+        before, after: The fits without and with it.
+        joint: Where it acts, or shows most.
+        other: Logs that are not fitted.
+    """
+    noise = noise_of(before)
+    names = before.model.robot.joints
+    for one, two, where in _errors(before, after, other):
+        worse = (two > HARM * one) & (two > ABOVE_NOISE * noise)
+        if worse.any():
+            j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
+            return f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
+        if two[joint] > GAIN * one[joint]:
+            return f"does not lower the error of {names[joint]} {where}"
+    return None
+
+
+def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
+    """RMS errors (n,) without and with, and where."""
+    if other:
+        for motion in other:
+            yield (
+                *(_rms(_log_residual(e, motion)) for e in (before, after)),
+                "on " + motion.source,
+            )
+        return
+    label = regions(before)
+    if label is None or len(label) != len(after.regression.torque):
+        return
+    used = np.ones(len(label), bool)
+    for one in (before, after):
+        used &= True if one.regression.used is None else one.regression.used
+    pair = (_rms(region_residual(e, label)[used]) for e in (before, after))
+    yield (*pair, "on held-out regions of the motion")
+
+
+def _log_residual(found: Estimate, motion: Motion) -> np.ndarray:
+    """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
+    motion = shift_motion(motion, found.motions[0].skew - motion.skew)
+    predicted = model_torque(found.model.during(None), motion)
+    left = motion.decimator.apply(motion.tau - predicted)
+    kept = motion.t[motion.decimator.kept(len(motion.t))]
+    inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)
+    return left[inside] if inside.any() else left
+
+
+def _rms(x: np.ndarray) -> np.ndarray:
+    return np.sqrt((x**2).mean(axis=0))
