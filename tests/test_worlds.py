@@ -212,16 +212,18 @@ def test_a_wanted_strength_is_reached(kind):
     assert (rms(left) / noise).max() == pytest.approx(4.0, rel=0.25)
 
 
-def test_a_world_is_the_same_world_every_time(tmp_path):
-    for part in ("a", "b"):
-        write_world(make_world(47), tmp_path / part)
-    for name in ("train.npz", "test_ptp.npz", "test_fourier.npz"):
-        one, other = np.load(tmp_path / "a" / name), np.load(tmp_path / "b" / name)
-        assert one.files == other.files
-        for key in one.files:
-            np.testing.assert_array_equal(one[key], other[key])
-    truth = json.loads((tmp_path / "a" / "truth.json").read_text())
+def test_a_world_is_the_same_world_every_time_and_its_files_say_what_it_is(tmp_path):
+    worlds = make_world(47), make_world(47)
+    logs = [w.log("train", w.runs["train"])[0] for w in worlds]
+    for key in logs[0]:
+        np.testing.assert_array_equal(logs[0][key], logs[1][key])
+    truth = write_world(worlds[0], tmp_path)
     assert [e["effect"] for e in truth["effects"]] == ["backlash"] and truth["declared"]
+    assert json.loads((tmp_path / "truth.json").read_text()) == truth
+    test = np.load(tmp_path / "test_ptp.npz")
+    assert {"t", "q", "tau", "tau_clean", "tau_effect"} <= set(test.files)
+    noise = rms(test["tau"] - test["tau_clean"])
+    assert (noise < 1.5 * np.array(truth["noise"])).all() and (noise > 0).all()
 
 
 def test_the_plan_holds_all_kinds_and_500_clean_worlds():

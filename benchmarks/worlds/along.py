@@ -34,7 +34,7 @@ def bristle(t: np.ndarray, dq: np.ndarray, x0: float) -> np.ndarray:
 
 
 def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarray:
-    """Torque of each effect along a finished run, as the encoder and the torque channel see it, (E, T, n).
+    """Torque of each effect at all ticks of a run, as encoder and torque channel see it, (E, T, n).
 
     What a structural effect does is what is left of the measured torque when the true bodies, friction
     and rotors and all other effects are taken away.

@@ -11,6 +11,7 @@ from benchmarks.worlds.simulate import DivergedError
 from benchmarks.worlds.world import World
 
 TESTS = ("test_ptp", "test_fourier")
+CHECK = "check"
 
 
 def declared_list(world: World) -> str:
@@ -30,7 +31,8 @@ def write_world(world: World, folder: Path) -> dict:
 
     ``test.npz`` is the point-to-point test under the name the practice cases use. ``*_truth.npz`` beside a
     training log holds ``tau_clean`` and ``tau_effect``; a test log holds them itself. ``edit_ptp.npz`` is
-    the point-to-point test recorded without the last effect.
+    the point-to-point test recorded without the last effect; ``check.npz``, where there is one, is a second log
+    that the user has, without what is true of it.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -38,6 +40,8 @@ def write_world(world: World, folder: Path) -> dict:
     log, hidden = world.log("train", world.runs["train"])
     np.savez_compressed(folder / "train.npz", **log)
     np.savez_compressed(folder / "train_truth.npz", **hidden)
+    if CHECK in world.runs:
+        np.savez_compressed(folder / f"{CHECK}.npz", **world.log(CHECK, world.runs[CHECK])[0])
     for name in TESTS:
         log, hidden = world.log(name, world.runs[name])
         np.savez_compressed(folder / f"{name}.npz", **log, **hidden)
@@ -107,6 +111,7 @@ def world_truth(world: World) -> dict:
         "declares": world.plan.declared,
         "common": world.plan.common,
         "attempt": world.attempt,
+        "checked": CHECK in world.runs,
         "declared": [
             {"effect": e, "joint": j + 1, "params": {values[e][0]: float(values[e][1][j])}}
             for e, j in world.declared

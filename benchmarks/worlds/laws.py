@@ -1,4 +1,4 @@
-"""Torques of undeclared effects, written afresh: of the catalog, and of laws that no catalog holds.
+"""Torques of undeclared effects, written afresh: those of the catalog here, others in :mod:`outside`.
 
 A law gives ``(dry, rest)`` and acts with ``dry * sign + rest``, ``sign = tanh(dq / width)``; what multiplies
 the sign is kept apart because the simulation has to treat the steep sign implicitly. ``S`` holds rows
@@ -6,43 +6,14 @@ the sign is kept apart because the simulation has to treat the steep sign implic
 ``scaled`` are solved for from the wanted strength; the torque is linear in them.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.worlds.effect import Effect as Effect
+from benchmarks.worlds.effect import Law as Law
 from benchmarks.worlds.families import log_uniform
-
-
-@dataclass(frozen=True)
-class Effect:
-    """One undeclared effect: its kind, where it acts (index or None), and its parameters."""
-
-    kind: str
-    joint: int | None = None
-    other: int | None = None
-    params: dict = field(default_factory=dict, compare=False)
-
-
-@dataclass(frozen=True)
-class Law:
-    """How a kind acts on its joint, and what is drawn for it.
-
-    Attributes:
-        torque: ``(params, S, joint, other) -> (dry, rest)``; None where the effect is no torque.
-        draw: ``(rng, slide) -> params`` with amplitudes of one.
-        scaled: Names of the amplitudes.
-        outside: Not in the catalog.
-        pair: Acts on one joint by the motion of another.
-        resists: Takes from the dry friction of its joint, which must stay positive.
-    """
-
-    torque: Callable | None
-    draw: Callable
-    scaled: tuple[str, ...] = ()
-    outside: bool = False
-    pair: bool = False
-    resists: bool = False
+from benchmarks.worlds.outside import OUTSIDE_LAWS
 
 
 def _unit(rng, slide):
@@ -52,12 +23,6 @@ def _unit(rng, slide):
 def _asymmetric(p, s, j, o):
     forward = 0.5 * (1.0 + s.sign[j])
     return forward * p["fc_more"], forward * p["b_more"] * s.dq[j]
-
-
-def _compensator(p, s, j, o):
-    turn = s.q[j] - p["q0"]
-    length = np.sqrt(p["r"] ** 2 + p["d"] ** 2 - 2.0 * p["r"] * p["d"] * np.cos(turn))
-    return 0.0, p["k"] * (1.0 - p["free"] / length) * p["r"] * p["d"] * np.sin(turn)
 
 
 def _ripple(rng, slide):
@@ -74,7 +39,7 @@ def _couple(rng, slide):
     return {"b": float(rng.choice([-1.0, 1.0])), "fc": 0.0, "ia": 0.0}
 
 
-LAWS = {
+_INSIDE_LAWS = {
     "viscous_friction": Law(
         lambda p, s, j, o: (0.0, p["b"] * s.dq[j]), lambda r, w: {"b": 1.0}, ("b",)
     ),
@@ -144,60 +109,9 @@ LAWS = {
     "time_delay": Law(None, lambda r, w: {"seconds": 0.0}),
     "base_tilt": Law(None, lambda r, w: {"gx": 0.0, "gy": 0.0}),
     "contact": Law(None, lambda r, w: {"seconds": log_uniform(r, 0.3, 3.0)}),
-    "encoder_offset": Law(None, lambda r, w: {"dq0": 0.0}, outside=True),
-    "cubic_spring": Law(
-        lambda p, s, j, o: (0.0, p["k"] * s.q[j] ** 3),
-        lambda r, w: {"k": 1.0},
-        ("k",),
-        outside=True,
-    ),
-    "position_dependent_friction": Law(
-        lambda p, s, j, o: (p["fc"] * np.cos(p["n"] * s.q[j] + p["phase"]), 0.0),
-        lambda r, w: {
-            "fc": 1.0,
-            "n": r.uniform(10.0, 30.0) if w else r.uniform(1.0, 4.0),
-            "phase": r.uniform(0, 2 * np.pi),
-        },
-        ("fc",),
-        outside=True,
-        resists=True,
-    ),
-    "friction_change": Law(
-        lambda p, s, j, o: (p["fc"] * (s.t > p["start"]), 0.0),
-        lambda r, w: {"fc": 1.0, "start": r.uniform(0.3, 0.7)},
-        ("fc",),
-        outside=True,
-    ),
-    "periodic_force": Law(
-        lambda p, s, j, o: (0.0, p["a"] * np.sin(2 * np.pi * p["hertz"] * s.t + p["phase"])),
-        lambda r, w: {
-            "a": 1.0,
-            "hertz": log_uniform(r, 0.5, 5.0),
-            "phase": r.uniform(0, 2 * np.pi),
-        },
-        ("a",),
-        outside=True,
-    ),
-    "gravity_compensator": Law(
-        _compensator,
-        lambda r, w: {"k": 1.0, "q0": r.uniform(-0.5, 0.5), "r": 0.1, "d": 0.4, "free": 0.25},
-        ("k",),
-        outside=True,
-    ),
-    "cable_coupling": Law(
-        lambda p, s, j, o: (0.0, p["k"] * (s.q[j] + p["c"] * s.q[o] - p["q0"])),
-        lambda r, w: {
-            "k": 1.0,
-            "c": r.uniform(0.5, 1.5) * r.choice([-1, 1]),
-            "q0": r.uniform(-1, 1),
-        },
-        ("k",),
-        outside=True,
-        pair=True,
-    ),
 }
-INSIDE = tuple(k for k, law in LAWS.items() if not law.outside)
-OUTSIDE = tuple(k for k, law in LAWS.items() if law.outside)
+INSIDE, OUTSIDE = tuple(_INSIDE_LAWS), tuple(OUTSIDE_LAWS)
+LAWS = {**_INSIDE_LAWS, **OUTSIDE_LAWS}
 # Effects that are not a torque on a joint: at most one of them in a world, so that what they do to the
 # torque is what remains when everything else is subtracted.
 STRUCTURAL = tuple(k for k, law in LAWS.items() if law.torque is None and k != "contact")

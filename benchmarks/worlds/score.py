@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.worlds import plain
-from benchmarks.worlds.files import TESTS, declared_list, label, write_world
+from benchmarks.worlds.files import CHECK, TESTS, declared_list, label, write_world
+from benchmarks.worlds.intervals import interval_hits, true_values
 from benchmarks.worlds.laws import LAWS
 from benchmarks.worlds.world import World
 from jaxswarm.diagnose.run import diagnose_files
@@ -34,29 +35,34 @@ def score_world(world: World) -> dict:
         robot, declare = str(folder / truth["robot_file"]), declared_list(world)
         row = {key: truth[key] for key in COPIED}
         row |= {key: labels_of(truth[key]) for key in ("effects", "outside", "inseparable")}
+        row["world"] = world.number
         start = time.perf_counter()
-        try:
-            result = diagnose_files([folder / "train.npz"], robot, declare, folder / "final")
-        except Exception as error:  # a crash is a row too: it must not end the run
-            return {**row, "world": world.number, "error": f"{type(error).__name__}: {error}"[:300]}
-        row |= {"world": world.number, "seconds": time.perf_counter() - start}
-        row |= _names(result, world, truth)
-        identify_files([folder / "train.npz"], robot, declare, folder / "declared")
-        row |= _errors(world, folder, truth)
-        row |= _edit(world, folder, truth, row)
+        log, stage = [folder / "train.npz"], "diagnose"
+        try:  # a crash is a row too: it must not end the run
+            check = [folder / f"{CHECK}.npz"] if truth["checked"] else None
+            result = diagnose_files(log, robot, declare, folder / "final", check)
+            row["seconds"] = time.perf_counter() - start
+            row |= _names(result, world)
+            stage = "identify"
+            identify_files(log, robot, declare, folder / "declared")
+            stage = "predict"
+            row |= _errors(world, folder)
+            row |= _edit(world, folder, truth, row)
+        except Exception as error:
+            row["error"] = f"{stage}: {type(error).__name__}: {error}"[:300]
     return row
 
 
 COPIED = (
     "name", "robot", "size", "motion", "duration", "controller", "control_rate", "rate", "declares",
-    "common", "attempt",
+    "common", "attempt", "checked",
 )  # fmt: skip
 
 
 def labels_of(entries: list[dict]) -> list[dict]:
     return [
         {
-            "label": _place(e["effect"], e.get("joint"), e.get("other")),
+            "label": place_label(e["effect"], e.get("joint"), e.get("other")),
             "kind": e["effect"],
             "ratio": e["ratio"],
             "visible": e["visible"],
@@ -65,20 +71,20 @@ def labels_of(entries: list[dict]) -> list[dict]:
     ]
 
 
-def _place(effect: str, joint, other) -> str:
+def place_label(effect: str, joint, other) -> str:
     """``kind@joint2:joint3`` from names of joints, or from numbers that count from 1."""
     names = [f"joint{x}" if isinstance(x, int) else x for x in (joint, other) if x is not None]
     return effect + ("@" if names else "") + ":".join(names)
 
 
-def _names(result: dict, world: World, truth: dict) -> dict:
+def _names(result: dict, world: World) -> dict:
     """What was added, undecided and unexplained; parameters against their intervals."""
-    added = [_place(e["effect"], e["joint"], e.get("other")) for e in result["effects"]]
+    added = [place_label(e["effect"], e["joint"], e.get("other")) for e in result["effects"]]
     intervals = []
     for effect in world.effects:
         for entry in result["effects"]:
-            if _place(entry["effect"], entry["joint"], entry.get("other")) == label(effect):
-                intervals += _intervals(entry, true_values(effect, world))
+            if place_label(entry["effect"], entry["joint"], entry.get("other")) == label(effect):
+                intervals += interval_hits(entry, true_values(effect, world))
     return {
         "added": added,
         "undecided": [
@@ -96,35 +102,13 @@ def _names(result: dict, world: World, truth: dict) -> dict:
     }
 
 
-def true_values(effect, world: World) -> dict[str, float]:
-    """An effect's parameters as the catalog names them."""
-    p = effect.params
-    if effect.kind == "asymmetric_friction":
-        fc, b = world.arm.coulomb[effect.joint], world.arm.viscous[effect.joint]
-        return {"fc_pos": fc + p["fc_more"], "fc_neg": fc, "b_pos": b + p["b_more"], "b_neg": b}
-    if effect.kind == "contact":
-        return {"start": p["start"], "end": p["end"]}
-    return {k: v for k, v in p.items() if isinstance(v, (int, float))}
-
-
-def _intervals(entry: dict, true: dict) -> list[dict]:
-    rows = []
-    for name, found in entry["parameters"].items():
-        low, high = found.get("interval_95") or (None, None)
-        if name in true and low is not None and np.isfinite(low) and high > low:
-            hit = bool(low <= true[name] <= high)
-            span = {"true": float(true[name]), "low": low, "high": high}
-            rows.append({"parameter": name, **span, "hit": hit})
-    return rows
-
-
 def _predicted(model: Path, log: Path, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     predict_file(model, log, folder / "predicted.csv")
     table = np.loadtxt(folder / "predicted.csv", delimiter=",", skiprows=1)
     return table[:, 0], table[:, 1:]
 
 
-def _errors(world: World, folder: Path, truth: dict) -> dict:
+def _errors(world: World, folder: Path) -> dict:
     """Errors per joint of declared, final and oracle models, on the fitted and the unseen logs."""
     logs = {name: _load(folder, name) for name in ("train", *TESTS)}
     floor = plain.oracle_error(world, logs)
@@ -138,21 +122,28 @@ def _errors(world: World, folder: Path, truth: dict) -> dict:
         for name, (_, hidden) in logs.items():
             t, tau = _predicted(path, folder / f"{name}.npz", folder)
             errors[which][name] = plain.prediction_error(t, tau, hidden["tau_clean"], rate)
-    harmed = [
-        f"{name} joint{j + 1}: {errors['declared'][name][j]:.3g} -> {errors['final'][name][j]:.3g}"
-        for name in TESTS
-        for j in range(world.arm.size)
-        if errors["final"][name][j] > max(HARM * errors["declared"][name][j], noise[j])
-    ]
+    harmed, above = _harm(errors, dict.fromkeys(TESTS, noise)), _harm(errors, errors["floor"])
     told = json.loads((folder / "final" / "diagnosis.json").read_text())
     worst = float((errors["final"]["train"] / errors["floor"]["train"]).max())
     return {
         "noise": noise.tolist(),
         "errors": {k: {m: v.tolist() for m, v in e.items()} for k, e in errors.items()},
         "harm": harmed,
+        "harm_above_floor": above,
         "train_over_floor": worst,
         "consistent": not (told["verdict"] in _CONTENT and worst > NEAR_NOISE),
     }
+
+
+def _harm(errors: dict, least: dict) -> list[str]:
+    """Where the diagnosis made the prediction of unseen motion worse, beyond ``least`` on its joint."""
+    harmed = []
+    for name in TESTS:
+        rows = zip(errors["declared"][name], errors["final"][name], least[name], strict=True)
+        for j, (old, new, enough) in enumerate(rows, 1):
+            if new > max(HARM * old, enough):
+                harmed.append(f"{name} joint{j}: {old:.3g} -> {new:.3g}")
+    return harmed
 
 
 def _load(folder: Path, name: str) -> tuple[dict, dict]:
@@ -170,7 +161,7 @@ def _edit(world: World, folder: Path, truth: dict, row: dict) -> dict:
     kept = [
         t
         for t in content["terms"]
-        if _place(t["effect"], t["joint"], t["other"]) != truth["edited"]
+        if place_label(t["effect"], t["joint"], t["other"]) != truth["edited"]
     ]
     (folder / "edited.json").write_text(json.dumps({**content, "terms": kept}))
     t, tau = _predicted(folder / "edited.json", folder / "edit_ptp.npz", folder)

@@ -63,7 +63,7 @@ def category(row: dict) -> str:
     if row["outside"]:
         return "outside law, visible" if row["outside"][0]["visible"] else "outside law, faint"
     if not truth:
-        return "clean"
+        return "inseparable effects only" if row["inseparable"] else "clean"
     if row["common"]:
         return "friction of all joints undeclared"
     visible = sum(e["visible"] for e in truth)
@@ -102,6 +102,7 @@ def summary(rows: list[dict]) -> list[str]:
         ("crashes", len(rows) - len(good), len(rows)),
         ("clean: something added", sum(bool(r["added"]) for r in clean), len(clean)),
         ("harm on unseen motion", sum(bool(r["harm"]) for r in good), len(good)),
+        ("the same, above the floor", sum(bool(r["harm_above_floor"]) for r in good), len(good)),
         ("harm, clean", sum(bool(r["harm"]) for r in clean), len(clean)),
         ("one or two effects, all visible: exactly right", _count(few, "right"), len(few)),
         ("the same: undecided with the right one", _count(few, "undecided"), len(few)),
@@ -156,4 +157,5 @@ def worlds_table(rows: list[dict]) -> str:
     lines += block(rows, "controller", lambda r: [r["controller"]])
     lines += block(rows, "motion", lambda r: [r["motion"]])
     lines += block(rows, "declared", lambda r: [r["declares"]])
+    lines += block(rows, "second log", lambda r: ["yes" if r["checked"] else "no"])
     return "\n".join(lines) + "\n"

@@ -32,12 +32,14 @@ _ATTEMPTS = 30
 # The drive interpolates its encoder this many bits finer than the logger stores.
 DRIVE_BITS = 4
 SCORED_SECONDS = 12.0
+# Worlds whose user has a second log, of other motion, to validate on.
+_SHARE_CHECKED = 1 / 3
 _SHARE_OF_FRICTION = 0.8
 
 
 @dataclass(frozen=True)
 class World:
-    """One world with its runs: training and the two tests."""
+    """One world with its runs: training, two tests, and where there is one the user's second log."""
 
     number: int
     attempt: int
@@ -112,8 +114,11 @@ def _draw(number: int, attempt: int) -> World:
         run = world.run("train")
         _check(run, torque)
     told = strengths(world, run, ground.unit)
+    if rng.random() < _SHARE_CHECKED:
+        check = motion.Motion(str(rng.choice(motion.FAMILIES)), int(rng.integers(2**31)), seconds)
+        motions["check"] = check
     runs = {"train": run}
-    for name in ("test_ptp", "test_fourier"):
+    for name in (n for n in motions if n != "train"):
         runs[name] = world.run(name)
         _check(runs[name], torque)
     return replace(world, runs=runs, told=told)

@@ -1,0 +1,67 @@
+"""Laws that the catalog did not hold when these worlds were drawn; written as those of :mod:`laws`."""
+
+import numpy as np
+
+from benchmarks.worlds.effect import Law
+from benchmarks.worlds.families import log_uniform
+
+
+def _compensator(p, s, j, o):
+    turn = s.q[j] - p["q0"]
+    length = np.sqrt(p["r"] ** 2 + p["d"] ** 2 - 2.0 * p["r"] * p["d"] * np.cos(turn))
+    return 0.0, p["k"] * (1.0 - p["free"] / length) * p["r"] * p["d"] * np.sin(turn)
+
+
+OUTSIDE_LAWS = {
+    "encoder_offset": Law(None, lambda r, w: {"dq0": 0.0}, outside=True),
+    "cubic_spring": Law(
+        lambda p, s, j, o: (0.0, p["k"] * s.q[j] ** 3),
+        lambda r, w: {"k": 1.0},
+        ("k",),
+        outside=True,
+    ),
+    "position_dependent_friction": Law(
+        lambda p, s, j, o: (p["fc"] * np.cos(p["n"] * s.q[j] + p["phase"]), 0.0),
+        lambda r, w: {
+            "fc": 1.0,
+            "n": r.uniform(10.0, 30.0) if w else r.uniform(1.0, 4.0),
+            "phase": r.uniform(0, 2 * np.pi),
+        },
+        ("fc",),
+        outside=True,
+        resists=True,
+    ),
+    "friction_change": Law(
+        lambda p, s, j, o: (p["fc"] * (s.t > p["start"]), 0.0),
+        lambda r, w: {"fc": 1.0, "start": r.uniform(0.3, 0.7)},
+        ("fc",),
+        outside=True,
+    ),
+    "periodic_force": Law(
+        lambda p, s, j, o: (0.0, p["a"] * np.sin(2 * np.pi * p["hertz"] * s.t + p["phase"])),
+        lambda r, w: {
+            "a": 1.0,
+            "hertz": log_uniform(r, 0.5, 5.0),
+            "phase": r.uniform(0, 2 * np.pi),
+        },
+        ("a",),
+        outside=True,
+    ),
+    "gravity_compensator": Law(
+        _compensator,
+        lambda r, w: {"k": 1.0, "q0": r.uniform(-0.5, 0.5), "r": 0.1, "d": 0.4, "free": 0.25},
+        ("k",),
+        outside=True,
+    ),
+    "cable_coupling": Law(
+        lambda p, s, j, o: (0.0, p["k"] * (s.q[j] + p["c"] * s.q[o] - p["q0"])),
+        lambda r, w: {
+            "k": 1.0,
+            "c": r.uniform(0.5, 1.5) * r.choice([-1, 1]),
+            "q0": r.uniform(-1, 1),
+        },
+        ("k",),
+        outside=True,
+        pair=True,
+    ),
+}
