@@ -159,7 +159,7 @@ def diagnose(
             refused.append((term, why))
             banned.add(replace(term, values={}).identity)
             continue
-        added = next(t for t in after.model.terms if t.identity == term.identity)
+        added = find_term(after, term)
         others = [
             s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
         ]
