@@ -17,9 +17,9 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
