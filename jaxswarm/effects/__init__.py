@@ -1,6 +1,7 @@
 """Physical effects a rigid body lacks: one law a function, a table of its parameters, one registry."""
 
 from jaxswarm.effects import bodies as bodies
+from jaxswarm.effects import cable_coupling as cable_coupling
 from jaxswarm.effects import contact as contact
 from jaxswarm.effects import cubic_spring as cubic_spring
 from jaxswarm.effects import encoder_offset as encoder_offset

@@ -190,6 +190,7 @@ def draw_series(rng: np.random.Generator, length: int = 64) -> Sample:
         "load": rng.normal(0.0, 20.0, length),
         "static_load": rng.normal(0.0, 20.0, length),
         "temperature": rng.uniform(10.0, 60.0, length),
+        "q_other": np.cumsum(other) * t[1],
         "dq_other": other,
         "ddq_other": ddq_other,
         "direction_sum": np.tanh((dq + other) / _WIDTH),

@@ -21,6 +21,7 @@ class Sample(NamedTuple):
         dq_other, ddq_other: Velocity and acceleration of the partner joint of a coupling law.
         direction_sum: Smooth sign of ``dq + dq_other``, the way a motor driven by both joints turns.
         state: The law's own memory, zero for laws without.
+        q_other: Position of the partner joint of a coupling law.
     """
 
     t: jax.Array
@@ -35,6 +36,7 @@ class Sample(NamedTuple):
     ddq_other: jax.Array
     direction_sum: jax.Array
     state: jax.Array
+    q_other: jax.Array
 
 
 def make_sample(**fields) -> Sample:

@@ -48,6 +48,7 @@ def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, **more) -> Sa
         dq=dq[j],
         direction=jnp.tanh(dq[j] / plant.width[j]),
         temperature=temperature[j],
+        q_other=like if other is None else q[other],
         dq_other=dq_other,
         direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width[j]),
         **more,

@@ -23,6 +23,7 @@ PLANTED = [
     Term("position_dependent_friction", 0, values={"sine": 2.0, "cosine": -1.0, "n": 2.0}),
     Term("friction_change", 0, values={"fc": 2.0, "t0": 7.0}),
     Term("friction_change", 1, values={"fc": -1.0, "t0": 4.0}),
+    Term("cable_coupling", 0, 1, values={"kc": -4.0, "k": 6.0, "tau0": 1.0}),
     Term("gravity_compensator", 0, values={"a": 15.0, "b": 0.6, "q0": 0.2}),
 ]
 
@@ -32,7 +33,7 @@ def test_what_is_planted_is_named_with_its_values(term):
     found = diagnose_log(log_with(term))
     assert added(found) == [(term.effect, term.joint)]
     fitted = found.steps[0].added.values
-    for name in ("k3", "q0", "n", "fc", "t0", "dq0"):
+    for name in ("k3", "q0", "n", "fc", "t0", "kc", "k", "dq0"):
         if name in term.values:
             assert fitted[name] == pytest.approx(term.values[name], rel=0.25), name
 

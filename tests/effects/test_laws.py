@@ -55,6 +55,12 @@ def value(name, parameters, **sample):
             {"dq": -0.5, "direction": -1.0},
             -4.0,
         ),
+        (
+            "cable_coupling",
+            {"kc": 3.0, "k": 2.0, "tau0": 1.0},
+            {"q": 0.5, "q_other": -1.0},
+            -1.0,
+        ),
         ("cubic_spring", {"k3": 2.0, "q0": 0.5}, {"q": -0.5}, -2.0),
         (
             "position_dependent_friction",

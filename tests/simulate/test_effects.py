@@ -56,6 +56,7 @@ def test_every_law_takes_its_share_of_the_torque():
             load=load[0],
             static_load=static[0],
             temperature=40.0,
+            q_other=other * q[1],
             dq_other=other * dq[1],
             ddq_other=other * ddq[1],
             direction_sum=jnp.tanh((dq[0] + other * dq[1]) / 0.05),

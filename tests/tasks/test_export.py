@@ -164,7 +164,7 @@ def test_every_law_is_the_same_in_c(tmp_path):
             mine = state[memories.index(term)] if term in memories else 0.0
             sample = Sample(
                 t, q[j], dq[j], ddq[j], np.tanh(dq[j] / WIDTH[j]), load[j], static[j], warm[j],
-                *other, np.tanh((dq[j] + other[0]) / WIDTH[j]), mine,
+                *other, np.tanh((dq[j] + other[0]) / WIDTH[j]), mine, 0.0 if o is None else q[o],
             )  # fmt: skip
             sample = jax.tree.map(jnp.asarray, sample)
             wanted[j] += float(term.law.torque(term.values, sample))

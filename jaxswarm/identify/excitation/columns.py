@@ -91,6 +91,7 @@ def _law_columns(term: Term, t, q, dq, ddq, width) -> jax.Array:
         load=zero, static_load=zero, temperature=zero + jnp.nan,
         dq_other=dq[other], ddq_other=ddq[other],
         direction_sum=jnp.tanh((dq[j] + dq[other]) / width), state=zero,
+        q_other=q[other],
     )  # fmt: skip
     nonlinear = {p.name: jnp.asarray(p.nominal, q.dtype) for p in term.law.nonlinear}
     return law_columns(term.law, nonlinear, sample)

@@ -142,6 +142,7 @@ def joint_series(
         ddq_other=zero if other is None else motion.ddq[:, other],
         direction_sum=zero if other is None else direction(dq + partner, width[joint]),
         state=zero,
+        q_other=zero if other is None else motion.q[:, other],
     )
 
 

@@ -98,6 +98,7 @@ def _fields(item: Any, width: Sequence[float], slot: int | None) -> dict[str, st
             for name in ("q", "dq", "ddq", "load", "static_load", "temperature")
         },
         "direction": f"tanh(dq[{j}] / {width[j]:.17g})",
+        "q_other": "0.0" if other is None else f"q[{other}]",
         "dq_other": "0.0" if other is None else f"dq[{other}]",
         "ddq_other": "0.0" if other is None else f"ddq[{other}]",
         "direction_sum": f"tanh(dq[{j}] / {width[j]:.17g})"
