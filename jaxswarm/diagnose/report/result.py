@@ -85,7 +85,8 @@ def to_result(
             "noise_floor": {
                 "rms": list(map(float, noise)),
                 "how": "sample-to-sample noise of the torque (median third difference), taken as "
-                "white, below the torque cutoff; the least of the fitted logs",
+                "white, and what the noise of the positions makes of the declared model, below the "
+                "torque cutoff; the least of the fitted logs",
                 "torque_cutoff_hz": final.motions[0].torque_cutoff,
             },
         },
