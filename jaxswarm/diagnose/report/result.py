@@ -22,7 +22,12 @@ from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.report.summary import term_parameters, units, with_intervals
+from jaxswarm.identify.report.summary import (
+    base_parameter_table,
+    term_parameters,
+    units,
+    with_intervals,
+)
 from jaxswarm.logs.motion import Motion
 
 
@@ -68,6 +73,7 @@ def to_result(
         ],
         "changed": [],
         "steps": steps,
+        "base_parameters": base_parameter_table(final),
         "removed": [
             place(t, joints)
             for t in (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
@@ -114,8 +120,12 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
     term, errors = _final_term(step.added, final)
     parameters = with_intervals(term_parameters(term, final.model.robot, errors))
     total = float(step.score.gain)
+    law = term.law
     return {
         **place(term, joints),
+        "law": law.summary,
+        "meaning": law.meaning,
+        "reference": law.reference,
         "parameters": parameters,
         "gain": {
             "share_of_error": step.score.share,
