@@ -79,7 +79,7 @@ def ladder(result: dict) -> Figure:
     columns = min(len(joints), _ACROSS)
     rows = -(-len(joints) // columns)
     # The names of the steps stand once, below all panels: beside the bars they would take their room.
-    foot = 0.35 + 0.19 * len(stages)
+    foot = 0.2 + 0.18 * len(stages)
     height = rows * (0.75 + 0.24 * len(stages)) + foot
     figure, axes = plots.panels(rows, columns, _WIDTH, height, sharey=True)
     figure.get_layout_engine().set(rect=(0.0, foot / height, 1.0, 1.0 - foot / height))
@@ -108,7 +108,7 @@ def _bars(axis, stages: list[dict], j: int, floor: float) -> None:
         axis.text(rms[k], k, text, ha="left", va="center", fontsize=9)
     axis.axvline(floor, color=plots.RESIDUAL, lw=1, ls="--")
     # Room for the numbers behind the longest bar.
-    axis.set_xlim(0, 1.75 * max(max(rms), floor) or 1.0)
+    axis.set_xlim(0, 2.1 * max(max(rms), floor) or 1.0)
     axis.locator_params(axis="x", nbins=4)
     axis.tick_params(labelsize=9)
 

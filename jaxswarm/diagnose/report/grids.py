@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from jaxswarm.diagnose.decision.remainder import NEAR
-from jaxswarm.diagnose.report.numbers import estimate, number, percent, unit_text
+from jaxswarm.diagnose.report.numbers import estimate, measure, number, percent, unit_text
 from jaxswarm.diagnose.report.text import where
 
 FAR = "far"
@@ -37,8 +37,8 @@ def by_joint(result: dict) -> Grid:
             flagged.add(j)
         row = [joint, result["torque_units"][j]]
         for errors in (before, after) if changed else (after,):
-            row += [number(errors["rms"][j], 3), percent(errors["relative"][j])]
-        row += [number(error["noise_floor"]["rms"][j], 3), number(over[j], 3)]
+            row += [measure(errors["rms"][j]), percent(errors["relative"][j])]
+        row += [measure(error["noise_floor"]["rms"][j]), measure(over[j])]
         rows.append((*row, FAR if far else ""))
     whole = ["whole arm", ""]
     for errors in (before, after) if changed else (after,):
@@ -58,7 +58,7 @@ def by_step(result: dict) -> Grid:
         if own in joints:
             j = joints.index(own)
             one, two = step["before"]["rms"][j], step["after"]["rms"][j]
-            told = f"{own}: {number(one, 3)} to {number(two, 3)}{unit_text(units[j])}"
+            told = f"{own}: {measure(one)} to {measure(two)}{unit_text(units[j])}"
         rows.append((f"+ {where(step['added'])}", told, percent(step["after"]["relative_global"])))
     described = result["error"].get("with_smooth_terms")
     if described:
@@ -77,7 +77,7 @@ def all_steps(result: dict) -> Grid:
         (name, *(number(x, 4) for x in e["rms"]), percent(e["relative_global"], 3))
         for name, e in stages
     ]
-    rows.append(("noise", *(number(x, 3) for x in result["error"]["noise_floor"]["rms"]), ""))
+    rows.append(("noise", *(measure(x) for x in result["error"]["noise_floor"]["rms"]), ""))
     joints = zip(result["joints"], result["torque_units"], strict=True)
     return Grid(("model", *(f"{j} [{unit}]" for j, unit in joints), "whole arm"), rows)
 
@@ -102,7 +102,7 @@ def by_validation_log(result: dict) -> Grid | None:
             grew = two > one and two > low
             if grew:
                 flagged.add(len(rows))
-            cells = number(one, 3), number(two, 3), "grew" if grew else ""
+            cells = measure(one), measure(two), "grew" if grew else ""
             rows.append((entry["on"], joint, unit, *cells))
         shares = (percent(entry[k]["relative_global"]) for k in ("before", "after"))
         rows.append((entry["on"], "whole arm", "", *shares, ""))

@@ -17,6 +17,17 @@ def number(value: float | None, digits: int = 4) -> str:
     return "-" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
 
 
+def measure(value: float | None) -> str:
+    """A number with three significant digits, zeros at its end included, so that a column lines up.
+
+    >>> measure(0.06), measure(123.4)
+    ('0.0600', '123')
+    """
+    if value is None or not math.isfinite(value):
+        return "-"
+    return f"{value:#.3g}".rstrip(".")
+
+
 def unit_text(unit: str) -> str:
     """A unit behind a number: a pure number has none.
 

@@ -23,8 +23,8 @@ small,figcaption,.soft{color:var(--soft);font-size:.88rem}
 .scroll table{border-collapse:collapse;overflow-wrap:normal}
 td,th{padding:.28rem .75rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
 th{background:var(--box);font-weight:600;white-space:nowrap}
-td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}th.n{text-align:right}
-td.w{min-width:14rem}
+td{white-space:nowrap}td.n{text-align:right;font-variant-numeric:tabular-nums}th.n{text-align:right}
+td.w{min-width:14rem;white-space:normal}
 tr.far td{background:var(--warnbox);color:var(--warn);font-weight:600}
 figure{margin:.8rem 0}figure img{display:block;max-width:100%;min-width:40rem;height:auto}
 details{border:1px solid var(--line);padding:.5rem .9rem;margin:.8rem 0}
@@ -33,5 +33,5 @@ a{color:var(--accent)}
 @media print{:root{--page:#fff;--text:#000;--soft:#444;--line:#bbb;--box:#f4f4f4;--accent:#2e6f95;
 --warn:#a32a3c;--warnbox:#fbecee}body{max-width:none;padding:0;font-size:11px}img{filter:none}
 figure img{min-width:0}figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
-.scroll{overflow:visible}td,th{padding:.15rem .35rem}th{white-space:normal}.download{display:none}}
+.scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}.download{display:none}}
 """

@@ -57,7 +57,7 @@ def proof_sentence(result: dict) -> str:
         return _PROOF[result["proof"]]
     logs = [entry["on"] for entry in result["error"]["validation"]]
     leads = f"; the worst of them, {result['error']['after']['on']}, leads" if logs[1:] else ""
-    return f"Proven on other motion that was not fitted: {', '.join(logs)}{leads}."
+    return f"Shown on other motion that was not fitted: {', '.join(logs)}{leads}."
 
 
 def remaining(entry: dict) -> str:
