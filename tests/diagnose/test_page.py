@@ -102,15 +102,17 @@ def test_verdict_evidence_and_proof_come_first(kind):
     places = [
         words.text.index(part)
         for part in (
-            f"{told['verdict'][:1].upper()}{told['verdict'][1:]}",
+            told["verdict"].capitalize(),
             evidence_sentence(told),
             proof_sentence(told),
-            "What to know and do next",
+            "Found in the logs",
             "Where this comes from",
         )
     ]
     assert places == sorted(places)
-    assert words.text.index("coulomb_friction") > places[1] if kind == "clean" else True
+    # What was declared is told at the end, not before the verdict.
+    assert words.text.rindex("Declared:") > places[-1]
+    assert all(words.text.count(reason) == 1 for reason in told["reasons"])
 
 
 @pytest.mark.parametrize("kind", RESULTS)
@@ -173,6 +175,18 @@ def test_a_joint_far_from_its_noise_is_marked_and_told_with_times_and_frequencie
     assert (
         "3.3 times the noise at 0.5 to 4 Hz, mostly at 2.5-3.5 s of log 1, 11-12 s of log 2" in text
     )
+
+
+def test_what_was_declared_is_told_once_an_effect():
+    told = explained()
+    assert "Declared: coulomb_friction on every joint." in Words(page_of(told)).text
+    told["declared"] = [
+        {"effect": "transmission_coupling", "joint": "a", "other": "b"},
+        {"effect": "time_delay", "joint": None},
+    ]
+    said = "Declared: transmission_coupling on a (driven by b); time_delay."
+    assert said in Words(page_of(told)).text
+    assert "rigid body only" in Words(page_of(told | {"declared": []})).text
 
 
 def test_nothing_is_minus_zero_percent():

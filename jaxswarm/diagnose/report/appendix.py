@@ -4,7 +4,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.grids import Grid
 from jaxswarm.diagnose.report.markup import bullets, download, folded, image, table, text
-from jaxswarm.diagnose.report.text import log_notes, where
+from jaxswarm.diagnose.report.text import declared, log_notes, where
 
 
 def not_added(result: dict) -> str:
@@ -47,11 +47,11 @@ def pictures(result: dict, images: dict[str, bytes]) -> str:
         ("What the declared model leaves", "residual_before.png",
          f"What the declared model leaves on {joints}, against the same."),
     ]  # fmt: skip
-    return "".join(
-        text("h2", title) + image(images, name, words)
-        for title, name, words in drawn
-        if name in images
-    )
+    # What the declared model leaves is for those who doubt: behind its title.
+    shown = [(text("h2", title), image(images, name, words)) for title, name, words in drawn[:2]]
+    title, name, words = drawn[2]
+    told = "".join(head + picture for head, picture in shown if picture)
+    return told + folded(title, image(images, name, words))
 
 
 def logs(result: dict) -> str:
@@ -62,8 +62,7 @@ def logs(result: dict) -> str:
 
 def origin(result: dict) -> str:
     """What was declared and asked, versions, options and digests, and the whole result to save."""
-    declared = ", ".join(where(d) for d in result["declared"]) or "rigid body only"
-    parts = [text("h2", "Where this comes from"), text("p", f"Declared: {declared}.")]
+    parts = [text("h2", "Where this comes from"), text("p", f"Declared: {declared(result)}.")]
     if result.get("model"):
         parts.append(text("p", f"Against the earlier model {result['model']}."))
     source = result.get("provenance")

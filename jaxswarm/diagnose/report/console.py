@@ -14,6 +14,7 @@ from jaxswarm.diagnose.report.text import (
     log_notes,
     next_steps,
     proof_sentence,
+    reasons,
     remaining,
     where,
 )
@@ -38,9 +39,7 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
     refused = [f"{where(s)} {s['because']}" for s in result.get("refused", ())]
     _list(console, "not kept, on other motion:", refused)
     _list(console, "found in the logs:", log_notes(result))
-    told = evidence_sentence(result)
-    reasons = [reason for reason in result.get("reasons", ()) if reason not in told]
-    _list(console, "what to know and do next:", [*reasons, *next_steps(result)])
+    _list(console, "what to know and do next:", [*reasons(result), *next_steps(result)])
     if out is not None:
         console.print(f"\nreport: {out / 'report.html'}")
 

@@ -9,6 +9,7 @@ from jaxswarm.diagnose.report.text import (
     evidence_sentence,
     next_steps,
     proof_sentence,
+    reasons,
     remaining,
     where,
 )
@@ -18,7 +19,7 @@ def verdict(result: dict) -> str:
     """Verdict, one sentence of evidence, and how far it is proven."""
     return (
         text("h1", f"{result['robot']}: diagnosis")
-        + f'<div class="verdict">{text("strong", _capital(result["verdict"]))}'
+        + f'<div class="verdict">{text("strong", result["verdict"].capitalize())}'
         + f"{text('p', evidence_sentence(result))}</div>"
         + text("p", proof_sentence(result), "proof")
     )
@@ -32,7 +33,7 @@ def errors(result: dict, images: dict[str, bytes]) -> str:
     legend = (
         "RMS error of the torque; share: of the joint's own torque; noise: of the torque sensor, below "
         f"{error['noise_floor']['torque_cutoff_hz']:.3g} Hz; x noise: what the final model leaves on the "
-        f"fitted log, in multiples of the noise. Near the noise: up to {NEAR:g}."
+        f"fitted log, in multiples of the noise. Beyond {NEAR:g} a joint is marked as far."
     )
     parts = [
         text("h2", f"Error on {error['after']['on']}"),
@@ -111,7 +112,7 @@ def left(result: dict, images: dict[str, bytes]) -> str:
     if not result["unexplained"]:
         return ""
     parts = [text("h2", "What no known law explains")]
-    parts.append(bullets(_capital(remaining(entry)) + "." for entry in result["unexplained"]))
+    parts.append(bullets(remaining(entry) for entry in result["unexplained"]))
     drawn = sorted(name for name in images if name.startswith("unexplained_"))
     words = "Dots: what the final model leaves; line: a smooth function of what it depends on."
     parts += [image(images, name, words) for name in drawn]
@@ -120,10 +121,5 @@ def left(result: dict, images: dict[str, bytes]) -> str:
 
 def todo(result: dict) -> str:
     """What a reader has to know, and what to measure or do next."""
-    lines = [*result.get("reasons", ()), *next_steps(result)]
-    told = bullets(_capital(line) for line in lines) or text("p", "Nothing the data ask for.")
-    return text("h2", "What to know and do next") + told
-
-
-def _capital(sentence: str) -> str:
-    return sentence[:1].upper() + sentence[1:]
+    told = bullets([*reasons(result), *next_steps(result)])
+    return text("h2", "What to know and do next") + told if told else ""

@@ -46,7 +46,7 @@ def by_joint(result: dict) -> Grid:
     rows.append((*whole, "", "", ""))
     if not flagged:
         return Grid(head, [row[:-1] for row in rows])
-    return Grid((*head, "from it"), rows, frozenset(flagged))
+    return Grid((*head, ""), rows, frozenset(flagged))
 
 
 def by_step(result: dict) -> Grid:

@@ -15,6 +15,19 @@ def where(entry: dict) -> str:
     return f"{entry['effect']} on {entry['joint']}{other}"
 
 
+def declared(result: dict) -> str:
+    """What was declared, each effect once with its joints."""
+    places: dict[str, list[str]] = {}
+    for entry in result["declared"]:
+        other = f" (driven by {entry['other']})" if entry.get("other") else ""
+        places.setdefault(entry["effect"], []).append(f"{entry['joint'] or ''}{other}")
+    told = []
+    for effect, joints in places.items():
+        on = "every joint" if joints == result["joints"] else ", ".join(filter(None, joints))
+        told.append(f"{effect} on {on}" if on else effect)
+    return "; ".join(told) or "rigid body only"
+
+
 def verdict_sentence(result: dict) -> str:
     """The verdict in one sentence, with the error before and after, and how far it is proven."""
     return f"{evidence_sentence(result)} {_PROOF[result['proof']]}".strip()
@@ -96,6 +109,12 @@ def _found(result: dict) -> str:
             f"{changed} changed"
         )
     return "; ".join(clauses)
+
+
+def reasons(result: dict) -> list[str]:
+    """What a reader has to know beside the verdict, without what the verdict's sentence says."""
+    told = evidence_sentence(result)
+    return [reason for reason in result.get("reasons", ()) if reason not in told]
 
 
 def next_steps(result: dict) -> list[str]:
