@@ -11,7 +11,8 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.report import figures as pictures
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.result import place, to_result
-from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.forward.model import model_torque, save_model
 from jaxswarm.identify.report.summary import units

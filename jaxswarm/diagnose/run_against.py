@@ -13,8 +13,8 @@ from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import findings, write_report
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model

@@ -1,4 +1,4 @@
-"""Whether an addition survives on motion it was not fitted to.
+"""Whether an addition proves itself: it stands for no other law, and survives on motion it was not fitted to.
 
 It has to lower the error of its joint there, and must not raise that of any joint: on other logs where there
 are any, the worst one deciding, else on regions of states held out one after the other.
@@ -8,8 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.remainder import noise_of
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import region_residual, regions
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import Motion, shift_motion
@@ -19,6 +22,21 @@ from jaxswarm.logs.motion import Motion, shift_motion
 HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25
+
+# A law below the first share of a joint's error is doubted where a smooth function reaches the second.
+_SMALL_PART, _NEARLY_ALL = 0.4, 0.7
+
+
+def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:
+    """Whether a law only stands in for one that no catalog holds.
+
+    That is so if it explains a small part of what a smooth function of one or two variables explains
+    nearly all of.
+    """
+    if chosen.share > _SMALL_PART or chosen.candidate.term.joint is None:
+        return False
+    smooth = find_unexplained(current, background, seed, [chosen.joint])
+    return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
 
 
 def survives(
