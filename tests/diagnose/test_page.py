@@ -10,10 +10,11 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from results import JOINTS, RESULTS, explained, pictures, unexplained
+from results import JOINTS, RESULTS, errors, explained, pictures, unexplained
 
 from jaxswarm.diagnose.report import figures
 from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import evidence_sentence, proof_sentence
 
 CHROMIUM = (
@@ -187,6 +188,20 @@ def test_what_was_declared_is_told_once_an_effect():
     said = "Declared: transmission_coupling on a (driven by b); time_delay."
     assert said in Words(page_of(told)).text
     assert "rigid body only" in Words(page_of(told | {"declared": []})).text
+
+
+def test_what_came_together_is_one_step():
+    told = explained()
+    step = told["steps"][0]
+    for joint in JOINTS:
+        told["steps"].append(step | {"added": {"effect": "viscous_friction", "joint": joint}})
+    own = {"effect": "time_delay", "joint": None}
+    told["steps"].append({"added": own, "before": step["after"], "after": errors(0.9)})
+    names = [stage.name for stage in stages(told)]
+    both = f"+ stribeck_friction on {JOINTS[1]}, viscous_friction on every joint"
+    assert names == ["declared model", both, "+ time_delay"]
+    text = Words(page_of(told)).text
+    assert f"0: declared model; 1: {both}; 2: + time_delay." in text
 
 
 def test_nothing_is_minus_zero_percent():

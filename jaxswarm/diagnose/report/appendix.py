@@ -4,7 +4,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.grids import Grid
 from jaxswarm.diagnose.report.markup import bullets, download, folded, image, table, text
-from jaxswarm.diagnose.report.text import declared, log_notes, where
+from jaxswarm.diagnose.report.text import grouped, log_notes, where
 
 
 def not_added(result: dict) -> str:
@@ -62,7 +62,8 @@ def logs(result: dict) -> str:
 
 def origin(result: dict) -> str:
     """What was declared and asked, versions, options and digests, and the whole result to save."""
-    parts = [text("h2", "Where this comes from"), text("p", f"Declared: {declared(result)}.")]
+    declared = grouped(result["declared"], result["joints"], "; ") or "rigid body only"
+    parts = [text("h2", "Where this comes from"), text("p", f"Declared: {declared}.")]
     if result.get("model"):
         parts.append(text("p", f"Against the earlier model {result['model']}."))
     source = result.get("provenance")

@@ -1,12 +1,14 @@
 """The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what remains."""
 
+from textwrap import wrap
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.numbers import percent
-from jaxswarm.diagnose.report.text import where
+from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
@@ -16,6 +18,8 @@ from jaxswarm.logs.motion import Motion
 
 # Width of the ladder [in] at which its text has its own size on the page, and its panels side by side.
 _WIDTH, _ACROSS = 9.5, 4
+# Letters below the panels that fit into a line.
+_LETTERS = 110
 
 
 def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.ndarray]:
@@ -73,14 +77,18 @@ def evidence(step: Step, final: Model, motion: Motion) -> Figure:
 
 def ladder(result: dict) -> Figure:
     """Error of every joint on unseen motion, before and after each added effect; few panels a row."""
-    stages = [("declared model", result["error"]["before"])]
-    stages += [(f"+ {where(step['added'])}", step["after"]) for step in result["steps"]]
+    models = stages(result)
     joints, labels = result["joints"], result["torque_units"]
     columns = min(len(joints), _ACROSS)
     rows = -(-len(joints) // columns)
     # The names of the steps stand once, below all panels: beside the bars they would take their room.
-    foot = 0.2 + 0.18 * len(stages)
-    height = rows * (0.75 + 0.24 * len(stages)) + foot
+    names = [
+        part
+        for k, stage in enumerate(models)
+        for part in wrap(f"{k}: {stage.name}", _LETTERS, subsequent_indent="    ")
+    ]
+    foot = 0.2 + 0.18 * len(names)
+    height = rows * (0.75 + 0.24 * len(models)) + foot
     figure, axes = plots.panels(rows, columns, _WIDTH, height, sharey=True)
     figure.get_layout_engine().set(rect=(0.0, foot / height, 1.0, 1.0 - foot / height))
     floor = result["error"]["noise_floor"]["rms"]
@@ -88,11 +96,11 @@ def ladder(result: dict) -> Figure:
         if j >= len(joints):
             axis.set_axis_off()
             continue
-        _bars(axis, [errors for _, errors in stages], j, floor[j])
+        _bars(axis, [stage.after for stage in models], j, floor[j])
         axis.set_title(f"{joints[j]} [{labels[j]}]", fontsize=10)
-    axes[0].set_yticks(np.arange(len(stages)), [str(k) for k in range(len(stages))])
+    axes[0].set_yticks(np.arange(len(models)), [str(k) for k in range(len(models))])
     axes[0].invert_yaxis()
-    words = "\n".join(f"{k}: {name}" for k, (name, _) in enumerate(stages))
+    words = "\n".join(names)
     figure.text(0.01, 0.02, words, fontsize=9, va="bottom", linespacing=1.3)
     figure.suptitle("error on unseen motion; dashed: noise of the torque sensor", fontsize=11)
     return figure

@@ -5,6 +5,7 @@ from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
 from jaxswarm.diagnose.report.markup import bullets, folded, image, table, text
 from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import (
     evidence_sentence,
     next_steps,
@@ -52,9 +53,8 @@ def errors(result: dict, images: dict[str, bytes]) -> str:
 
 
 def _ladder_words(result: dict) -> str:
-    stages = ["0: declared model"]
-    stages += [f"{k}: + {where(s['added'])}" for k, s in enumerate(result["steps"], 1)]
-    return f"Bars: error of every joint. {'; '.join(stages)}. Dashed: noise of the torque sensor."
+    names = "; ".join(f"{k}: {stage.name}" for k, stage in enumerate(stages(result)))
+    return f"Bars: error of every joint. {names}. Dashed: noise of the torque sensor."
 
 
 def doubts(result: dict) -> str:

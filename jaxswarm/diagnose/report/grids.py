@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from jaxswarm.diagnose.decision.remainder import NEAR
 from jaxswarm.diagnose.report.numbers import estimate, measure, number, percent, unit_text
+from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import where
 
 FAR = "far"
@@ -51,15 +52,14 @@ def by_joint(result: dict) -> Grid:
 
 def by_step(result: dict) -> Grid:
     """The error of the whole arm, and of the joint an effect acts on, after every added effect."""
-    joints, units = result["joints"], result["torque_units"]
-    rows = [("declared model", "", percent(result["error"]["before"]["relative_global"]))]
-    for step in result["steps"]:
-        own, told = step["added"].get("joint"), ""
-        if own in joints:
-            j = joints.index(own)
-            one, two = step["before"]["rms"][j], step["after"]["rms"][j]
-            told = f"{own}: {measure(one)} to {measure(two)}{unit_text(units[j])}"
-        rows.append((f"+ {where(step['added'])}", told, percent(step["after"]["relative_global"])))
+    joints, units, rows = result["joints"], result["torque_units"], []
+    for stage in stages(result):
+        told = ""
+        if stage.joint in joints and stage.before is not None:
+            j = joints.index(stage.joint)
+            one, two = stage.before["rms"][j], stage.after["rms"][j]
+            told = f"{stage.joint}: {measure(one)} to {measure(two)}{unit_text(units[j])}"
+        rows.append((stage.name, told, percent(stage.after["relative_global"])))
     described = result["error"].get("with_smooth_terms")
     if described:
         share = percent(described["relative_global"])
@@ -69,13 +69,12 @@ def by_step(result: dict) -> Grid:
 
 def all_steps(result: dict) -> Grid:
     """The error of every joint after every added effect: a row a model."""
-    stages = [("declared model", result["error"]["before"])]
-    stages += [(f"+ {where(step['added'])}", step["after"]) for step in result["steps"]]
+    models = [(stage.name, stage.after) for stage in stages(result)]
     if "with_smooth_terms" in result["error"]:
-        stages.append(("+ smooth terms without a law", result["error"]["with_smooth_terms"]))
+        models.append(("+ smooth terms without a law", result["error"]["with_smooth_terms"]))
     rows = [
         (name, *(number(x, 4) for x in e["rms"]), percent(e["relative_global"], 3))
-        for name, e in stages
+        for name, e in models
     ]
     rows.append(("noise", *(measure(x) for x in result["error"]["noise_floor"]["rms"]), ""))
     joints = zip(result["joints"], result["torque_units"], strict=True)

@@ -15,17 +15,18 @@ def where(entry: dict) -> str:
     return f"{entry['effect']} on {entry['joint']}{other}"
 
 
-def declared(result: dict) -> str:
-    """What was declared, each effect once with its joints."""
+def grouped(entries: list[dict], joints: list[str], between: str = ", ") -> str:
+    """Effects with their joints, each effect once: ``coulomb_friction on every joint``."""
     places: dict[str, list[str]] = {}
-    for entry in result["declared"]:
+    for entry in entries:
         other = f" (driven by {entry['other']})" if entry.get("other") else ""
         places.setdefault(entry["effect"], []).append(f"{entry['joint'] or ''}{other}")
     told = []
-    for effect, joints in places.items():
-        on = "every joint" if joints == result["joints"] else ", ".join(filter(None, joints))
+    for effect, names in places.items():
+        whole = len(joints) > 1 and sorted(names) == sorted(joints)
+        on = "every joint" if whole else " and ".join(filter(None, names))
         told.append(f"{effect} on {on}" if on else effect)
-    return "; ".join(told) or "rigid body only"
+    return between.join(told)
 
 
 def verdict_sentence(result: dict) -> str:
@@ -98,8 +99,8 @@ def when(entry: dict) -> str:
 
 def _found(result: dict) -> str:
     """What the model lacked and what changed, in one clause."""
-    lacked = ", ".join(where(e) for e in result["effects"])
-    changed = ", ".join(where(e) for e in result["changed"])
+    lacked = grouped(result["effects"], result["joints"])
+    changed = grouped(result["changed"], result["joints"])
     clauses = []
     if lacked:
         clauses.append(f"The model lacked {lacked}")
@@ -134,7 +135,7 @@ def _look_at(entry: dict) -> list[str]:
     if not entry["depends_on"]:
         return [
             f"Look at {joint} at {when(entry)}: what happens there happens in no known law "
-            "(contact, cables, the controller, a dropped sample)."
+            "(a touch, cables, the controller, dropped samples)."
         ]
     names = " and ".join(entry["depends_on"])
     steps = [
