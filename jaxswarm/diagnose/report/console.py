@@ -11,6 +11,7 @@ from jaxswarm.diagnose.report.flags import flagged
 from jaxswarm.diagnose.report.grids import Grid
 from jaxswarm.diagnose.report.text import (
     evidence_sentence,
+    grouped,
     log_notes,
     next_steps,
     proof_sentence,
@@ -28,8 +29,10 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
     console.print(proof_sentence(result))
     if result["error"]["before"] is not None:
         _errors(console, result)
-    for effect in [*result["effects"], *result["changed"]]:
-        _effect(console, effect)
+    for key in ("effects", "changed"):
+        for name in dict.fromkeys(effect["effect"] for effect in result[key]):
+            same = [effect for effect in result[key] if effect["effect"] == name]
+            _effects(console, same, result["joints"])
     for entry in result.get("discovered", ()):
         console.print(f"\n[bold]a law of its own on {entry['joint']}[/bold]: {entry['formula']}")
     _list(console, "left without a law:", [remaining(u) for u in result["unexplained"]])
@@ -54,15 +57,18 @@ def _errors(console: Console, result: dict) -> None:
         _table(console, logs, "every validation log")
 
 
-def _effect(console: Console, effect: dict) -> None:
-    law = f": {effect['law']}" if effect.get("law") else ""
-    console.print(f"\n[bold]{where(effect)}[/bold]{law}")
-    if effect.get("meaning"):
-        console.print(effect["meaning"])
-    _table(console, grids.parameters(effect), "")
-    others = ", ".join(f"{where(a)} ({a['relative_gain']:.2f})" for a in effect["alternatives"])
-    if others:
-        console.print(f"runners-up (gain, that of the effect being 1): {others}")
+def _effects(console: Console, same: list[dict], joints: list[str]) -> None:
+    """One law with its parameters on all joints it was found on."""
+    law = f": {same[0]['law']}" if same[0].get("law") else ""
+    console.print(f"\n[bold]{grouped(same, joints)}[/bold]{law}")
+    if same[0].get("meaning"):
+        console.print(same[0]["meaning"])
+    _table(console, grids.parameters_by_joint(same), "")
+    for effect in same:
+        others = ", ".join(f"{where(a)} ({a['relative_gain']:.2f})" for a in effect["alternatives"])
+        if others:
+            on = f" on {effect['joint']}" if same[1:] else ""
+            console.print(f"runners-up{on} (gain, that of the effect being 1): {others}")
 
 
 def _table(console: Console, grid: Grid, title: str) -> None:

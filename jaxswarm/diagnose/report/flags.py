@@ -35,7 +35,7 @@ def parameter_remark(row: dict, known: Parameter | None) -> str:
     if value is None or not math.isfinite(value):
         return "has no value"
     if known is not None:
-        remark = _against_bounds(value, known)
+        remark = _against_bounds(value, known, unit_text(row["unit"]))
         if remark:
             return remark
     pair = interval(row)
@@ -48,18 +48,18 @@ def parameter_remark(row: dict, known: Parameter | None) -> str:
     return ""
 
 
-def _against_bounds(value: float, known: Parameter) -> str:
+def _against_bounds(value: float, known: Parameter, unit: str) -> str:
     span = (known.lower, known.upper)
     if not known.fitted:
         return ""
     slack = 1e-9 * max(abs(value), 1e-9)
     if value < known.lower - slack or value > known.upper + slack:
-        return f"= {value:.4g} is outside of what physics allows ({span[0]:.4g} to {span[1]:.4g})"
+        return f"= {value:.4g} is outside of what physics allows ({span[0]:.4g} to {span[1]:.4g}{unit})"
     place = 0.5 if known.linear else known.encode(value)
     if place < _END or value - known.lower <= slack:
-        return f"is at its lower bound, {span[0]:.4g}{unit_text(known.unit)}"
+        return f"is at its lower bound, {span[0]:.4g}{unit}"
     if place > 1.0 - _END or known.upper - value <= slack:
-        return f"is at its upper bound, {span[1]:.4g}{unit_text(known.unit)}"
+        return f"is at its upper bound, {span[1]:.4g}{unit}"
     return ""
 
 

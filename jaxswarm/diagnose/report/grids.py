@@ -123,6 +123,19 @@ def parameters(effect: dict) -> Grid:
     return Grid((*head, *more, "unit"), rows)
 
 
+def parameters_by_joint(effects: list[dict]) -> Grid:
+    """The parameters of one law on several joints, with the joint in front; on one alone as they are."""
+    tables = [parameters(effect) for effect in effects]
+    if len(tables) == 1:
+        return tables[0]
+    widest = max(tables, key=lambda grid: len(grid.head))
+    rows = []
+    for effect, grid in zip(effects, tables, strict=True):
+        gap = ("-",) * (len(widest.head) - len(grid.head))
+        rows += [(effect["joint"] or "", *row[:-1], *gap, row[-1]) for row in grid.rows]
+    return Grid(("joint", *widest.head), rows)
+
+
 def base_parameters(result: dict) -> Grid:
     """Every base parameter of the rigid body and of the effects with its interval and verdict."""
     rows, flagged = [], set()
