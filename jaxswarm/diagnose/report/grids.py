@@ -64,7 +64,10 @@ def by_step(result: dict) -> Grid:
     if described:
         share = percent(described["relative_global"])
         rows.append(("+ smooth terms without a law", "", share))
-    return Grid(("model", "error of its joint", "whole arm"), rows)
+    head = ("model", "error of its joint", "whole arm")
+    if not any(told for _, told, _ in rows):
+        return Grid((head[0], head[2]), [(name, share) for name, _, share in rows])
+    return Grid(head, rows)
 
 
 def all_steps(result: dict) -> Grid:

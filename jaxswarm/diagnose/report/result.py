@@ -17,6 +17,7 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
+from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
@@ -227,7 +228,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
         reasons.append("does not lower the error on unseen time")
     elif item.share < rules.share:
         reasons.append(
-            f"takes off {100 * item.share:.1f} % of the error, less than {rules.share:.0%}"
+            f"takes off {percent(item.share, 1)} of the error, less than {percent(rules.share, 0)}"
         )
     if item.gain > 0 and (
         item.over_noise < rules.over_noise or item.over_torque < rules.over_torque
@@ -238,7 +239,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
     if not item.allowed:
         reasons.append("sign or size against physics")
     if item.repeats < rules.repeat:
-        reasons.append(f"helps in only {item.repeats:.0%} of the blocks")
+        reasons.append(f"helps in only {percent(item.repeats, 0)} of the blocks")
     if not reasons and not passes(item, len(diagnosis.last), rules):
         reasons.append("no single event that explains more than everything that lasts")
     return {

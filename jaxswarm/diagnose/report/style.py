@@ -31,7 +31,10 @@ details{border:1px solid var(--line);padding:.5rem .9rem;margin:.8rem 0}
 summary{cursor:pointer;font-weight:600}
 a{color:var(--accent)}
 @media print{:root{--page:#fff;--text:#000;--soft:#444;--line:#bbb;--box:#f4f4f4;--accent:#2e6f95;
---warn:#a32a3c;--warnbox:#fbecee}body{max-width:none;padding:0;font-size:11px}img{filter:none}
-figure img{min-width:0}figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
-.scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}.download{display:none}}
+--warn:#a32a3c;--warnbox:#fbecee}html{font-size:11px}body{max-width:none;padding:0;font-size:1rem}
+img{filter:none}figure img{min-width:0;max-height:22cm}
+figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
+.scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}.download{display:none}
+.formula{border:1px solid var(--line)}}
+@media print{details::details-content{content-visibility:visible;display:block}}
 """
