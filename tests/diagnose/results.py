@@ -116,6 +116,17 @@ def explained():
     }  # fmt: skip
 
 
+def changed():
+    """Against an earlier model: one parameter has another value, one has not."""
+    told = explained()
+    moved = effect()
+    moved["parameters"] = {
+        "df": row(3.2, 0.02, "N m") | {"before": 2.1, "change": row(1.1, 0.03, "N m")},
+        "vs": row(0.1, 0.01, "rad/s"),
+    }
+    return told | {"effects": [], "changed": [moved], "model": "earlier.json"}
+
+
 def unexplained():
     """One joint is far from its noise and no variable tells why."""
     told = clean()
@@ -142,7 +153,7 @@ def cannot():
     return told | {key: clean()[key] for key in ("findings", "provenance", "logs")}
 
 
-RESULTS = {f.__name__: f for f in (clean, explained, unexplained, cannot)}
+RESULTS = {f.__name__: f for f in (clean, explained, changed, unexplained, cannot)}
 
 
 def pictures(told):
@@ -151,5 +162,5 @@ def pictures(told):
         return {}
     frame = plots.png_bytes(plots.panels(1, 1, 13.6, 3.0)[0])
     names = ["torque.png", "residual.png", "residual_before.png"]
-    names += [e["picture"] for e in told["effects"]]
+    names += [e["picture"] for e in [*told["effects"], *told["changed"]]]
     return {"ladder.png": plots.png_bytes(figures.ladder(told)), **dict.fromkeys(names, frame)}

@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from results import JOINTS, RESULTS, errors, explained, pictures, unexplained
+from results import JOINTS, RESULTS, changed, errors, explained, pictures, unexplained
 
 from jaxswarm.diagnose.report import figures
 from jaxswarm.diagnose.report.html import render
@@ -144,6 +144,14 @@ def test_an_effect_has_formula_meaning_intervals_and_rivals():
     assert effect["law"] in text and effect["meaning"] in text and effect["reference"] in text
     assert "3.191 to 3.297" in text
     assert "quadratic_drag on panda_finger_joint2 1.42" in text and "142 %" not in text
+
+
+def test_a_change_stands_beside_what_was():
+    text = Words(page_of(changed())).text
+    assert "1. stribeck_friction on panda_finger_joint2 changed" in text
+    assert "df 3.200 3.161 to 3.239 2.1 1.100 1.041 to 1.159 N m" in text
+    assert "vs 0.100 0.080 to 0.120 - - - rad/s" in text
+    assert "Against the earlier model earlier.json." in text
 
 
 def test_values_that_need_a_look_stand_in_one_list():

@@ -165,6 +165,15 @@ def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen
     )
 
 
+def test_the_picture_of_a_change_shows_the_change(found):
+    """Against an earlier model the effect is drawn against what that model already had of it."""
+    step, final = found.kept[0], found.final.model
+    whole = pictures.evidence(step, final, found.final.motions[0])
+    nothing = pictures.evidence(replace(step, rest=final), final, found.final.motions[0])
+    sizes = [np.abs(f.axes[0].get_lines()[1].get_ydata()).max() for f in (whole, nothing)]
+    assert sizes[0] > 1.0 and sizes[1] < 1e-12
+
+
 def test_report_escapes_what_it_is_told(result):
     images = {n: b"x" for n in ("ladder.png", "effect_1.png", "torque.png", "residual.png")}
     page = render({**result, "robot": "<b>", "logs": []}, {**images, "residual_before.png": b"x"})

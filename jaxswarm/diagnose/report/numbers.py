@@ -3,12 +3,14 @@
 import math
 
 
-def percent(share: float, digits: int = 2) -> str:
-    """A share in percent; what rounds to nothing has no sign.
+def percent(share: float | None, digits: int = 2) -> str:
+    """A share in percent; what rounds to nothing has no sign, what is no number is a dash.
 
     >>> percent(0.0234), percent(-0.00001, 1)
     ('2.34 %', '0.0 %')
     """
+    if share is None or not math.isfinite(share):
+        return "-"
     return f"{round(100.0 * share, digits) + 0.0:.{digits}f} %"
 
 
