@@ -13,6 +13,7 @@ from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.forward.model import model_torque, save_model
 from jaxswarm.identify.report.summary import units
@@ -125,6 +126,7 @@ def conclude(
     """What remains after the loop, and everything as ``diagnosis.json`` has it."""
     progress("looking at what remains")
     left = find_unexplained(diagnosis.final, diagnosis.background, seed)
+    left = proven(diagnosis.final, left, unseen)
     return to_result(diagnosis, left, unseen), left
 
 

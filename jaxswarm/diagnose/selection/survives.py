@@ -5,16 +5,21 @@ are any, the worst one deciding, else on regions of states held out one after th
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from jaxswarm.diagnose.decision.score import Score
-from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.decision.unexplained import (
+    Unexplained,
+    find_unexplained,
+    with_smooth_terms,
+)
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import region_residual, regions
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion, shift_motion
 
 # An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
@@ -61,6 +66,29 @@ def survives(
     return None
 
 
+def proven(
+    found: Estimate, left: Sequence[Unexplained], other: Sequence[Motion]
+) -> list[Unexplained]:
+    """Structure with its smooth terms only where they lower the error on all other motion.
+
+    A function without a law holds where it was fitted; elsewhere it is a guess, and a model without it is
+    the better one until another log says otherwise.
+    """
+    told = []
+    for item in left:
+        if item.term is not None:
+            model = with_smooth_terms(found, [item])
+            pairs = [(_log_residual(found, m), _log_residual(found, m, model)) for m in other]
+            helps = pairs and all(
+                (_rms(two) <= HARM * _rms(one)).all()
+                and _rms(two)[item.joint] < GAIN * _rms(one)[item.joint]
+                for one, two in pairs
+            )
+            item = item if helps else replace(item, term=None)
+        told.append(item)
+    return told
+
+
 def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
     """RMS errors (n,) without and with, and where."""
     if other:
@@ -80,10 +108,10 @@ def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
     yield (*pair, "on held-out regions of the motion")
 
 
-def _log_residual(found: Estimate, motion: Motion) -> np.ndarray:
+def _log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
     """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
     motion = shift_motion(motion, found.motions[0].skew - motion.skew)
-    predicted = model_torque(found.model.during(None), motion)
+    predicted = model_torque((model or found.model).during(None), motion)
     left = motion.decimator.apply(motion.tau - predicted)
     kept = motion.t[motion.decimator.kept(len(motion.t))]
     inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)
