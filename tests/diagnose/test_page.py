@@ -1,11 +1,8 @@
-"""The page of a diagnosis: everything is on it, and it opens in a browser at any width without an error."""
+"""The page of a diagnosis: everything is on it, in words too, and nothing is fetched from elsewhere."""
 
 import base64
 import json
 import re
-import shutil
-import subprocess
-from html import escape
 from html.parser import HTMLParser
 
 import numpy as np
@@ -16,14 +13,6 @@ from jaxswarm.diagnose.report import figures
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import evidence_sentence, proof_sentence
-
-CHROMIUM = (
-    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-)
-MEASURE = (
-    "<script>parent.document.documentElement.dataset.seen="
-    "innerWidth+' '+document.documentElement.scrollWidth</script></body>"
-)
 
 
 class Words(HTMLParser):
@@ -52,47 +41,6 @@ class Words(HTMLParser):
 
 def page_of(told):
     return render(told, pictures(told))
-
-
-def browse(page, path, width, *options):
-    """Inner width, width of the content and what a browser says on its console.
-
-    The page stands in a frame of this width: a window of a browser is no narrower than 500 pixels.
-    """
-    inside = escape(page.replace("</body>", MEASURE))
-    frame = f'<iframe srcdoc="{inside}" style="width:{width}px;height:900px;border:0"></iframe>'
-    outside = f'<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">{frame}'
-    (path / "frame.html").write_text(outside, encoding="utf-8")
-    run = subprocess.run(
-        [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-         f"--user-data-dir={path / 'user'}", f"--window-size={width + 100},1000",
-         "--enable-logging=stderr", *options, "--dump-dom", (path / "frame.html").as_uri()],
-        capture_output=True, text=True, check=True, timeout=60,
-    )  # fmt: skip
-    inner, content = re.search(r'data-seen="(\d+) (\d+)"', run.stdout).groups()
-    said = [line for line in run.stderr.splitlines() if "CONSOLE" in line]
-    return int(inner), int(content), said
-
-
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the PATH")
-
-
-@needs_browser
-@pytest.mark.parametrize("kind", RESULTS)
-@pytest.mark.parametrize(("width", "options"), [(390, ()), (1280, ("--force-dark-mode",))])
-def test_page_fits_a_telephone_and_a_desk_without_an_error(kind, width, options, tmp_path):
-    inner, content, said = browse(page_of(RESULTS[kind]()), tmp_path, width, *options)
-    assert inner == width
-    assert content <= width
-    assert said == []
-
-
-@needs_browser
-def test_the_browser_would_tell(tmp_path):
-    """A page that is too wide and one that fails are seen."""
-    bad = '<div style="width:900px">x</div><script>nothing.at.all</script></body>'
-    _, content, said = browse(page_of(explained()).replace("</body>", bad), tmp_path, 390)
-    assert content >= 900 and "nothing is not defined" in said[0]
 
 
 @pytest.mark.parametrize("kind", RESULTS)
@@ -135,6 +83,14 @@ def test_every_picture_is_told_in_words():
     assert len(words.alt) == 5
     assert all(len(alt.split()) > 8 and ".png" not in alt for alt in words.alt)
     assert "stribeck_friction on panda_finger_joint2" in words.alt[0]
+
+
+def test_structure_without_a_law_is_drawn_for_its_joint():
+    told = unexplained()
+    told["unexplained"][0] |= {"depends_on": ["q_a", "dq_b"], "in_model": True}
+    words = Words(render(told, {f"unexplained_{JOINTS[3]}.png": b"x"}))
+    assert words.alt[0].startswith(f"{JOINTS[3]} against q_a and dq_b: ")
+    assert "90 % of the remaining error" in words.text and "a smooth function of q_a" in words.text
 
 
 def test_an_effect_has_formula_meaning_intervals_and_rivals():

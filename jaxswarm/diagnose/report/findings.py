@@ -113,9 +113,12 @@ def left(result: dict, images: dict[str, bytes]) -> str:
         return ""
     parts = [text("h2", "What no known law explains")]
     parts.append(bullets(remaining(entry) for entry in result["unexplained"]))
-    drawn = sorted(name for name in images if name.startswith("unexplained_"))
-    words = "Dots: what the final model leaves; line: a smooth function of what it depends on."
-    parts += [image(images, name, words) for name in drawn]
+    for entry in result["unexplained"]:
+        words = (
+            f"{entry['joint']} against {' and '.join(entry['depends_on'])}: the dots are what the final "
+            "model leaves, the line is a smooth function of what it depends on."
+        )
+        parts.append(image(images, f"unexplained_{entry['joint']}.png", words))
     return "".join(parts)
 
 
