@@ -114,6 +114,11 @@ class Effect:
         """Whether the rigid-body columns of a model differ with it."""
         return False
 
+    @property
+    def shows_on_own_joint(self) -> bool:
+        """Whether an effect of a joint is to be seen in the torque of that joint."""
+        return True
+
     def nominal(self) -> dict[str, float]:
         """Return the usual value of every parameter."""
         return {p.name: p.nominal for p in self.parameters}
