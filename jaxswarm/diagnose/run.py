@@ -13,16 +13,17 @@ from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
 from jaxswarm.effects.term import parse_terms
+from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.forward.model import model_torque, save_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
     Options,
     described,
+    findings,
     read_motions,
     refuse_missing_channels,
     refuse_undeclarable,
 )
-from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.provenance import provenance
@@ -64,7 +65,7 @@ def diagnose_files(
     filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
     further = list(validation or ())
     # What cannot be scored on is refused before the work, not after it.
-    read, prepared = read_motions([*paths, *further], robot, filtering)
+    read, prepared = read_motions([*paths, *further], robot, filtering, accept=options.accept)
     logs, scored = read[: len(paths)], read[len(paths) :]
     refuse_missing_channels(terms, read)
     motions = [part for parts in prepared[: len(paths)] for part in parts]
@@ -72,10 +73,13 @@ def diagnose_files(
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
     short = too_short(motions, columns)
     rests = all_rest(motions)
+    if not rests and "no_relation" not in options.accept:
+        rests = without_relation(robot, motions)
     if short or rests:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*rests, *short, *reasons])
         result["logs"] = described(logs)
+        result["findings"] = findings(read)
         outputs.write_results(out, {"diagnosis.json": outputs.to_json(result)})
         return result
     other = [part for parts in prepared[len(paths) :] for part in parts]
@@ -95,11 +99,6 @@ def diagnose_files(
     write_report(diagnosis, left, result, unseen, out, progress)
     journal.close()
     return result
-
-
-def findings(logs: list[Log]) -> list[dict]:
-    """What was found wrong with the logs themselves."""
-    return [{"log": Path(log.source).name, "what": note} for log in logs for note in log.notes]
 
 
 def conclude(

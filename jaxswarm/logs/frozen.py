@@ -1,4 +1,4 @@
-"""Channels that stop telling what they measure: a position that stands while its joint moves, a torque at its top."""
+"""Channels that stop telling what they measure: a position that stands in a motion, a torque at its top."""
 
 import numpy as np
 

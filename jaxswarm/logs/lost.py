@@ -40,4 +40,6 @@ def lost_samples(log: Log) -> list[Finding]:
         f"in {100 * doubled:.0f} % of the steps all joints move as far as in two or more: samples are "
         "missing while t goes on evenly"
     )
-    return [Finding(NAME, what, "Log without loss, or with the time at which each sample was taken")]
+    return [
+        Finding(NAME, what, "Log without loss, or with the time at which each sample was taken")
+    ]

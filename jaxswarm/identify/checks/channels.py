@@ -5,6 +5,8 @@ it also leaves more of the torque; an exchange of two channels leaves far more. 
 leaves much less than the log as it is, or as little with friction that brakes where it drove.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from jaxswarm.identify.checks.guesses import Guess, degree_guesses, motion_guesses, torque_guesses
@@ -13,8 +15,8 @@ from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
-# A guess is believed that lowers the sum over the joints of the logarithm of what is left by this much: a third,
-# on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
+# A guess is believed that lowers the sum over the joints of the logarithm of what is left by this much,
+# a third on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
 # wrong ones lower it by 2 and more.
 _MUCH = 1.0
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
@@ -24,14 +26,15 @@ _SAME, _DRIVES = 0.3, 0.08
 _NONE = 0.05
 # The log is asked about its motion too, which costs a regressor a guess, where it leaves this much.
 _POOR = 0.1
+_SIGNS = {"torque_sign", "position_sign"}
 # Turns of a joint [rad] that no arm makes; degrees make them at once.
 _FAR = 4.0 * np.pi
 # Mass [kg] at the end of an arm of a meter that would need the logged torques, and how it grows with the reach:
 # clean logs lie between 0.3 and 440. The least reach [m] counts links whose length is not in the kinematics.
 _HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH = 1e3, 1e-2, 3, 0.5
-# Above this share of the torque, on the geometric mean over the joints, motion explains nothing: pure noise
-# leaves all of it, the worst right model of a clean log 0.3.
-_UNRELATED = 0.85
+# Share of the torque left, on the geometric mean over the joints, from which on motion explains nothing, and of
+# one or two joints, which a single missing law may rule. Pure noise leaves all of it, the worst clean log 0.3.
+_UNRELATED, _FEW_UNRELATED, _FEW = 0.5, 0.8, 2
 # Rows per parameter that a fit has to have before it tells anything.
 _ROWS_PER_PARAMETER = 3.0
 
@@ -40,14 +43,15 @@ def enough(robot: Robot, samples: Samples) -> bool:
     """Whether a rough fit tells anything: enough rows, and all joints move."""
     rows = samples.q.size
     return bool(
-        rows >= _ROWS_PER_PARAMETER * 14 * robot.num_joints and (np.ptp(samples.q, axis=0) > 0).all()
+        rows >= _ROWS_PER_PARAMETER * 14 * robot.num_joints
+        and (np.ptp(samples.q, axis=0) > 0).all()
     )
 
 
 def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     """The likeliest guess about signs, order and unit of angles that is far better than the log as it is."""
     logged, sigma = rough.as_logged()
-    guesses = list(torque_guesses(robot))
+    guesses = list(torque_guesses(robot, rough.likely_order()))
     tried = list(zip(guesses, rough.fit([g.mixture for g in guesses], sigma), strict=True))
     poor = logged.size > _POOR or logged.braking.min() < -_NONE
     far = np.ptp(rough.samples.q, axis=0) > _FAR
@@ -60,17 +64,21 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
         return None
     best = min(t.power for _, t in believed)
     alike = [(g, t) for g, t in believed if t.power < best + _SAME]
-    guess, found = min(alike, key=lambda one: (len(one[0].joints), -one[1].braking.min()))
+    guess, found = min(alike, key=lambda one: (len(one[0].joints), one[0].motion is not None))
+    mirrored = {g.check for g, _ in alike if g.joints == guess.joints} >= _SIGNS
+    if mirrored:  # as at a vertical base
+        guess = replace(
+            guess, what=guess.what.replace("the torque of", "the torque or the position of")
+        )
     return _told(robot, guess, found, logged)
 
 
 def _believed(guess: Guess, found: Tried, logged: Tried) -> bool:
-    if found.braking.min() < -_NONE:
+    if found.braking.min() < -_NONE or found.size > _UNRELATED:
         return False
     change = found.power - logged.power
     drove = bool((logged.braking[list(guess.joints)] < -_DRIVES).all())
-    signs = guess.check in ("torque_sign", "position_sign")
-    return change < -_MUCH or (signs and change < _SAME and drove)
+    return change < -_MUCH or (guess.check in _SIGNS and change < _SAME and drove)
 
 
 def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
@@ -108,7 +116,7 @@ def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
 def unrelated(rough: Rough) -> Finding | None:
     """Whether the motion explains nothing of the torque, as of noise, or of torques of another log."""
     logged, _ = rough.as_logged()
-    if logged.size < _UNRELATED:
+    if logged.size < (_FEW_UNRELATED if len(logged.left) <= _FEW else _UNRELATED):
         return None
     what = (
         f"rigid body, friction and springs leave {100 * min(logged.size, 1.0):.0f} % of the torque: torque "

@@ -33,8 +33,8 @@ class Guess:
     motion: Callable[[Samples], Samples] | None = None
 
 
-def torque_guesses(robot: Robot) -> Iterator[Guess]:
-    """Torques of the wrong sign, or in another order than the joints."""
+def torque_guesses(robot: Robot, likely: tuple[int, ...]) -> Iterator[Guess]:
+    """Torques of the wrong sign, or in another order than the joints, the ``likely`` one among them."""
     n = robot.num_joints
     if n <= _ALL_SIGNS:
         patterns = [p for p in product((1.0, -1.0), repeat=n) if min(p) < 0]
@@ -44,7 +44,7 @@ def torque_guesses(robot: Robot) -> Iterator[Guess]:
         wrong = tuple(int(j) for j in np.flatnonzero(np.asarray(pattern) < 0))
         text = f"the torque of {_named(robot, wrong)} has the wrong sign"
         yield Guess("torque_sign", text, wrong, np.diag(pattern))
-    for order in _orders(n):
+    for order in dict.fromkeys([*_orders(n), *([likely] if likely != tuple(range(n)) else [])]):
         moved = tuple(j for j in range(n) if order[j] != j)
         text = f"the torques of {_named(robot, moved)} are exchanged"
         yield Guess("swapped_channels", text, moved, np.eye(n)[list(order)])

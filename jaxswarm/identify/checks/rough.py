@@ -1,9 +1,10 @@
-"""A rough model of a log, rigid body, friction and spring of every joint, to try other signs and channels on."""
+"""A rough model of a log: rigid body, and friction and spring of every joint, to try signs and channels on."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import optimize
 
 from jaxswarm.identify.estimation.least_squares import triangular_factor
 from jaxswarm.identify.forward.columns import rigid_columns
@@ -16,7 +17,7 @@ _MOST_ROWS = 1000
 _WIDTH = 0.03
 # Columns that depend on others to this part of their length are not told apart.
 _DEPENDENT = 1e-7
-# Columns of a joint's own laws: viscous and dry friction, then offset and spring, which many arms have undeclared.
+# Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared.
 _VISCOUS, _DRY, _OWN = 0, 1, 4
 
 
@@ -131,6 +132,19 @@ class Rough:
         friction = theta[self._size :].reshape(joints, _OWN, -1)
         brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, _DRY]
         return [Tried(left[:, k], brake[:, k] / spread[:, k]) for k in range(len(mixtures))]
+
+    def likely_order(self) -> tuple[int, ...]:
+        """For each joint the torque that its own columns explain best, every torque once."""
+        parameters = self._factors[0].shape[1] - len(self._factors)
+        left = []
+        for factor in self._factors:
+            matrix, torques = factor[:, :parameters], factor[:, parameters:]
+            scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+            u, values, _ = np.linalg.svd(matrix / scale, full_matrices=False)
+            u = u[:, values > _DEPENDENT * values[0]]
+            rest = np.linalg.norm(torques - u @ (u.T @ torques), axis=0)
+            left.append(np.log(np.maximum(rest / self.spread, 1e-12)))
+        return tuple(map(int, optimize.linear_sum_assignment(np.array(left))[1]))
 
     def as_logged(self, rounds: int = 3) -> tuple[Tried, np.ndarray]:
         """The fit to the torques as logged, and the weights it settled on."""
