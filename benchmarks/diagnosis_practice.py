@@ -9,7 +9,8 @@ import numpy as np
 from scipy import signal
 
 from jaxswarm.diagnose.run import conclude
-from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, parse_terms
 from jaxswarm.identify.estimation.validate import log_errors

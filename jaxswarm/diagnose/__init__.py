@@ -2,5 +2,5 @@
 
 from jaxswarm.diagnose.decision.score import Rules as Rules
 from jaxswarm.diagnose.report.console import print_diagnosis as print_diagnosis
-from jaxswarm.diagnose.selection.stepwise import Diagnosis as Diagnosis
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis as Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose as diagnose

@@ -11,7 +11,9 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.report import figures as pictures
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.result import place, to_result
-from jaxswarm.diagnose.selection.stepwise import Diagnosis, diagnose
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.forward.model import model_torque, save_model
@@ -110,6 +112,7 @@ def conclude(
     """What remains after the loop, and everything as ``diagnosis.json`` has it."""
     progress("looking at what remains")
     left = find_unexplained(diagnosis.final, diagnosis.background, seed)
+    left = proven(diagnosis.final, left, unseen)
     return to_result(diagnosis, left, unseen), left
 
 

@@ -13,8 +13,9 @@ from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.stepwise import Diagnosis
+from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
@@ -95,7 +96,7 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     """The comparison as ``diagnosis.json`` has it, as a diagnosis for the pictures, and what remains."""
     progress("looking at what remains")
     diagnosis = _as_diagnosis(found)
-    left = find_unexplained(found.after, found.background, seed)
+    left = proven(found.after, find_unexplained(found.after, found.background, seed), unseen)
     result = to_result(diagnosis, left, unseen)
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):

@@ -51,6 +51,7 @@ class Effect:
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
+        everyday: Whether every drive has it: missing on several joints, it is added to all at once.
         recurring: Whether it is an event of one log with a begin and an end, of which there may be
             several, and not a property of the robot, of which every stretch of a log is evidence.
         reference_only: Whether it shows only against an earlier model or on part of a log, so that
@@ -74,6 +75,7 @@ class Effect:
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     min_joints: int = 1
+    everyday: bool = False
     recurring: bool = False
     reference_only: bool = False
     shown_against: str = "velocity"

@@ -29,6 +29,7 @@ register(
     TorqueLaw(
         name="viscous_friction",
         scope="joint",
+        everyday=True,
         parameters=(_coefficient("b", "N m s/rad", 1e4, 1.0, "viscous coefficient"),),
         summary="b dq",
         reference=_OLSSON,
@@ -45,6 +46,7 @@ register(
     TorqueLaw(
         name="coulomb_friction",
         scope="joint",
+        everyday=True,
         parameters=(_coefficient("fc", "N m", 1e4, 1.0, "dry friction level"),),
         summary="fc sign(dq)",
         reference=_OLSSON,

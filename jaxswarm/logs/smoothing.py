@@ -25,6 +25,13 @@ from scipy import linalg
 # Differences of the penalty, and the stencil of the velocity, sixth order in the sampling interval.
 _PENALTY = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _SLOPE = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
+# Its one-sided forms at the first three samples; at the last three they are mirrored, with the other sign.
+_SLOPE_AT_START = np.array(
+    [
+        np.linalg.solve(np.vander(np.arange(7.0) - k, increasing=True).T, np.eye(7)[1])
+        for k in range(3)
+    ]
+)
 # Above this share of the sampling rate there is nothing to smooth.
 WHOLE_BAND = 0.475
 # Cutoffs tried, from this share of the rate (below it the system loses its digits), and the samples that
@@ -151,13 +158,20 @@ def _solve(
     if rho > 0.0:
         strength = rho * rate * rate
         bands += _gram(_SLOPE, length, strength, 7)
-        right[:] += _transposed(_SLOPE, velocity[3:-3] / rate, length) * strength
+        right += _transposed(_SLOPE, velocity[3:-3] / rate, length) * strength
+        for row, columns, stencil in _ends(length):
+            for i, a in enumerate(stencil):
+                j = np.arange(i, 7)
+                bands[6 - (j - i), columns[j]] += strength * a * stencil[j]
+            right[columns] += strength * stencil[:, None] * velocity[row] / rate
     factor = linalg.cholesky_banded(bands, check_finite=False)
     mean = linalg.cho_solve_banded((factor, False), right, check_finite=False)
     squares = ((x - mean) ** 2).sum(axis=0) + weight * (np.diff(mean, 4, axis=0) ** 2).sum(axis=0)
     if rho > 0.0:
         slope = sum(c * mean[k : length - 6 + k] for k, c in enumerate(_SLOPE))
         squares += strength * ((velocity[3:-3] / rate - slope) ** 2).sum(axis=0)
+        for row, columns, stencil in _ends(length):
+            squares += strength * (velocity[row] / rate - stencil @ mean[columns]) ** 2
     return _Solution(mean, float(np.log(factor[-1]).sum()), squares)
 
 
@@ -165,11 +179,19 @@ def _evidence(x, velocity, rate: float, cutoff: float, rho: float) -> tuple[floa
     """Minus twice the restricted log-likelihood of a cutoff, and the noise it implies."""
     given = None if velocity is None else velocity[:, None]
     found = _solve(x[:, None], given, rate, cutoff, rho)
-    count = len(x) - 4 + (len(x) - 6 if rho > 0.0 else 0)
+    count = len(x) - 4 + (len(x) if rho > 0.0 else 0)
     weight = -8.0 * np.log(2.0 * np.sin(np.pi * min(cutoff / rate, 0.5)))
     variance = max(float(found.squares[0]) / count, 1e-300)
     cost = count * np.log(variance) + 2.0 * found.half_log_det - (len(x) - 4) * weight
     return cost, float(np.sqrt(variance))
+
+
+def _ends(length: int):
+    """The velocity's rows at both ends of a log: sample, the seven positions it takes, their weights."""
+    first = np.arange(7)
+    for k, stencil in enumerate(_SLOPE_AT_START):
+        yield k, first, stencil
+        yield length - 1 - k, length - 7 + first, -stencil[::-1]
 
 
 def _gram(stencil: np.ndarray, length: int, weight: float, rows: int) -> np.ndarray:

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from jaxswarm.diagnose.candidates.candidate import propose as gather
+from jaxswarm.diagnose.candidates import propose as gather
 from jaxswarm.diagnose.candidates.journal import FILE, Journal, fingerprint
 from jaxswarm.diagnose.run import diagnose_files
 from jaxswarm.effects.term import Term

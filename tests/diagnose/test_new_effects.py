@@ -15,9 +15,9 @@ from jaxswarm.diagnose.decision.score import Rules, passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.report.figures import evidence
 from jaxswarm.diagnose.report.result import to_result
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.effects import (
     REGISTRY,
     BodyChange,

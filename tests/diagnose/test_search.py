@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from planted import log_with, small_arm
 
-from jaxswarm.diagnose.candidates.candidate import search
+from jaxswarm.diagnose.candidates import search
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import get_law
@@ -17,6 +17,7 @@ from jaxswarm.identify.forward.columns import Load, rigid_of, term_columns
 from jaxswarm.logs.filtering import Decimator, design_decimator
 from jaxswarm.logs.motion import Filtering, prepare
 
+WIDTHS = (0.01, 0.01)
 PLANTED = [
     ("stribeck_friction", {"vs": 0.11, "delta": 1.6}, [3.0]),
     ("torque_ripple", {"n": 23.37}, [0.6, -0.4]),
@@ -53,15 +54,15 @@ def stages_of(motion, residual, basis=None):
 @pytest.mark.parametrize(("effect", "values", "linear"), PLANTED)
 def test_planted_parameters_are_recovered(motion, load, key, effect, values, linear):
     term = Term(effect, 1, values=values)
-    columns = motion.decimator.apply(term_columns(term, motion, 0.01, load))
+    columns = motion.decimator.apply(term_columns(term, motion, WIDTHS, load))
     residual = columns @ np.array(linear)
     stages = stages_of(motion, residual)
     task = (get_law(effect), 1, None)
-    with searching([task], [motion], 0.01, [load], [stages], key) as finish:
+    with searching([task], [motion], WIDTHS, [load], [stages], key) as finish:
         found = finish()
     for fold, weight in zip(found[0], np.asarray(stages.train[0]), strict=True):
         placed = Term(effect, 1, values=fold)
-        again = motion.decimator.apply(term_columns(placed, motion, 0.01, load))
+        again = motion.decimator.apply(term_columns(placed, motion, WIDTHS, load))
         a, y = again * weight[:, None], residual * weight
         left = y - a @ np.linalg.lstsq(a, y, rcond=None)[0]
         # Close to the floor of the valley, which is long for two parameters: the refit ends there.
@@ -80,7 +81,7 @@ def test_logs_are_searched_together(motion, load, key, effect):
     motions, loads = [short, motion], [Load(rigid.full @ pi, rigid.static @ pi), load]
     term = Term(effect, 1, values=values)
     columns = [
-        m.decimator.apply(term_columns(term, m, 0.01, x))[:, 0]
+        m.decimator.apply(term_columns(term, m, WIDTHS, x))[:, 0]
         for m, x in zip(motions, loads, strict=True)
     ]
     law = (get_law(effect), 1, None)
@@ -88,7 +89,7 @@ def test_logs_are_searched_together(motion, load, key, effect):
     def found(size):
         parts = [size * columns[0], 2.0 * columns[1]]
         stages = [stages_of(m, part) for m, part in zip(motions, parts, strict=True)]
-        with searching([law], motions, 0.01, loads, stages, key) as finish:
+        with searching([law], motions, WIDTHS, loads, stages, key) as finish:
             return finish()[0][0]
 
     ((name, value),) = values.items()
@@ -139,11 +140,11 @@ def test_only_what_explains_something_is_refined(motion, load, key, monkeypatch,
     begun, plain = [], search._refine
     monkeypatch.setattr(search, "_refine", lambda *args: begun.append(1) or plain(*args))
     term = Term("hysteresis", 1, values={"x0": 0.043})
-    law = motion.decimator.apply(term_columns(term, motion, 0.01, load))[:, 0]
+    law = motion.decimator.apply(term_columns(term, motion, WIDTHS, load))[:, 0]
     # Hysteresis takes energy: with the other sign the law explains nothing.
     stages = stages_of(motion, size * law)
     task = (get_law("hysteresis"), 1, None)
-    with searching([task], [motion], 0.01, [load], [stages], key) as finish:
+    with searching([task], [motion], WIDTHS, [load], [stages], key) as finish:
         assert len(finish()[0]) == 2
     assert len(begun) == swarms
 
@@ -161,7 +162,7 @@ def test_a_search_that_is_left_does_not_go_on(motion, load, key, monkeypatch):
     stages = stages_of(motion, motion.decimator.apply(motion.tau)[:, 1])
     tasks = [(get_law(effect), 1, None) for effect, _, _ in PLANTED] * 3
     with pytest.raises(KeyboardInterrupt):
-        with searching(tasks, [motion], 0.01, [load], [stages], key):
+        with searching(tasks, [motion], WIDTHS, [load], [stages], key):
             raise KeyboardInterrupt
     time.sleep(1.0)
     assert len(begun) < len(tasks) / 2

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.identify.estimation.estimate import Estimate
 
 # A residual within this multiple of the noise is near it. Clean logs of another simulator are left with 0.9
 # to 1.35 times their noise (q01-q04 of the practice logs); a soft joint that was missed left 3.3 times.
 NEAR = 2.0
-# Without any measured noise, this share of a joint's torque counts as it: what a sensor of 10 bits tells.
-_LEAST_NOISE = 1e-3
 # Windows of time [s] in which the remainder is told, and how many at most.
 _WINDOW, _MOST_WINDOWS = 0.5, 6
 # Shares of the remainder's power at whose frequencies its band begins and ends.
@@ -53,13 +52,6 @@ def remainders(found: Estimate) -> tuple[Remainder, ...]:
             Remainder(j, size / noise[j], _windows(found, own, noise[j]), _band(found, own))
         )
     return tuple(told)
-
-
-def noise_of(found: Estimate) -> np.ndarray:
-    """Standard deviation of the torque's noise below the cutoff [N m or N], (n,): the least of the logs."""
-    measured = np.min([m.torque_noise for m in found.motions], axis=0)
-    size = np.sqrt((found.regression.torque**2).mean(axis=0))
-    return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
 
 
 def _windows(found: Estimate, own: np.ndarray, noise: float) -> tuple:

@@ -38,6 +38,8 @@ class Rules:
         significance: Chance that anything is added to a log without a missing effect.
         share: Least share of a joint's held-out squared error that an effect has to take off.
         repeat: Least share of blocks in which it has to help.
+        over_noise, over_torque: Least RMS torque that it has to take off its joint's error, over that of
+            the noise and of the torque: a fifth of a residual that is nothing is nothing.
         tie: Rivals whose gains differ by fewer standard errors than this are not told apart,
         rival: unless one explains what another leaves with less than this chance of error.
     """
@@ -45,6 +47,8 @@ class Rules:
     significance: float = 0.01
     share: float = 0.2
     repeat: float = 0.6
+    over_noise: float = 0.3
+    over_torque: float = 0.001
     tie: float = 2.0
     rival: float = 0.001
 
@@ -58,13 +62,15 @@ class Score:
         gain: Fall of the weighted squared error, all joints.
         per_joint: The same per joint, shape (n,).
         blocks: Per block, shape (B,).
-        share: Largest share of a joint's squared error taken off.
+        share: Share of its joint's squared error taken off.
         trained: The same on the rows it was fitted to, where it is largest.
         joint: The joint where that is.
         p_value: One-sided, that the prediction is not in the residual of unseen blocks.
         repeats: Share of blocks in which it helps.
         coefficients: Linear coefficients of the whole fit, (k,).
         allowed: Whether signs agree with physics.
+        over_noise, over_torque: RMS torque that it takes off its joint's error, over that of the noise
+            and of the torque; events are judged by their own torque instead.
     """
 
     candidate: Candidate
@@ -78,6 +84,8 @@ class Score:
     repeats: float
     coefficients: np.ndarray
     allowed: bool
+    over_noise: float = np.inf
+    over_torque: float = np.inf
 
 
 def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = None) -> np.ndarray:
@@ -122,7 +130,9 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
     if joint is None:
         joint = int(np.argmax(per_joint / before))
     # A joint effect is a matter of its own joint; others may gain through shared parameters.
-    share = float(max(per_joint[joint] / before[joint], (per_joint / before).max()))
+    share = float(per_joint[joint] / before[joint])
+    rms = np.sqrt(max(per_joint[joint], 0.0) / len(background.weight))
+    rms /= background.weight[:, joint].max()
     allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
     allowed = allowed and candidate.term.law.credible(whole[0], interval)
     weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
@@ -138,6 +148,8 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
         repeats=float((blocks[weighty] > 0).mean()) if weighty.any() else 0.0,
         coefficients=whole,
         allowed=bool(allowed),
+        over_noise=float(rms / background.noise[joint]),
+        over_torque=float(rms / max(background.size[joint], 1e-300)),
     )
 
 
@@ -212,4 +224,6 @@ def passes(item: Score, asked: int, rules: Rules) -> bool:
         and item.p_value * asked < rules.significance
         and item.share >= rules.share
         and item.repeats >= rules.repeat
+        and item.over_noise >= rules.over_noise
+        and item.over_torque >= rules.over_torque
     )

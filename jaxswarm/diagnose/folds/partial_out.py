@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import linalg
 
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import time_blocks
@@ -82,6 +83,8 @@ class CrossFit:
         whole: The fit to all rows.
         halves: The two fits to alternating blocks.
         effective: Independent residuals in the data.
+        noise: Standard deviation of the torque's noise, (n,).
+        size: RMS of the torque, (n,).
         structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
     """
 
@@ -90,6 +93,8 @@ class CrossFit:
     whole: Fold
     halves: tuple[Fold, Fold]
     effective: float
+    noise: np.ndarray
+    size: np.ndarray
     structure: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -131,7 +136,9 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
     whole, first, second = (_fold(columns, torque, rows, size) for rows in (everything, odd, ~odd))
-    return CrossFit(weight, block, whole, (first, second), error.size / length)
+    torque_size = np.sqrt((regression.torque**2).mean(axis=0))
+    halves = (first, second)
+    return CrossFit(weight, block, whole, halves, error.size / length, noise_of(found), torque_size)
 
 
 def robust_weight(residual: np.ndarray) -> np.ndarray:

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.text import where
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import units

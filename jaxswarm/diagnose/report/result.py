@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from jaxswarm.diagnose.decision.remainder import Remainder, noise_of, remainders
+from jaxswarm.diagnose.decision.remainder import Remainder, remainders
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
 from jaxswarm.diagnose.decision.verdict import (
@@ -13,17 +13,20 @@ from jaxswarm.diagnose.decision.verdict import (
     hopeless,
     verdict,
 )
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.stepwise import Diagnosis
 from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import term_parameters, units, with_intervals
 from jaxswarm.logs.motion import Motion
+
+_ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
 
 
 def place(term: Term, joints: tuple[str, ...]) -> dict:
@@ -91,7 +94,11 @@ def to_result(
         "proof": proof(final, validation),
         "residual_over_noise": [r.over_noise for r in remains],
         "discovered": [],
-        "reasons": [*([why] if why else []), *grown(errors.validation, joints, noise, HARM)],
+        "reasons": [
+            *([why] if why else []),
+            *([_ENDED] if diagnosis.ended else []),
+            *grown(errors.validation, joints, noise, HARM),
+        ],
         "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
         "asked": diagnosis.asked,
         "suspects": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
@@ -212,6 +219,10 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
         reasons.append(
             f"takes off {100 * item.share:.1f} % of the error, less than {rules.share:.0%}"
         )
+    if item.gain > 0 and (
+        item.over_noise < rules.over_noise or item.over_torque < rules.over_torque
+    ):
+        reasons.append("too small to matter beside noise and torque")
     if item.p_value * len(diagnosis.last) >= rules.significance:
         reasons.append("may be chance, given how many suspects were asked")
     if not item.allowed:

@@ -1,7 +1,11 @@
-"""The loop: ask every suspect, add the guilty one, refit, ask again; drop what became superfluous."""
+"""Forward stepwise selection: score every candidate, add the best that passes, refit, score again.
+
+One round is one look at all candidates against the current model. When nobody passes, every choice is made
+once more with the others in place; when that changes nothing, the search is over.
+"""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,54 +16,62 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
-from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.everyday import add_everyday
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
-from jaxswarm.diagnose.selection.survives import survives
-from jaxswarm.effects.kinds import MeasurementLaw
-from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.diagnose.selection.survives import stands_in, survives
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
-from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
-_MOST_STEPS, _MOST_SKEWS = 12, 3
-# Events of one kind that are looked for in a row.
-_MOST_EVENTS = 20
-# A law below the first share of a joint's error is doubted where a smooth function reaches the second.
-_SMALL_PART, _NEARLY_ALL = 0.4, 0.7
+# Rounds per joint, and for any arm; how often the clocks' skew is found anew.
+_ROUNDS_PER_JOINT, _LEAST_ROUNDS, _MOST_SKEWS = 4, 12, 3
+# A skew [s] below this moves a torque at 10 Hz by a thousandth of its size.
+_LEAST_SKEW = 2e-5
+# Events of one kind that are looked for in a row; runners-up that a step remembers.
+_MOST_EVENTS, _MOST_OTHERS = 20, 8
 
 
-@dataclass(frozen=True)
-class Diagnosis:
-    """The outcome of the loop.
+@dataclass
+class _Search:
+    """A selection under way.
 
     Attributes:
-        declared: The estimate of the declared model.
-        final: The estimate after the last step.
+        current: The model so far.
+        declared: The declared model, with the clocks as they were found.
         steps: What was added, in order.
-        last: Scores of all suspects in the final round, in which nobody passed.
-        background: The folds of the final model.
-        asked: Suspects asked in the first round.
-        withdrawn: What was added and later exchanged or dropped, with all effects in place.
-        refused: What would have been added but did not survive on other motion, and why.
+        banned: Identities of terms that were refused on the model as it is.
+        asked: Candidates scored in the first round.
+        skews: Clock skews that were allowed for.
+        settled: Whether every choice was made again already.
+        withdrawn, refused: As :class:`Diagnosis` tells them.
     """
 
+    current: Estimate
     declared: Estimate
-    final: Estimate
-    steps: tuple[Step, ...]
-    last: tuple[Score, ...]
-    background: CrossFit
-    asked: int
+    rules: Rules
+    seed: int
+    memory: Memory
+    other: Sequence[Motion]
+    progress: Callable[[str], None]
+    steps: list[Step] = field(default_factory=list)
+    banned: set = field(default_factory=set)
+    asked: int = 0
+    skews: list[float] = field(default_factory=list)
+    settled: bool = False
     withdrawn: tuple[Term, ...] = ()
-    refused: tuple[tuple[Term, str], ...] = ()
+    refused: list[tuple[Term, str]] = field(default_factory=list)
 
-    @property
-    def kept(self) -> tuple[Step, ...]:
-        """The steps whose effect was not removed again by a later one."""
-        gone = {t.identity for step in self.steps for t in step.removed}
-        return tuple(step for step in self.steps if step.added.identity not in gone)
+    def refuse(self, term: Term, why: str = "") -> None:
+        """Leave a term out until its joint's model changes; told if it had been found worth adding."""
+        self.banned.add(replace(term, values={}).identity)
+        if why:
+            self.refused.append((term, why))
 
 
 def diagnose(
@@ -90,127 +102,126 @@ def diagnose(
     """
     rules = rules or Rules()
     progress("fitting the declared model")
-    current = estimate(robot, declared, motions, bounded=False)
-    first, steps, banned, asked, skews = current, [], set(), 0, []
-    memory, settled, withdrawn, refused = Memory(journal, rules.share), False, (), []
-    for round_number in range(_MOST_STEPS + 1):
-        progress(
-            f"round {round_number + 1}: asking the suspects, {_error(current):.3g} % error so far"
-        )
-        background = cross_fit(current)
-        stand = Linearization(current, background, memory)
-        suspects = [
-            t for t in list_suspects(current.model, current.motions) if t.identity not in banned
-        ]
-        late = clock_skew(stand, suspects, rules, seed) if len(skews) < _MOST_SKEWS else 0.0
-        if late:
-            skews.append(late)
-            current = with_skew(current, late)
-            first = current if not steps else first
+    start = estimate(robot, declared, motions, bounded=False)
+    search = _Search(start, start, rules, seed, Memory(journal, rules.share), other, progress)
+    most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
+    for number in range(1, most + 2):
+        error = _error(search.current)
+        progress(f"round {number}: scoring candidates, {error:.3g} % error so far")
+        background = cross_fit(search.current)
+        stand = Linearization(search.current, background, search.memory)
+        eligible = list_suspects(search.current.model, search.current.motions)
+        eligible = [t for t in eligible if t.identity not in search.banned]
+        if _allow_for_skew(search, stand, eligible):
             continue
-        scores = judge(stand, suspects, seed)
-        asked = asked or len(scores)
-        guilty = [s for s in scores if passes(s, len(scores), rules)]
-        # What happens once is believed only if nothing that lasts explains more.
-        most = max((s.gain for s in scores), default=0.0)
-        guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
-        if round_number == _MOST_STEPS:
+        scores = judge(stand, eligible, seed)
+        search.asked = search.asked or len(scores)
+        accepted = _accepted(scores, rules)
+        ended = number > most and bool(accepted)
+        if number > most or not (
+            _add_best(search, scores, accepted, background)
+            if accepted
+            else _choose_again(search, background)
+        ):
             break
-        if not guilty:
-            if settled or not steps:
-                break
-            settled = True
-            former = steps
-            steps, current, changed = choose_again(
-                steps, current, background, asked, rules, seed, progress
-            )
-            if not changed:
-                break
-            held = {s.added.identity for s in steps}
-            withdrawn = tuple(s.added for s in former if s.added.identity not in held)
-            continue
-        chosen, rivals = choose(guilty, rules, background)
-        if stands_in(chosen, current, background, seed):
-            banned.add(replace(chosen.candidate.term, values={}).identity)
-            continue
-        progress(f"round {round_number + 1}: adding {chosen.candidate.term.label(robot.joints)}")
-        after, removed = add(current, chosen)
-        if after is None:
-            banned.add(replace(chosen.candidate.term, values={}).identity)
-            continue
-        term = chosen.candidate.term
-        why = None if term.law.recurring else survives(current, after, chosen.joint, other)
-        if why:
-            refused.append((term, why))
-            banned.add(replace(term, values={}).identity)
-            continue
-        added = next(t for t in after.model.terms if t.identity == term.identity)
-        others = [
-            s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen and s.gain > 0
-        ]
-        near = near_ones(chosen, guilty, background)
-        told = tuple(rivals), tuple(others[:8])
-        steps.append(Step(added, chosen, *told, current, after, removed, near))
-        current = after
-        if added.law.recurring:
-            steps, current = further_events(steps, current, added, asked, rules, memory, seed)
-        # What was refused on this joint was refused without the new effect.
-        banned = {key for key in banned if key[1] != added.joint}
     return Diagnosis(
-        first, current, tuple(steps), tuple(scores), background, asked, withdrawn, tuple(refused)
+        search.declared, search.current, tuple(search.steps), tuple(scores), background,
+        search.asked, search.withdrawn, tuple(search.refused), ended,
+    )  # fmt: skip
+
+
+def _allow_for_skew(search: _Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
+    """Move the clocks against each other where they are apart; whether they were moved."""
+    if len(search.skews) == _MOST_SKEWS:
+        return False
+    late = clock_skew(stand, eligible, search.seed)
+    if abs(late) <= _LEAST_SKEW:
+        return False
+    search.skews.append(late)
+    search.current = with_skew(search.current, late)
+    if not search.steps:
+        search.declared = search.current
+    return True
+
+
+def _accepted(scores: Sequence[Score], rules: Rules) -> list[Score]:
+    """Those that pass; what happens once only if nothing that lasts explains more."""
+    most = max((s.gain for s in scores), default=0.0)
+    return [
+        s
+        for s in scores
+        if passes(s, len(scores), rules) and (not s.candidate.term.law.recurring or s.gain >= most)
+    ]
+
+
+def _choose_again(search: _Search, background: CrossFit) -> bool:
+    """Make every choice once more, with all effects in place; whether one changed."""
+    if search.settled or not search.steps:
+        return False
+    search.settled = True
+    former = search.steps
+    search.steps, search.current, changed = choose_again(
+        former, search.current, background, search.asked, search.rules, search.seed, search.progress
     )
+    held = {s.added.identity for s in search.steps}
+    if changed:
+        search.withdrawn = tuple(s.added for s in former if s.added.identity not in held)
+    return changed
 
 
-def further_events(
-    steps: list[Step], current: Estimate, first: Term, asked: int, rules: Rules, memory, seed: int
-) -> tuple[list[Step], Estimate]:
+def _add_best(
+    search: _Search, scores: Sequence[Score], accepted: list[Score], background: CrossFit
+) -> bool:
+    """Add what every drive has, else the best candidate if it proves itself; always another round."""
+    current = search.current
+    joints = current.model.robot.joints
+    together = add_everyday(current, scores, len(scores), search.rules)
+    if together:
+        search.progress("adding what every drive has")
+        search.steps, search.current = [*search.steps, *together[0]], together[1]
+        return True
+    chosen, rivals = choose(accepted, search.rules, background)
+    term = chosen.candidate.term
+    if stands_in(chosen, current, background, search.seed):
+        search.refuse(term)
+        return True
+    search.progress(f"adding {term.label(joints)}")
+    after, removed = add(current, chosen)
+    if after is None:
+        search.refuse(term)
+        return True
+    why = None if term.law.recurring else survives(current, after, chosen.joint, search.other)
+    if why:
+        search.refuse(term, why)
+        return True
+    added = find_term(after, term)
+    ranked = sorted(scores, key=lambda s: -s.gain)
+    others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
+    near = near_ones(chosen, accepted, background)
+    told = tuple(rivals), tuple(others)
+    search.steps.append(Step(added, chosen, *told, current, after, removed, near))
+    search.current = after
+    if added.law.recurring:
+        _add_further_events(search, added)
+    # What was refused on this joint was refused without the new effect.
+    search.banned = {key for key in search.banned if key[1] != added.joint}
+    return True
+
+
+def _add_further_events(search: _Search, first: Term) -> None:
     """Add what else of an event's kind is in the logs, one after the other, with nothing else asked."""
     for _ in range(_MOST_EVENTS):
-        background = cross_fit(current)
-        stand = Linearization(current, background, memory)
-        told = judge(stand, [replace(first, values={})], seed)
-        if not told or not passes(told[0], asked, rules):
-            break
+        current = search.current
+        stand = Linearization(current, cross_fit(current), search.memory)
+        told = judge(stand, [replace(first, values={})], search.seed)
+        if not told or not passes(told[0], search.asked, search.rules):
+            return
         after, removed = add(current, told[0])
         if after is None:
-            break
+            return
         added = find_term(after, told[0].candidate.term)
-        steps = [*steps, Step(added, told[0], (), (), current, after, removed)]
-        current = after
-    return steps, current
-
-
-def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:
-    """Whether a law only stands in for one that no catalog holds.
-
-    That is so if it explains a small part of what a smooth function of one or two variables explains
-    nearly all of.
-    """
-    if chosen.share > _SMALL_PART or chosen.candidate.term.joint is None:
-        return False
-    smooth = find_unexplained(current, background, seed, [chosen.joint])
-    return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
-
-
-def clock_skew(stand: Linearization, suspects: Sequence[Term], rules: Rules, seed: int) -> float:
-    """The delay [s] that is real but below half a sample: a matter of the clock, not of the robot; else 0."""
-    for s in judge(stand, [t for t in of_kind(suspects, MeasurementLaw) if t.law.clock], seed):
-        if not s.allowed:
-            real = s.gain > 0 and s.p_value * len(suspects) < rules.significance
-            return float(s.coefficients[0]) if real and s.share > 0.02 else 0.0
-    return 0.0
-
-
-def with_skew(current: Estimate, seconds: float) -> Estimate:
-    """The same model fitted to logs whose motion is moved against the torque."""
-    motions = tuple(shift_motion(m, seconds) for m in current.motions)
-    return estimate(
-        current.model.robot,
-        current.model.terms,
-        motions,
-        bounded=False,
-        start=np.asarray(current.model.robot.parameters).ravel(),
-    )
+        search.steps.append(Step(added, told[0], (), (), current, after, removed))
+        search.current = after
 
 
 def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:

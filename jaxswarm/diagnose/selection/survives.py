@@ -1,17 +1,25 @@
-"""Whether an addition survives on motion it was not fitted to.
+"""Whether an addition proves itself: it stands for no other law, and survives on motion it was not fitted to.
 
 It has to lower the error of its joint there, and must not raise that of any joint: on other logs where there
 are any, the worst one deciding, else on regions of states held out one after the other.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.remainder import noise_of
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.unexplained import (
+    Unexplained,
+    find_unexplained,
+    with_smooth_terms,
+)
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import region_residual, regions
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion, shift_motion
 
 # An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
@@ -19,6 +27,21 @@ from jaxswarm.logs.motion import Motion, shift_motion
 HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25
+
+# A law below the first share of a joint's error is doubted where a smooth function reaches the second.
+_SMALL_PART, _NEARLY_ALL = 0.4, 0.7
+
+
+def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:
+    """Whether a law only stands in for one that no catalog holds.
+
+    That is so if it explains a small part of what a smooth function of one or two variables explains
+    nearly all of.
+    """
+    if chosen.share > _SMALL_PART or chosen.candidate.term.joint is None:
+        return False
+    smooth = find_unexplained(current, background, seed, [chosen.joint])
+    return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
 
 
 def survives(
@@ -43,6 +66,29 @@ def survives(
     return None
 
 
+def proven(
+    found: Estimate, left: Sequence[Unexplained], other: Sequence[Motion]
+) -> list[Unexplained]:
+    """Structure with its smooth terms only where they lower the error on all other motion.
+
+    A function without a law holds where it was fitted; elsewhere it is a guess, and a model without it is
+    the better one until another log says otherwise.
+    """
+    told = []
+    for item in left:
+        if item.term is not None:
+            model = with_smooth_terms(found, [item])
+            pairs = [(_log_residual(found, m), _log_residual(found, m, model)) for m in other]
+            helps = pairs and all(
+                (_rms(two) <= HARM * _rms(one)).all()
+                and _rms(two)[item.joint] < GAIN * _rms(one)[item.joint]
+                for one, two in pairs
+            )
+            item = item if helps else replace(item, term=None)
+        told.append(item)
+    return told
+
+
 def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
     """RMS errors (n,) without and with, and where."""
     if other:
@@ -62,10 +108,10 @@ def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
     yield (*pair, "on held-out regions of the motion")
 
 
-def _log_residual(found: Estimate, motion: Motion) -> np.ndarray:
+def _log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
     """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
     motion = shift_motion(motion, found.motions[0].skew - motion.skew)
-    predicted = model_torque(found.model.during(None), motion)
+    predicted = model_torque((model or found.model).during(None), motion)
     left = motion.decimator.apply(motion.tau - predicted)
     kept = motion.t[motion.decimator.kept(len(motion.t))]
     inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)

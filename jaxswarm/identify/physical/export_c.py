@@ -16,7 +16,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.base import Sample
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
+from jaxswarm.effects.term import of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
 
@@ -51,7 +53,7 @@ def c_text(robot: Robot, effects: Iterable[Any], width: Sequence[float]) -> str:
         InputError: If a law uses an operation that has no C expression here.
     """
     effects = list(effects)
-    torques = [e for e in effects if e.law.torque is not None and e.joint is not None]
+    torques = of_kind(effects, TorqueLaw)
     left = [e for e in effects if e not in torques]
     states = [e for e in torques if e.law.rate is not None]
     name = re.sub(r"\W", "_", robot.name)

@@ -1,0 +1,38 @@
+"""The clocks of torque and position: a skew below half a sample, allowed for before anything is asked."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import special
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.logs.motion import shift_motion
+
+
+def clock_skew(stand: Linearization, suspects: Sequence[Term], seed: int) -> float:
+    """A delay [s] below half a sample: a matter of the clock, not of the robot, and so always allowed for.
+
+    Every sampled and held torque is early or late by a part of a sample. The estimate is shrunk by its own
+    certainty, the positive-part rule of W. James and C. Stein (1961): nothing where there is nothing.
+    """
+    for s in judge(stand, [t for t in of_kind(suspects, MeasurementLaw) if t.law.clock], seed):
+        if not s.allowed and s.gain > 0:
+            certainty = float(-special.ndtri(max(s.p_value, 1e-300)))
+            return float(s.coefficients[0]) * max(0.0, 1.0 - 1.0 / max(certainty, 1e-9) ** 2)
+    return 0.0
+
+
+def with_skew(current: Estimate, seconds: float) -> Estimate:
+    """The same model fitted to logs whose motion is moved against the torque."""
+    motions = tuple(shift_motion(m, seconds) for m in current.motions)
+    return estimate(
+        current.model.robot,
+        current.model.terms,
+        motions,
+        bounded=False,
+        start=np.asarray(current.model.robot.parameters).ravel(),
+    )

@@ -1,0 +1,42 @@
+"""The outcome of the selection."""
+
+from dataclasses import dataclass
+
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The outcome of the loop.
+
+    Attributes:
+        declared: The estimate of the declared model.
+        final: The estimate after the last step.
+        steps: What was added, in order.
+        last: Scores of all suspects in the final round, in which nobody passed.
+        background: The folds of the final model.
+        asked: Suspects asked in the first round.
+        withdrawn: What was added and later exchanged or dropped, with all effects in place.
+        ended: Whether the search ended by its number of rounds, and more might be added.
+        refused: What would have been added but did not survive on other motion, and why.
+    """
+
+    declared: Estimate
+    final: Estimate
+    steps: tuple[Step, ...]
+    last: tuple[Score, ...]
+    background: CrossFit
+    asked: int
+    withdrawn: tuple[Term, ...] = ()
+    refused: tuple[tuple[Term, str], ...] = ()
+    ended: bool = False
+
+    @property
+    def kept(self) -> tuple[Step, ...]:
+        """The steps whose effect was not removed again by a later one."""
+        gone = {t.identity for step in self.steps for t in step.removed}
+        return tuple(step for step in self.steps if step.added.identity not in gone)
