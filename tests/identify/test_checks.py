@@ -1,10 +1,14 @@
 """A log spoiled in one way is found to be so before anything is fitted, and clean logs are not doubted."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from slide import run
 
+from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import CHECKS, checked
 from jaxswarm.logs import Log, read_log
@@ -131,6 +135,47 @@ def test_clean_logs_are_not_doubted(data_root, name, robot):
     log = read_log(data_root / name, found.joints, np.asarray(found.drive_gain))
     after, _ = checked(log, found, Filtering())
     assert not [n for n in new_notes(log, after) if n.split(":")[0] in CHECKS]
+
+
+COMMANDS = {
+    "identify": ("--effects", "identification.json"),
+    "diagnose": ("--declare", "diagnosis.json"),
+}
+
+
+def written(clean: Log, path: Path, tau: np.ndarray) -> Path:
+    np.savez(path, t=clean.t, q=clean.q, tau=tau, joints=np.array(clean.joints))
+    return path
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_refused_log_leaves_nothing_behind(clean, tmp_path, command):
+    flipped = clean.tau * [1.0, -1.0, 1.0]
+    log, out = written(clean, tmp_path / "log.npz", flipped), tmp_path / "out"
+    option = COMMANDS[command][0]
+    code, _, err = run(command, log, "--robot", "rx60", option, USUAL_FRICTION, "--out", out)
+    assert code == 2 and "--accept torque_sign" in err.replace("\n", " ")
+    assert not out.exists()
+
+
+def test_an_accepted_finding_stays_in_the_result(clean, tmp_path):
+    flipped = clean.tau * [1.0, -1.0, 1.0]
+    log, out = written(clean, tmp_path / "log.npz", flipped), tmp_path / "out"
+    given = "--robot", "rx60", "--effects", USUAL_FRICTION, "--out", out
+    code, _, err = run("identify", log, *given, "--accept", "torque_sign")
+    assert code == 0 and "note: " in err and "torque_sign" in err
+    (finding,) = json.loads((out / "identification.json").read_text())["findings"]
+    assert finding["log"] == "log.npz" and finding["what"].startswith("torque_sign: ")
+
+
+def test_torques_of_another_motion_are_not_diagnosed(clean, tmp_path):
+    mixed = clean.tau[RNG.permutation(len(clean.t))]
+    log, out = written(clean, tmp_path / "log.npz", mixed), tmp_path / "out"
+    code, _, err = run("diagnose", log, "--robot", "rx60", "--out", out)
+    assert code == 0, err
+    result = json.loads((out / "diagnosis.json").read_text())
+    assert result["verdict"] == "cannot be judged" and result["effects"] == []
+    assert result["findings"][0]["what"].startswith("no_relation: ")
 
 
 def test_an_unknown_check_cannot_be_accepted(clean, arm):
