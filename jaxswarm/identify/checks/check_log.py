@@ -28,7 +28,12 @@ CHECKS = {
 
 
 def checked(
-    log: Log, robot: Robot, filtering: Filtering, accept: Sequence[str] = ()
+    log: Log,
+    robot: Robot,
+    filtering: Filtering,
+    accept: Sequence[str] = (),
+    *,
+    refuse_dead: bool = True,
 ) -> tuple[Log, list[Motion]]:
     """Mend and check a log, and prepare its stretches between gaps.
 
@@ -37,6 +42,7 @@ def checked(
         robot: Kinematics.
         filtering: Frequencies; those that are None come from this log.
         accept: Names of :data:`CHECKS` whose findings are told only.
+        refuse_dead: Whether a torque of one value is refused.
 
     Returns:
         The log with what was found as notes, and its motions.
@@ -47,7 +53,8 @@ def checked(
     for name in accept:
         if name not in CHECKS:
             raise InputError(f"unknown check {name!r} to accept. {nearest(name, CHECKS)}")
-    refuse_dead_torque(log)
+    if refuse_dead:
+        refuse_dead_torque(log)
     log, found = spikes.bridged(log)
     found += lost.lost_samples(log) + frozen.saturation(log)
     log, stuck = frozen.without_stuck(log)
