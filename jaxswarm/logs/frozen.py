@@ -11,8 +11,8 @@ STUCK, SATURATION = "stuck", "saturation"
 # A position that is the same for so long [s], from a speed of this part of the joint's own top speed, or with
 # such a jump at its end in usual steps: no joint stops or starts within one sample.
 _LONG, _FAST, _JUMP = 0.15, 0.1, 3.0
-# Samples before the stop that are all so fast, steps of the encoder that they have to be, and the quantile of all
-# speeds that is the top.
+# Samples before the stop that are all so fast, steps of the encoder that they have to be, and the quantile of
+# all speeds that is the top.
 _BEFORE, _QUANTA, _TOP = 3, 4.0, 0.95
 # Beyond this share of a log there is too little left between the stretches.
 _MOST_STUCK = 0.4
