@@ -4,15 +4,16 @@ import numpy as np
 
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.log import Log, take
-from jaxswarm.logs.quality import longest_run, saturated
+from jaxswarm.logs.quality import longest_run, quantum, saturated
 from jaxswarm.logs.sampling import usual_period
 
 STUCK, SATURATION = "stuck", "saturation"
 # A position that is the same for so long [s], from a speed of this part of the joint's own top speed, or with
 # such a jump at its end in usual steps: no joint stops or starts within one sample.
-_LONG, _FAST, _JUMP = 0.15, 0.25, 8.0
-# Samples before the stop over which the speed is taken, and the quantile of all speeds that is the top.
-_BEFORE, _TOP = 5, 0.95
+_LONG, _FAST, _JUMP = 0.15, 0.1, 3.0
+# Samples before the stop that are all so fast, steps of the encoder that they have to be, and the quantile of
+# all speeds that is the top.
+_BEFORE, _QUANTA, _TOP = 3, 4.0, 0.95
 # Beyond this share of a log there is too little left between the stretches.
 _MOST_STUCK = 0.4
 # Samples of one joint's torque at its extreme value, as a share of all: fewer change no parameter visibly.
@@ -28,14 +29,15 @@ def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
         top = float(np.quantile(np.abs(steps), _TOP))
         if top == 0.0:
             continue
+        coarse = _QUANTA * quantum(log.q[:, j])
         edges = np.flatnonzero(np.diff(np.concatenate([[0], (steps == 0).astype(int), [0]])))
         for start, end in zip(edges[::2], edges[1::2], strict=True):
             if end - start < least:
                 continue
-            before = steps[max(start - _BEFORE, 0) : start]
-            entry = abs(before.mean()) if len(before) == _BEFORE else 0.0
+            before = np.abs(steps[max(start - _BEFORE, 0) : start])
+            entry = before.min() if len(before) == _BEFORE else 0.0
             jump = abs(steps[end]) if end < len(steps) else 0.0
-            if entry > _FAST * top or jump > _JUMP * top:
+            if entry > max(_FAST * top, coarse) or jump > max(_JUMP * top, coarse):
                 found.append((j, int(start), int(end) + 1))
     return found
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jaxswarm import inspect, log_from_arrays
+from jaxswarm import Log, inspect, log_from_arrays
 from jaxswarm.errors import InputError
 from jaxswarm.identify.physical.physical_model import random_columns
 from jaxswarm.logs import Log

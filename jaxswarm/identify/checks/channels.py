@@ -30,8 +30,8 @@ _SIGNS = {"torque_sign", "position_sign"}
 # Turns of a joint [rad] that no arm makes; degrees make them at once.
 _FAR = 4.0 * np.pi
 # Mass [kg] at the end of an arm of a meter that would need the logged torques, and how it grows with the reach:
-# clean logs lie between 0.3 and 440. The least reach [m] counts links whose length is not in the kinematics.
-_HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH = 1e3, 1e-2, 3, 0.5
+# clean logs lie between 0.3 and 440. The reach [m] of links without a length in the kinematics, and of slides.
+_HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH, _SLIDE = 1e3, 1e-2, 3, 0.5, 1.0
 # Share of the torque left, on the geometric mean over the joints, from which on motion explains nothing, and of
 # one or two joints, which a single missing law may rule. Pure noise leaves all of it, the worst clean log 0.3.
 _UNRELATED, _FEW_UNRELATED, _FEW = 0.5, 0.8, 2
@@ -101,9 +101,9 @@ def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
         return None
     mass = float(np.median(torque[loaded] / unit[loaded]))
     length = float(np.linalg.norm(np.asarray(robot.translation), axis=1).sum())
-    # A slide has no length of its own; a meter of it is a usual one.
-    length += sum(kind == "prismatic" for kind in robot.kinds)
-    scale = max(length, _LEAST_REACH) ** _POWER
+    if length < _LEAST_REACH:
+        length = _SLIDE if "prismatic" in robot.kinds else _LEAST_REACH
+    scale = length**_POWER
     if _LIGHTEST < mass / scale < _HEAVIEST:
         return None
     what = (
