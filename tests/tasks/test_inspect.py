@@ -6,7 +6,6 @@ import pytest
 from jaxswarm import Log, inspect, log_from_arrays
 from jaxswarm.errors import InputError
 from jaxswarm.identify.physical.physical_model import random_columns
-from jaxswarm.logs import Log
 from jaxswarm.robot import load_robot
 from jaxswarm.tasks.identifiable import identifiable
 from jaxswarm.tasks.inputs import as_robot
