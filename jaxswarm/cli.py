@@ -53,6 +53,12 @@ TorqueCutoff = Annotated[
 ]
 
 
+Accept = Annotated[
+    list[str] | None,
+    typer.Option(help="Fit a log in spite of this finding about it; may be repeated."),
+]
+
+
 # What the commands write into their folder, and would overwrite there.
 _IDENTIFIED = ("model.json", "identification.json")
 _DIAGNOSED = ("model.json", "diagnosis.json", "report.html")
@@ -185,6 +191,7 @@ def identify(
         float,
         typer.Option(min=1e-9, help="Residual standard deviations a mass off by e^2 costs."),
     ] = 0.03,
+    accept: Accept = None,
     json: Json = False,
 ) -> None:
     """Identify a declared model from logs and score it on motion it was not fitted to."""
@@ -196,7 +203,7 @@ def identify(
     effects = with_free_base(effects) if free_base else effects
     options = Options(
         optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
-        estimator, physical, prior, prior_weight,
+        estimator, physical, prior, prior_weight, tuple(accept or ()),
     )  # fmt: skip
     inputs = (*logs, validation, prior and Path(prior), Path(robot))
     with work(out, inputs, _IDENTIFIED) as status:
@@ -228,6 +235,7 @@ def diagnose(
     seed: Seed = 0,
     motion_cutoff: MotionCutoff = None,
     torque_cutoff: TorqueCutoff = None,
+    accept: Accept = None,
     json: Json = False,
 ) -> None:
     """Find the effect a declared model lacks, add it, and show the error before and after."""
@@ -236,7 +244,12 @@ def diagnose(
     from jaxswarm.diagnose.run import diagnose_files
     from jaxswarm.identify.run import Options
 
-    options = Options(seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff)
+    options = Options(
+        seed=seed,
+        motion_cutoff=motion_cutoff,
+        torque_cutoff=torque_cutoff,
+        accept=tuple(accept or ()),
+    )
     if model is not None and declare is not None:
         raise InputError("--declare and --model exclude each other; a model holds what is declared")
     inputs = (*logs, *(validation or ()), model, Path(robot))

@@ -52,6 +52,7 @@ ROOMS = {
     "identify": {
         "forward": 0,
         "estimation": 1,
+        "checks": 2,
         "simulation_error": 2,
         "physical": 2,
         "excitation": 2,

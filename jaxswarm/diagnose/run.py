@@ -15,11 +15,13 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.effects.term import parse_terms
+from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.forward.model import model_torque, save_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
     Options,
     described,
+    findings,
     read_motions,
     refuse_missing_channels,
     refuse_undeclarable,
@@ -66,7 +68,7 @@ def diagnose_files(
     filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
     further = list(validation or ())
     # What cannot be scored on is refused before the work, not after it.
-    read, prepared = read_motions([*paths, *further], robot, filtering)
+    read, prepared = read_motions([*paths, *further], robot, filtering, accept=options.accept)
     logs, scored = read[: len(paths)], read[len(paths) :]
     refuse_missing_channels(terms, read)
     motions = [part for parts in prepared[: len(paths)] for part in parts]
@@ -74,11 +76,14 @@ def diagnose_files(
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
     short = too_short(motions, columns)
     rests = all_rest(motions)
+    if not rests and "no_relation" not in options.accept:
+        rests = without_relation(robot, motions)
     if short or rests:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*rests, *short, *reasons])
-        result["logs"] = described(logs)
-        outputs.write_results(out, {"diagnosis.json": outputs.to_json(result)})
+        _tell_source(result, logs, scored, [*paths, *further], declare, options)
+        page = {"diagnosis.json": outputs.to_json(result), "report.html": render(result, {})}
+        outputs.write_results(out, page)
         return result
     other = [part for parts in prepared[len(paths) :] for part in parts]
     journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
@@ -89,19 +94,26 @@ def diagnose_files(
     unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
     result["reasons"] += reasons
-    result["logs"] = described(logs)
-    result["validation_logs"] = described(scored)
-    result["findings"] = findings([*logs, *scored])
-    given = {"declare": declare, "robot": robot.name, **vars(options)}
-    result["provenance"] = provenance([*paths, *further], given)
+    _tell_source(result, logs, scored, [*paths, *further], declare, options)
     write_report(diagnosis, left, result, unseen, out, progress)
     journal.close()
     return result
 
 
-def findings(logs: list[Log]) -> list[dict]:
-    """What was found wrong with the logs themselves."""
-    return [{"log": Path(log.source).name, "what": note} for log in logs for note in log.notes]
+def _tell_source(
+    result: dict,
+    logs: list[Log],
+    scored: list[Log],
+    files: list[Path],
+    declare: str,
+    options: Options,
+) -> None:
+    """Add to a result what it was made from: logs, what is wrong with them, digests and options."""
+    result["logs"] = described(logs)
+    result["validation_logs"] = described(scored)
+    result["findings"] = findings([*logs, *scored])
+    given = {"declare": declare, "robot": result["robot"], **vars(options)}
+    result["provenance"] = provenance(files, given)
 
 
 def conclude(

@@ -10,7 +10,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.report.result import place, to_result
-from jaxswarm.diagnose.run import findings, write_report
+from jaxswarm.diagnose.run import write_report
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -23,6 +23,7 @@ from jaxswarm.identify.report.summary import term_parameters, with_intervals
 from jaxswarm.identify.run import (
     Options,
     described,
+    findings,
     read_motions,
     refuse_missing_channels,
     refuse_resting_joints,
@@ -71,7 +72,7 @@ def compare_files(
     progress("reading logs")
     further = list(validation or ())
     gains = np.asarray(model.robot.drive_gain)
-    read, prepared = read_motions([*paths, *further], robot, model.filtering, gains)
+    read, prepared = read_motions([*paths, *further], robot, model.filtering, gains, options.accept)
     refuse_missing_channels(model.terms, read)
     refuse_resting_joints(read[: len(paths)], robot)
     motions = [part for parts in prepared[: len(paths)] for part in parts]

@@ -29,6 +29,7 @@ class Options:
     physical: bool = False
     prior: str | None = None
     prior_weight: float = PULL
+    accept: tuple[str, ...] = ()
 
 
 ESTIMATORS: dict[str, Callable[[Estimate], tuple[Estimate, dict]]] = {

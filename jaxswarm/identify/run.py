@@ -1,6 +1,7 @@
 """The command ``identify``, from files to files."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,21 +11,24 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.swarm_fit import swarm_fit
 from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.report import pictures_of, report_of
 from jaxswarm.logs import Log, read_log, summarize
-from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.motion import Filtering, Motion
-from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
 
 def read_motions(
-    paths: list[Path], robot: Robot, filtering: Filtering, drive_gain=None
+    paths: list[Path],
+    robot: Robot,
+    filtering: Filtering,
+    drive_gain=None,
+    accept: Sequence[str] = (),
 ) -> tuple[list[Log], list[list[Motion]]]:
     """Read logs and prepare their stretches between gaps; the first log's frequencies hold for all.
 
@@ -33,6 +37,7 @@ def read_motions(
         robot: The robot.
         filtering: Frequencies; those that are None come from the first log.
         drive_gain: Torque per current, shape (n,); None: the robot's own.
+        accept: Checks whose findings are told only.
 
     Returns:
         The logs with notes, and the motions of each.
@@ -42,12 +47,16 @@ def read_motions(
     logs, motions = [], []
     for path in paths:
         log = read_log(path, robot.joints, gains)
-        refuse_dead_torque(log)
-        log, parts = prepare_segments(log, filtering)
+        log, parts = checked(log, robot, filtering, accept)
         filtering = parts[0].filtering
         logs.append(log)
         motions.append(parts)
     return logs, motions
+
+
+def findings(logs: list[Log]) -> list[dict]:
+    """What was found wrong with the logs themselves."""
+    return [{"log": Path(log.source).name, "what": note} for log in logs for note in log.notes]
 
 
 def described(logs: list[Log]) -> list[dict]:
@@ -148,7 +157,7 @@ def identify_files(
     progress("reading logs")
     further = [] if validation is None else [validation]
     filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
-    logs, motions = read_motions([*paths, *further], robot, filtering)
+    logs, motions = read_motions([*paths, *further], robot, filtering, accept=options.accept)
     unseen = motions.pop() if further else None
     validated = logs[len(paths) :]
     logs = logs[: len(paths)]
@@ -176,6 +185,7 @@ def identify_files(
     report = report_of(found, logs, unseen, validation, search)
     report |= {"estimator": told, "physical_consistency": consistency}
     report["validation_logs"] = described(validated)
+    report["findings"] = findings([*logs, *validated])
     shown = max(unseen or found.motions, key=lambda motion: len(motion.t))
     progress("writing")
     outputs.write_results(

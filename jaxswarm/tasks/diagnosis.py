@@ -1,6 +1,6 @@
 """Find what a declared model lacks, or what changed since a model, from logs in memory."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
@@ -14,9 +14,10 @@ from jaxswarm.diagnose.selection.changes import compare as changes_since
 from jaxswarm.diagnose.selection.stepwise import diagnose as search
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.summary import units
-from jaxswarm.identify.run import refuse_undeclarable
+from jaxswarm.identify.run import findings, refuse_undeclarable
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
@@ -36,6 +37,7 @@ def diagnose(
     seed: int = 0,
     motion_cutoff: float | None = None,
     torque_cutoff: float | None = None,
+    accept: Sequence[str] = (),
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fitted:
     """Find the effect a declared model lacks, add it, and show the error before and after.
@@ -50,6 +52,7 @@ def diagnose(
         seed: Seed of the searches.
         motion_cutoff: Low-pass of the positions [Hz]; None: found from the data; with ``declare`` only.
         torque_cutoff: Low-pass shared by torque and model [Hz], likewise.
+        accept: Findings about the logs in spite of which they are fitted, by name.
         progress: Called with one line per stage.
 
     Returns:
@@ -62,34 +65,41 @@ def diagnose(
     if model is not None:
         if declare is not None or rules is not None or motion_cutoff or torque_cutoff:
             raise InputError("model excludes declare, rules and cutoffs: the model holds them")
-        return _against(logs, as_model(model), validation, seed, progress)
+        return _against(logs, as_model(model), validation, seed, progress, accept)
     terms = parse_terms(declare or "none", robot.joints)
     refuse_undeclarable(terms)
-    _, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms)
+    filtering = Filtering(motion_cutoff, torque_cutoff)
+    read, motions = prepared(logs, robot, filtering, terms, accept)
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
     short = too_short(motions, columns)
-    if short:
+    lost = [] if "no_relation" in accept else without_relation(robot, motions)
+    if short or lost:
         declared = [place(t, robot.joints) for t in terms]
-        result = undecidable(robot, declared, units(robot), [*short, *reasons])
+        result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
+        result["findings"] = findings(read)
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress)
     unseen = []
     if validation is not None:
-        _, unseen = prepared(validation, robot, found.final.model.filtering, terms)
+        _, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
     result, left = conclude(found, unseen, seed, progress)
     result["reasons"] = reasons
+    result["findings"] = findings(read)
     shown = unseen[0] if unseen else found.final.motions[0]
     return _result(result, with_smooth_terms(found.final, left), shown)
 
 
-def _against(logs: Logs, model: Model, validation, seed: int, progress) -> Fitted:
-    _, motions = prepared(logs, model.robot, model.filtering, model.terms)
+def _against(
+    logs: Logs, model: Model, validation, seed: int, progress, accept: Sequence[str]
+) -> Fitted:
+    read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
     unseen = []
     if validation is not None:
-        _, unseen = prepared(validation, model.robot, model.filtering, model.terms)
+        _, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
     found = changes_since(model, motions, seed=seed, progress=progress)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
+    result["findings"] = findings(read)
     shown = unseen[0] if unseen else motions[0]
     return _result(result, with_smooth_terms(diagnosis.final, left), shown)
 

@@ -1,6 +1,6 @@
 """Identify a declared model from logs in memory."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,19 +11,19 @@ from jaxswarm import outputs, plots
 from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
+    findings,
     refuse_missing_channels,
     refuse_resting_joints,
     refuse_undeclarable,
 )
 from jaxswarm.logs import Log
-from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.motion import Filtering, Motion
-from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
@@ -61,7 +61,11 @@ class Fitted(Result):
 
 
 def prepared(
-    logs: Logs, robot: Robot, filtering: Filtering, terms: tuple[Term, ...]
+    logs: Logs,
+    robot: Robot,
+    filtering: Filtering,
+    terms: tuple[Term, ...],
+    accept: Sequence[str] = (),
 ) -> tuple[list[Log], list[Motion]]:
     """Logs, and their stretches between gaps; the frequencies of the first one hold for all."""
     read = as_logs(logs, robot)
@@ -70,8 +74,7 @@ def prepared(
     refuse_missing_channels(terms, read)
     noted, motions = [], []
     for log in read:
-        refuse_dead_torque(log)
-        log, parts = prepare_segments(log, filtering)
+        log, parts = checked(log, robot, filtering, accept)
         filtering = parts[0].filtering
         noted.append(log)
         motions += parts
@@ -87,6 +90,7 @@ def identify(
     validation: Logs | None = None,
     motion_cutoff: float | None = None,
     torque_cutoff: float | None = None,
+    accept: Sequence[str] = (),
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fitted:
     """Identify the rigid body and declared effects by weighted least squares.
@@ -98,6 +102,7 @@ def identify(
         validation: Another log, to score on.
         motion_cutoff: Low-pass of the positions [Hz]; None: found from the data.
         torque_cutoff: Low-pass shared by torque and model [Hz]; None: found from the data.
+        accept: Findings about the logs in spite of which they are fitted, by name.
         progress: Called with one line per stage.
 
     Returns:
@@ -109,15 +114,16 @@ def identify(
     robot = as_robot(robot)
     terms = parse_terms(effects, robot.joints)
     refuse_undeclarable(terms)
-    read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms)
+    read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms, accept)
     refuse_resting_joints(read, robot)
     unseen, scored = None, []
     if validation is not None:
-        scored, unseen = prepared(validation, robot, motions[0].filtering, terms)
+        scored, unseen = prepared(validation, robot, motions[0].filtering, terms, accept)
     progress("fitting")
     found = estimate(robot, terms, motions)
     progress("scoring")
     report = report_of(found, read, unseen, scored[0].source if scored else None, None)
+    report["findings"] = findings([*read, *scored])
     return _result(report, found, max(unseen or motions, key=lambda part: len(part.t)))
 
 

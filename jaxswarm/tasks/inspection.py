@@ -1,7 +1,7 @@
 """What a log holds, before anything is fitted."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 
 from jaxswarm import plots
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.check_log import CHECKS, checked
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.coverage import coverage, period_of
 from jaxswarm.logs.joints import joints_in
 from jaxswarm.logs.motion import Filtering
-from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.identifiable import identifiable
@@ -75,11 +75,13 @@ def inspect(
     content = {"logs": [_describe(log) for log in read]}
     if arm is not None:
         progress("looking at what could be identified")
-        content["robot"] = arm.name
-        filtering, motions = Filtering(), []
+        filtering, motions, noted = Filtering(), [], []
         for log in read:
-            motions += prepare_segments(log, filtering)[1]
+            after, parts = checked(log, arm, filtering, tuple(CHECKS), refuse_dead=False)
+            noted.append(replace(log, notes=after.notes))
+            motions += parts
             filtering = motions[0].filtering
+        content = {"logs": [_describe(log) for log in noted], "robot": arm.name}
         content["identifiable"] = identifiable(arm, motions)
     return _result(content, tuple(read))
 

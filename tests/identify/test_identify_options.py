@@ -98,7 +98,8 @@ def test_a_reversed_torque_is_no_body(tmp_path):
     table = np.loadtxt(log, delimiter=",", skiprows=1)
     table[:, 2] *= -1.0
     np.savetxt(log, table, delimiter=",", header="t,q_slide,tau_slide,q_ref_slide", comments="")
-    report = identify_files([log], "emps", FRICTION, tmp_path / "out")
+    accepted = Options(accept=("torque_sign",))
+    report = identify_files([log], "emps", FRICTION, tmp_path / "out", options=accepted)
     (link,) = report["physical_consistency"]["links"]
     assert not link["possible"] and "m1" in link["reasons"][0]
     assert any("no rigid body has" in line for line in consistency_lines(report))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jaxswarm import inspect, log_from_arrays
+from jaxswarm import Log, inspect, log_from_arrays
 from jaxswarm.errors import InputError
 from jaxswarm.identify.physical.physical_model import random_columns
 from jaxswarm.robot import load_robot
@@ -109,3 +109,18 @@ def test_pictures_and_random_columns():
     found = inspect(periodic(400))
     assert set(found.plots()) == {"signals.png", "coverage.png"}
     assert np.linalg.matrix_rank(random_columns(load_robot("rx60")).reshape(-1, 30)) == 15
+
+
+def test_a_reversed_torque_is_told_before_anything_is_fitted():
+    robot = load_robot("emps")
+    t = np.arange(2000) * 0.01
+    q = 0.3 * np.sin(2 * t) + 0.1 * np.sin(5.1 * t)
+    dq, ddq = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
+    tau = 90.0 * ddq + 200.0 * dq + 20.0 * np.tanh(dq / 0.003)
+    tau += np.random.default_rng(0).normal(size=len(t))
+    right, wrong = (
+        inspect(Log("made", robot.joints, t, q[:, None], tau=sign * tau[:, None]), robot)
+        for sign in (1.0, -1.0)
+    )
+    assert not any("torque_sign" in text for text in right["logs"][0]["findings"])
+    assert any(text.startswith("torque_sign: ") for text in wrong["logs"][0]["findings"])

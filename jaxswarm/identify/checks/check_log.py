@@ -1,0 +1,84 @@
+"""From a log as read to the motions that may be fitted: what cannot be right is mended, told or refused."""
+
+from collections.abc import Sequence
+
+from jaxswarm.errors import InputError, nearest
+from jaxswarm.identify.checks.channels import enough, unrelated, wrong_channels, wrong_unit
+from jaxswarm.identify.checks.rough import Rough, samples_of
+from jaxswarm.logs import frozen, lost, spikes
+from jaxswarm.logs.consistency import refuse_dead_torque
+from jaxswarm.logs.finding import Finding, judged
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.robot.model import Robot
+
+CHECKS = {
+    "spikes": "single samples far off their neighbors",
+    "stuck": "a position that stands in the midst of a motion",
+    "lost_samples": "samples missing while time goes on evenly",
+    "saturation": "torques at the limit of their channel",
+    "torque_sign": "friction that drives, torques of the wrong sign",
+    "position_sign": "positions of the wrong sign",
+    "swapped_channels": "columns of joints exchanged",
+    "encoder_scale": "positions in degrees",
+    "torque_unit": "torques out of reach of any arm of that geometry",
+    "no_relation": "torque that has nothing to do with the motion",
+}
+
+
+def checked(
+    log: Log,
+    robot: Robot,
+    filtering: Filtering,
+    accept: Sequence[str] = (),
+    *,
+    refuse_dead: bool = True,
+) -> tuple[Log, list[Motion]]:
+    """Mend and check a log, and prepare its stretches between gaps.
+
+    Args:
+        log: As read.
+        robot: Kinematics.
+        filtering: Frequencies; those that are None come from this log.
+        accept: Names of :data:`CHECKS` whose findings are told only.
+        refuse_dead: Whether a torque of one value is refused.
+
+    Returns:
+        The log with what was found as notes, and its motions.
+
+    Raises:
+        InputError: On a finding that is not accepted, or a log that cannot be filtered.
+    """
+    for name in accept:
+        if name not in CHECKS:
+            raise InputError(f"unknown check {name!r} to accept. {nearest(name, CHECKS)}")
+    if refuse_dead:
+        refuse_dead_torque(log)
+    log, found = spikes.bridged(log)
+    found += lost.lost_samples(log) + frozen.saturation(log)
+    log, stuck = frozen.without_stuck(log)
+    log = judged(log, [*found, *stuck], accept)
+    log, motions = prepare_segments(log, filtering)
+    return judged(log, against_robot(robot, motions), accept), motions
+
+
+def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
+    """What is wrong with the motions and torques of a log of this robot."""
+    if motions[0].tau is None:
+        return []
+    samples = samples_of(motions)
+    if not enough(robot, samples):
+        return []
+    rough = Rough(robot, samples)
+    found = wrong_channels(robot, rough), wrong_unit(robot, samples), unrelated(rough)
+    return [one for one in found if one is not None]
+
+
+def without_relation(robot: Robot, motions: Sequence[Motion]) -> list[str]:
+    """A sentence if torques and motions of all logs have nothing to do with each other."""
+    samples = samples_of(motions)
+    if not enough(robot, samples):
+        return []
+    found = unrelated(Rough(robot, samples))
+    return [] if found is None else [f"{found.what}; {found.remedy[0].lower()}{found.remedy[1:]}"]

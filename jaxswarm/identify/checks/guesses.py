@@ -1,0 +1,106 @@
+"""What a log might be instead: other signs, an exchange of channels, another unit; each as a changed log."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations, permutations, product
+
+import numpy as np
+
+from jaxswarm.identify.checks.rough import Samples
+from jaxswarm.robot.model import Robot
+
+# Joints up to which every order of the torques and every pattern of signs is tried.
+_ALL_ORDERS, _ALL_SIGNS = 4, 8
+_DEGREE = np.pi / 180.0
+
+
+@dataclass(frozen=True)
+class Guess:
+    """One way in which a log may be wrong.
+
+    Attributes:
+        check: Name of the check it belongs to.
+        what: The guess in words.
+        mixture: Row j says which logged torques are joint j's, (n, n); None: as logged.
+        motion: The motion it would be; None: as logged.
+        joints: Joints it changes.
+    """
+
+    check: str
+    what: str
+    joints: tuple[int, ...]
+    mixture: np.ndarray | None = None
+    motion: Callable[[Samples], Samples] | None = None
+
+
+def torque_guesses(robot: Robot, likely: tuple[int, ...]) -> Iterator[Guess]:
+    """Torques of the wrong sign, or in another order than the joints, the ``likely`` one among them."""
+    n = robot.num_joints
+    if n <= _ALL_SIGNS:
+        patterns = [p for p in product((1.0, -1.0), repeat=n) if min(p) < 0]
+    else:
+        patterns = [*np.where(np.eye(n) > 0, -1.0, 1.0), -np.ones(n)]
+    for pattern in patterns:
+        wrong = tuple(int(j) for j in np.flatnonzero(np.asarray(pattern) < 0))
+        text = f"the torque of {_named(robot, wrong)} has the wrong sign"
+        yield Guess("torque_sign", text, wrong, np.diag(pattern))
+    for order in dict.fromkeys([*_orders(n), *([likely] if likely != tuple(range(n)) else [])]):
+        moved = tuple(j for j in range(n) if order[j] != j)
+        text = f"the torques of {_named(robot, moved)} are exchanged"
+        yield Guess("swapped_channels", text, moved, np.eye(n)[list(order)])
+
+
+def motion_guesses(robot: Robot) -> Iterator[Guess]:
+    """Positions of the wrong sign, exchanged, or in degrees."""
+    n = robot.num_joints
+    for j in range(n):
+        factor = np.where(np.arange(n) == j, -1.0, 1.0)
+        text = f"the position of {robot.joints[j]} has the wrong sign"
+        yield Guess("position_sign", text, (j,), motion=_scaled(factor))
+    for j, k in combinations(range(n), 2):
+        order = list(range(n))
+        order[j], order[k] = k, j
+        text = f"the positions of {_named(robot, (j, k))} are exchanged"
+        yield Guess("swapped_channels", text, (j, k), motion=_ordered(order))
+
+
+def degree_guesses(robot: Robot, far: np.ndarray) -> Iterator[Guess]:
+    """Positions in degrees, of all turning joints or of those that turn too ``far``, (n,) of bool."""
+    turning = np.array([kind == "revolute" for kind in robot.kinds])
+    for chosen in {tuple(turning), tuple(turning & far)}:
+        joints = tuple(int(j) for j in np.flatnonzero(chosen))
+        if joints:
+            text = f"the positions of {_named(robot, joints)} are in degrees"
+            factor = np.where(np.array(chosen), _DEGREE, 1.0)
+            yield Guess("encoder_scale", text, joints, motion=_scaled(factor))
+
+
+def _orders(n: int) -> Iterator[tuple[int, ...]]:
+    """Orders of n channels other than their own: all of a few, exchanges of two of many."""
+    same = tuple(range(n))
+    if n <= _ALL_ORDERS:
+        yield from (order for order in permutations(same) if order != same)
+        return
+    for j, k in combinations(same, 2):
+        order = list(same)
+        order[j], order[k] = k, j
+        yield tuple(order)
+
+
+def _scaled(factor: np.ndarray) -> Callable[[Samples], Samples]:
+    def changed(s: Samples) -> Samples:
+        return replace(s, q=factor * s.q, dq=factor * s.dq, ddq=factor * s.ddq)
+
+    return changed
+
+
+def _ordered(order: list[int]) -> Callable[[Samples], Samples]:
+    def changed(s: Samples) -> Samples:
+        return replace(s, q=s.q[:, order], dq=s.dq[:, order], ddq=s.ddq[:, order])
+
+    return changed
+
+
+def _named(robot: Robot, joints: tuple[int, ...]) -> str:
+    names = [robot.joints[j] for j in joints]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

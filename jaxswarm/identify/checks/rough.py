@@ -1,0 +1,156 @@
+"""A rough model of a log: rigid body, and friction and spring of every joint, to try signs and channels on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import optimize
+
+from jaxswarm.identify.estimation.least_squares import triangular_factor
+from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+# Rows that a sign or a swapped channel needs by far; more only cost time.
+_MOST_ROWS = 1000
+# Width of the smooth sign as a part of the RMS speed: between the sharpest and the widest of real joints.
+_WIDTH = 0.03
+# Columns that depend on others to this part of their length are not told apart.
+_DEPENDENT = 1e-7
+# Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared.
+_VISCOUS, _DRY, _OWN = 0, 1, 4
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Motion [rad, m, s] and torque [N m or N] of a log on the compared clock, each (T, n)."""
+
+    q: np.ndarray
+    dq: np.ndarray
+    ddq: np.ndarray
+    tau: np.ndarray
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What a fit with other signs or channels leaves.
+
+    Attributes:
+        left: RMS of the residual, freed of what chance fits, over the torque's standard deviation, (n,).
+        braking: Friction at the usual speed over the torque's standard deviation, (n,); a joint below zero
+            would be driven by its friction.
+    """
+
+    left: np.ndarray
+    braking: np.ndarray
+
+    @property
+    def size(self) -> float:
+        """Geometric mean over the joints of what is left: no joint of large torque hides the others."""
+        return float(np.exp(np.mean(np.log(np.maximum(self.left, 1e-9)))))
+
+    @property
+    def power(self) -> float:
+        """Sum of the logarithms of what is left."""
+        return float(np.sum(np.log(np.maximum(self.left, 1e-9))))
+
+
+def samples_of(motions: Sequence[Motion]) -> Samples:
+    """The stretches of a log, thinned to the rows that a rough fit needs."""
+    kept = [m.decimator.kept(len(m.t)) for m in motions]
+    stride = max(1, sum(map(len, kept)) // _MOST_ROWS)
+
+    def joined(parts) -> np.ndarray:
+        return np.concatenate([part[::stride] for part in parts])
+
+    return Samples(
+        joined([m.q[k] for m, k in zip(motions, kept, strict=True)]),
+        joined([m.dq[k] for m, k in zip(motions, kept, strict=True)]),
+        joined([m.ddq[k] for m, k in zip(motions, kept, strict=True)]),
+        joined([m.decimator.apply(m.tau) for m in motions]),
+    )
+
+
+class Rough:
+    """Rigid body, friction and springs on one motion, ready to be fitted to any mixture of the torques.
+
+    Attributes:
+        samples: The motion, and the torques as logged.
+        speed: RMS speed of the joints [rad/s or m/s], (n,).
+        spread: Standard deviation of the logged torques [N m or N], (n,).
+    """
+
+    def __init__(self, robot: Robot, samples: Samples):
+        self.samples = samples
+        self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
+        self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
+        rigid = rigid_columns(robot, samples.q, samples.dq, samples.ddq)
+        joints = samples.q.shape[1]
+        width = np.maximum(_WIDTH * self.speed, 1e-9)
+        laws = np.stack(
+            [samples.dq, np.tanh(samples.dq / width), np.ones_like(samples.dq), samples.q], axis=2
+        )
+        self._size = rigid.shape[2]
+        self._factors = []
+        for j in range(joints):
+            own = np.zeros((len(laws), _OWN * joints))
+            own[:, _OWN * j : _OWN * (j + 1)] = laws[:, j]
+            block = np.concatenate([rigid[:, j], own, samples.tau], axis=1)
+            factor = triangular_factor(block)
+            missing = block.shape[1] - len(factor)
+            self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
+        self._rows = len(laws)
+
+    def fit(self, mixtures: Sequence[np.ndarray], sigma: np.ndarray) -> list[Tried]:
+        """Fit several mixtures of the torques at once, with the same weights.
+
+        Args:
+            mixtures: Each (n, n): row j says which of the logged torques is taken for joint j.
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+        """
+        joints = len(self._factors)
+        parameters = self._size + _OWN * joints
+        matrix = np.concatenate(
+            [f[:, :parameters] / s for f, s in zip(self._factors, sigma, strict=True)]
+        )
+        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        taken = np.stack(mixtures, axis=2)
+        right = np.concatenate(
+            [
+                f[:, parameters:] @ taken[j] / s
+                for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True))
+            ]
+        )
+        u, values, v = np.linalg.svd(matrix / scale, full_matrices=False)
+        seen = values > _DEPENDENT * values[0]
+        projected = u[:, seen].T @ right
+        theta = (v[seen].T @ (projected / values[seen, None])) / scale[:, None]
+        residual = (right - u[:, seen] @ projected).reshape(joints, -1, len(mixtures))
+        spread = np.stack([np.abs(m) @ self.spread for m in mixtures], axis=1)
+        freedom = max(self._rows - seen.sum() / joints, 1.0)
+        left = np.linalg.norm(residual, axis=1) * sigma[:, None] / np.sqrt(freedom) / spread
+        friction = theta[self._size :].reshape(joints, _OWN, -1)
+        brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, _DRY]
+        return [Tried(left[:, k], brake[:, k] / spread[:, k]) for k in range(len(mixtures))]
+
+    def likely_order(self) -> tuple[int, ...]:
+        """For each joint the torque that its own columns explain best, every torque once."""
+        parameters = self._factors[0].shape[1] - len(self._factors)
+        left = []
+        for factor in self._factors:
+            matrix, torques = factor[:, :parameters], factor[:, parameters:]
+            scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+            u, values, _ = np.linalg.svd(matrix / scale, full_matrices=False)
+            u = u[:, values > _DEPENDENT * values[0]]
+            rest = np.linalg.norm(torques - u @ (u.T @ torques), axis=0)
+            left.append(np.log(np.maximum(rest / self.spread, 1e-12)))
+        return tuple(map(int, optimize.linear_sum_assignment(np.array(left))[1]))
+
+    def as_logged(self, rounds: int = 3) -> tuple[Tried, np.ndarray]:
+        """The fit to the torques as logged, and the weights it settled on."""
+        same = np.eye(len(self._factors))
+        sigma = self.spread
+        for _ in range(rounds):
+            (found,) = self.fit([same], sigma)
+            sigma = np.maximum(found.left, 1e-6) * self.spread
+        return found, sigma

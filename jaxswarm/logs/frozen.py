@@ -1,0 +1,85 @@
+"""Channels that stop telling what they measure: a position that stands in a motion, a torque at its top."""
+
+import numpy as np
+
+from jaxswarm.logs.finding import Finding
+from jaxswarm.logs.log import Log, take
+from jaxswarm.logs.quality import longest_run, quantum, saturated
+from jaxswarm.logs.sampling import usual_period
+
+STUCK, SATURATION = "stuck", "saturation"
+# A position that is the same for so long [s], from a speed of this part of the joint's own top speed, or with
+# such a jump at its end in usual steps: no joint stops or starts within one sample.
+_LONG, _FAST, _JUMP = 0.15, 0.1, 3.0
+# Samples before the stop that are all so fast, steps of the encoder that they have to be, and the quantile of
+# all speeds that is the top.
+_BEFORE, _QUANTA, _TOP = 3, 4.0, 0.95
+# Beyond this share of a log there is too little left between the stretches.
+_MOST_STUCK = 0.4
+# Samples of one joint's torque at its extreme value, as a share of all: fewer change no parameter visibly.
+_MOST_SATURATED = 0.01
+
+
+def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
+    """Joint, first and past-the-last sample of every stretch with a position that cannot be."""
+    found = []
+    least = max(int(round(_LONG / usual_period(log.t))), 3)
+    for j in range(len(log.joints)):
+        steps = np.diff(log.q[:, j])
+        top = float(np.quantile(np.abs(steps), _TOP))
+        if top == 0.0:
+            continue
+        coarse = _QUANTA * quantum(log.q[:, j])
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], (steps == 0).astype(int), [0]])))
+        for start, end in zip(edges[::2], edges[1::2], strict=True):
+            if end - start < least:
+                continue
+            before = np.abs(steps[max(start - _BEFORE, 0) : start])
+            entry = before.min() if len(before) == _BEFORE else 0.0
+            jump = abs(steps[end]) if end < len(steps) else 0.0
+            if entry > max(_FAST * top, coarse) or jump > max(_JUMP * top, coarse):
+                found.append((j, int(start), int(end) + 1))
+    return found
+
+
+def without_stuck(log: Log) -> tuple[Log, list[Finding]]:
+    """The log without the stretches in which an encoder stuck, and what was found."""
+    stretches = stuck_stretches(log)
+    if not stretches:
+        return log, []
+    bad = np.zeros(len(log.t), dtype=bool)
+    findings = []
+    for _, start, end in stretches:
+        bad[start:end] = True
+    few = bad.mean() <= _MOST_STUCK
+    remedy = (
+        "That time is left out" if few else "Check the encoder and its wiring, and log it again"
+    )
+    for j, start, end in stretches:
+        what = (
+            f"the position of {log.joints[j]} stands from t = {log.t[start]:.6g} to "
+            f"{log.t[end - 1]:.6g} s, in the midst of a motion"
+        )
+        findings.append(Finding(STUCK, what, remedy, refused=not few))
+    return (take(log, ~bad) if few else log), findings
+
+
+def saturation(log: Log) -> list[Finding]:
+    """Torques that sit at their extreme value: what the motor gave beyond it is not in the log."""
+    findings = []
+    if log.tau is None:
+        return findings
+    moving = (np.abs(np.gradient(log.q, axis=0)) > 0).any(axis=1)
+    for j, joint in enumerate(log.joints):
+        torque = log.tau[:, j]
+        if longest_run(torque == torque.max()) < 2 and longest_run(torque == torque.min()) < 2:
+            continue
+        count = saturated(torque, moving, 0.0)
+        if count > _MOST_SATURATED * len(torque):
+            what = (
+                f"the torque of {joint} sits at its limit ({torque.min():.4g} or {torque.max():.4g}) "
+                f"in {100 * count / len(torque):.0f} % of the samples"
+            )
+            remedy = "Log it with a larger range, or move more gently"
+            findings.append(Finding(SATURATION, what, remedy))
+    return findings
