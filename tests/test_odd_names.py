@@ -12,7 +12,7 @@ from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.write import write_log
 from jaxswarm.plots import panels, png_bytes, torque_overlay
 
-NAMES = ["a/b", "$x_{$", "[/b]", "c,d", "=1+1", "<script>", 'say "hi"', "φ"]
+NAMES = ["a/b", "$x_{$", "[/b]", "=1+1", "<script>", 'say "hi"', "φ"]
 
 
 def arm(path, name):

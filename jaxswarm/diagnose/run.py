@@ -26,6 +26,7 @@ from jaxswarm.identify.run import (
     refuse_missing_channels,
     refuse_undeclarable,
 )
+from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.provenance import provenance
@@ -80,9 +81,9 @@ def diagnose_files(
     if short or rests:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*rests, *short, *reasons])
-        result["logs"] = described(logs)
-        result["findings"] = findings(read)
-        outputs.write_results(out, {"diagnosis.json": outputs.to_json(result)})
+        _tell_source(result, logs, scored, [*paths, *further], declare, options)
+        page = {"diagnosis.json": outputs.to_json(result), "report.html": render(result, {})}
+        outputs.write_results(out, page)
         return result
     other = [part for parts in prepared[len(paths) :] for part in parts]
     journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
@@ -93,14 +94,26 @@ def diagnose_files(
     unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
     result["reasons"] += reasons
-    result["logs"] = described(logs)
-    result["validation_logs"] = described(scored)
-    result["findings"] = findings([*logs, *scored])
-    given = {"declare": declare, "robot": robot.name, **vars(options)}
-    result["provenance"] = provenance([*paths, *further], given)
+    _tell_source(result, logs, scored, [*paths, *further], declare, options)
     write_report(diagnosis, left, result, unseen, out, progress)
     journal.close()
     return result
+
+
+def _tell_source(
+    result: dict,
+    logs: list[Log],
+    scored: list[Log],
+    files: list[Path],
+    declare: str,
+    options: Options,
+) -> None:
+    """Add to a result what it was made from: logs, what is wrong with them, digests and options."""
+    result["logs"] = described(logs)
+    result["validation_logs"] = described(scored)
+    result["findings"] = findings([*logs, *scored])
+    given = {"declare": declare, "robot": result["robot"], **vars(options)}
+    result["provenance"] = provenance(files, given)
 
 
 def conclude(

@@ -2,9 +2,14 @@
 
 from jaxswarm.effects import bodies as bodies
 from jaxswarm.effects import contact as contact
+from jaxswarm.effects import cubic_spring as cubic_spring
+from jaxswarm.effects import encoder_offset as encoder_offset
 from jaxswarm.effects import friction as friction
+from jaxswarm.effects import friction_change as friction_change
+from jaxswarm.effects import gravity_compensator as gravity_compensator
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
+from jaxswarm.effects import position_friction as position_friction
 from jaxswarm.effects import transmission as transmission
 from jaxswarm.effects.base import REGISTRY as REGISTRY
 from jaxswarm.effects.base import Effect as Effect

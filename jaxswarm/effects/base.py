@@ -47,6 +47,7 @@ class Effect:
         parameters: The table; linear ones first.
         summary: The effect in one line, with its formula.
         reference: Where it comes from.
+        meaning: What it means on a real arm and what to do about it, in one sentence or two.
         contains: Names of effects of the same joint that it makes redundant.
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
@@ -71,6 +72,7 @@ class Effect:
     parameters: tuple[Parameter, ...]
     summary: str
     reference: str
+    meaning: str = ""
     contains: tuple[str, ...] = ()
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
@@ -111,6 +113,11 @@ class Effect:
     def changes_rigid_columns(self) -> bool:
         """Whether the rigid-body columns of a model differ with it."""
         return False
+
+    @property
+    def shows_on_own_joint(self) -> bool:
+        """Whether an effect of a joint is to be seen in the torque of that joint."""
+        return True
 
     def nominal(self) -> dict[str, float]:
         """Return the usual value of every parameter."""

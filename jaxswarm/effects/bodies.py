@@ -29,6 +29,10 @@ BASE_TILT = register(
         ),
         summary="gravity has components along base x and y, same magnitude",
         reference="Khalil, Dombre 2002, ch. 9",
+        meaning=(
+            "The base does not stand level, or the controller believes another mounting; measure "
+            "it with a level, or set the direction of gravity."
+        ),
         gravity=_tilted,
         shown_against="model torque",
     )
@@ -68,6 +72,10 @@ register(
         parameters=_PAYLOAD,
         summary="ten inertial parameters added to the last link, against an earlier model",
         reference="Khalil, Gautier, Lemoine 2007, ICRA",
+        meaning=(
+            "The last link carries another body than before: a tool, a work piece, or a wrong "
+            "payload setting of the controller; compare the mass with what is mounted."
+        ),
         body=lambda p: jnp.stack([jnp.asarray(p[one.name], float) for one in _PAYLOAD]),
         reference_only=True,
         derived=lambda p: (

@@ -17,6 +17,10 @@ register(
         ),
         summary="external torque in a time window, constant on each joint",
         reference="Haddadin, De Luca, Albu-Schaeffer 2017, IEEE T-RO 33(6)",
+        meaning=(
+            "Something pushed the arm for a while: a person, an obstacle or a process; leave that"
+            " stretch out, or record again without it."
+        ),
         shown_against="time",
     )
 )

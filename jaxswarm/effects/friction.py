@@ -33,6 +33,7 @@ register(
         parameters=(_coefficient("b", "N m s/rad", 1e4, 1.0, "viscous coefficient"),),
         summary="b dq",
         reference=_OLSSON,
+        meaning="Lubricant resists in proportion to speed; look at the lubricant if it grew.",
         torque=lambda p, s: p["b"] * s.dq,
         dissipative=True,
         export=(
@@ -50,6 +51,7 @@ register(
         parameters=(_coefficient("fc", "N m", 1e4, 1.0, "dry friction level"),),
         summary="fc sign(dq)",
         reference=_OLSSON,
+        meaning="Seals, bearings and gears rub at any speed; look at preload and seals if it grew.",
         torque=lambda p, s: p["fc"] * s.direction,
         uses_direction=True,
         dissipative=True,
@@ -80,6 +82,7 @@ register(
         ),
         summary="own fc sign(dq) + b dq for each direction",
         reference="Janot, Gautier, Brunot 2019 (EMPS)",
+        meaning="The joint runs harder one way, as worms and ball screws do; compensate each way by itself.",
         torque=_asymmetric,
         contains=("viscous_friction", "coulomb_friction"),
         uses_direction=True,
@@ -105,6 +108,10 @@ register(
         ),
         summary="df exp(-|dq/vs|^delta) sign(dq), on top of Coulomb",
         reference="Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7)",
+        meaning=(
+            "Friction is higher at creeping speed than when a film of lubricant carries: slow "
+            "motion sticks and slips; compensate it, or avoid speeds below vs."
+        ),
         torque=_stribeck,
         uses_direction=True,
         dissipative=True,
@@ -118,6 +125,7 @@ register(
         parameters=(_coefficient("c", "N m s^2/rad^2", 1e4, 0.5, "drag coefficient"),),
         summary="c dq |dq|",
         reference=_OLSSON,
+        meaning="Fluid or air is churned, by a fan or too much oil; it matters at full speed only.",
         torque=lambda p, s: p["c"] * s.dq * jnp.abs(s.dq),
         dissipative=True,
     )
@@ -133,6 +141,10 @@ register(
         ),
         summary="c |dq|^alpha sign(dq): power law of lubricated gears, cubic at alpha = 3",
         reference="Wahrburg et al. 2018, ICRA (power law); Khalil, Dombre 2002, ch. 9",
+        meaning=(
+            "The lubricant resists less than in proportion to speed, as cold or thick grease "
+            "does; compensate it by this law, and warm the joint up before precise work."
+        ),
         torque=lambda p, s: p["c"] * (jnp.abs(s.dq) + 1e-9) ** p["alpha"] * s.direction,
         uses_direction=True,
         dissipative=True,
@@ -157,6 +169,10 @@ register(
         ),
         summary="mu |tau_load| sign(dq), tau_load from the rigid-body model",
         reference="Hamon, Gautier, Garrec 2010, IROS",
+        meaning=(
+            "Teeth and bearings rub harder under load; friction compensation has to follow the "
+            "load, and a share above a few percent points at wear or too much preload."
+        ),
         torque=_load_dependent,
         shown_against="load",
         uses_load=True,
@@ -183,6 +199,10 @@ register(
         ),
         summary="Dahl bristle: dz/dt = sigma dq (1 - z sign(dq)/fc), tau = z",
         reference="Dahl 1968; Olsson et al. 1998, eq. 8",
+        meaning=(
+            "Before it slides the joint winds up like a spring on its bristles, so torque lags at"
+            " every reversal; it limits small motions, compensate it or avoid them."
+        ),
         torque=lambda p, s: p["fc"] * s.state,
         rate=_dahl_rate,
         shown_against="position",
@@ -200,6 +220,7 @@ register(
         ),
         summary="fc (exp(-t/tc) - 1) sign(dq): friction falls as the joint warms",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control (thermal friction)",
+        meaning="Friction falls while the joint warms up; warm it up before precise work.",
         torque=lambda p, s: p["fc"] * jnp.expm1(-s.t / p["tc"]) * s.direction,
         shown_against="time",
         uses_direction=True,
@@ -218,6 +239,7 @@ register(
         ),
         summary="(a sign(dq) + b dq) (T - 25 deg C), where the log has a temperature",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control",
+        meaning="Friction changes with temperature; let the compensation follow the sensor.",
         torque=lambda p, s: (p["a"] * s.direction + p["b"] * s.dq) * (s.temperature - 25.0),
         requires=("temperature",),
         uses_direction=True,

@@ -194,17 +194,30 @@ class ExternalTorque(Effect):
 
 @dataclass(frozen=True)
 class MeasurementLaw(Effect):
-    """How the drives and their clock write down a torque.
+    """How the drives and their clock write down a torque, or an encoder a position.
 
     Attributes:
         report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
             x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
             arm sees (T, n, ...), one of a joint that joint's (T, ...).
         clock: Whether its one parameter is the time [s] by which the torque's clock lags.
+        excess: ``excess(p)``: what the encoder of its joint says too much [rad or m], zero for neutral
+            parameters; None: encoders are true.
     """
 
-    report: Callable[[Mapping, jax.Array, float], jax.Array] | None = None
+    report: Callable[[Mapping, jax.Array, float], jax.Array] = lambda p, x, step: x
     clock: bool = False
+    excess: Callable[[Mapping], jax.Array] | None = None
+
+    @property
+    def changes_rigid_columns(self) -> bool:
+        """The links stand otherwise than their encoders say."""
+        return self.excess is not None
+
+    @property
+    def shows_on_own_joint(self) -> bool:
+        """The zero of a joint turns the weight of all links beyond; its own torque takes that up."""
+        return self.excess is None
 
     def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
         """All parameters."""
@@ -219,10 +232,12 @@ class MeasurementLaw(Effect):
     def check(self) -> None:
         """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
         super().check()
-        if self.report is None or self.scope == "pair" or self.linear:
+        if self.scope == "pair" or self.linear:
             raise ValueError(
-                f"effect {self.name!r} is a measurement: it needs a report, scope 'joint' or 'global', "
-                "and no linear parameter"
+                f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
+                "linear parameter"
             )
+        if self.excess is not None and self.scope != "joint":
+            raise ValueError(f"effect {self.name!r} is of an encoder: its scope is 'joint'")
         if self.clock and (self.scope != "global" or len(self.parameters) != 1):
             raise ValueError(f"effect {self.name!r} is a clock: one parameter, scope 'global'")

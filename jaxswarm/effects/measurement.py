@@ -41,6 +41,10 @@ register(
         parameters=(Parameter("gain", "1", 0.5, 2.0, False, 1.0, "measured over true torque"),),
         summary="measured torque = gain x torque",
         reference="Gautier, Briot 2014, J. Dyn. Sys. Meas. Control 136(5)",
+        meaning=(
+            "The torque is scaled: a wrong torque constant, gear ratio or unit of one drive; "
+            "check the setting of the drive before the model is trusted."
+        ),
         report=lambda p, x, step: p["gain"] * x,
         min_joints=2,
         shown_against="model torque",
@@ -56,6 +60,10 @@ register(
         ),
         summary="torque measured at t belongs to the motion at t - seconds",
         reference="Janot, Gautier, Brunot 2019 (EMPS, time skew)",
+        meaning=(
+            "Torque and positions are stamped by clocks that differ, or one is filtered more; "
+            "correct the stamps, or the filter of the drive."
+        ),
         report=lambda p, x, step: _shift(x, p["seconds"], step),
         clock=True,
         shown_against="model torque",

@@ -20,6 +20,10 @@ register(
         ),
         summary="ia ddq",
         reference="Khalil, Dombre 2002, eq. 9.11",
+        meaning=(
+            "The rotor turns faster than the link, and its inertia counts with the square of the "
+            "gear ratio; often it is a part of the link inertia that the log cannot part."
+        ),
         torque=lambda p, s: p["ia"] * s.ddq,
         motor_inertia="ia",
         shown_against="acceleration",
@@ -34,6 +38,10 @@ register(
         parameters=(Parameter("tau0", "N m", -1e4, 1e4, True, 0.5, "constant torque"),),
         summary="tau0",
         reference="Khalil, Dombre 2002, ch. 12",
+        meaning=(
+            "A constant torque: the zero of the sensor or the current has moved, or something "
+            "pulls steadily, such as a cable; zero the sensor at rest first."
+        ),
         torque=lambda p, s: p["tau0"] + 0.0 * s.q,
         shown_against="model torque",
     )
@@ -54,6 +62,10 @@ register(
         ),
         summary="k (q - q0): balancer, cable",
         reference="Khalil, Dombre 2002, ch. 9",
+        meaning=(
+            "Something pulls back to one position: a balancer, a hose or a cable bundle; look at "
+            "how cables are led if none is meant to be there."
+        ),
         torque=lambda p, s: p["k"] * s.q + p["tau0"],
         # Without stiffness there is no position of rest.
         derived=lambda p: {"q0": (-p["tau0"] / p["k"], "rad")} if p["k"] else {},
@@ -74,6 +86,10 @@ register(
         ),
         summary="a sin(n q + phase): cogging of the motor, teeth of the gear",
         reference="Holtz, Springob 1996, IEEE Trans. Ind. Electron. 43(2)",
+        meaning=(
+            "Torque repeats with the angle: cogging of the motor, teeth of a gear or an eccentric"
+            " one; n tells which, as so many periods a turn."
+        ),
         torque=lambda p, s: p["sine"] * jnp.sin(p["n"] * s.q) + p["cosine"] * jnp.cos(p["n"] * s.q),
         shown_against="position",
         # The order has a narrow valley: points lie 0.4 of an order apart.
@@ -100,6 +116,10 @@ register(
         ),
         summary="b dq_other + fc sign(dq + dq_other) + ia ddq_other",
         reference="Janot, Vandanjon, Gautier 2014, IEEE TCST 22(1) (wrist of the TX40)",
+        meaning=(
+            "The motion of another joint is felt in this one, as in wrists whose drives run "
+            "through each other; check the coupling ratio in the controller."
+        ),
         torque=lambda p, s: p["b"] * s.dq_other + p["fc"] * s.direction_sum + p["ia"] * s.ddq_other,
         uses_direction=True,
         shown_against="partner velocity",

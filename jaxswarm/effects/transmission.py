@@ -31,6 +31,10 @@ register(
         ),
         summary="encoder on the motor: the link lags by e with k e + d de/dt = torque of the link",
         reference="Spong 1987, J. Dyn. Sys. Meas. Control 109(4)",
+        meaning=(
+            "The link swings on the spring of its gear behind the motor, where the encoder is; a "
+            "stiffness below the data sheet means a loose belt or coupling or a worn gear."
+        ),
         spring=lambda p: (p["k"], p["d"]),
         lattice=_springs,
         shown_against="acceleration",
@@ -71,6 +75,10 @@ register(
         ),
         summary="encoder on the motor: dead zone in the transmission",
         reference="Nordin, Gutman 2002, Automatica 38(10)",
+        meaning=(
+            "The gear has play, so the link lags by the gap at every reversal; a gap above the "
+            "data sheet means wear, or preload to be set."
+        ),
         gap=lambda p: p["gap"],
         lattice=lambda inertia: [{"gap": g, "flank": _FLANK, "blur": _BLUR} for g in _GAPS],
         stepwise=True,

@@ -39,12 +39,14 @@ class Band:
         torque: Cutoff of the shared low-pass of torque and columns [Hz].
         ratio: Variance of the position's noise over that of the velocity's [s^2], (n,); None: no
             velocity is used.
+        noise: Standard deviation of the position's white noise [rad or m], (n,).
         notes: Sentences on what was left out.
     """
 
     motion: np.ndarray
     torque: float
     ratio: np.ndarray | None
+    noise: np.ndarray
     notes: tuple[str, ...]
 
 
@@ -79,7 +81,7 @@ def find_band(
     if torque is not None:
         # Above the band that holds the torque, errors of phase and structure are all there is.
         compared = min(compared, energy_band(torque, rate, _TORQUE_ENERGY))
-    return Band(motion, compared, ratio, notes)
+    return Band(motion, compared, ratio, found.noise, notes)
 
 
 def _velocity(

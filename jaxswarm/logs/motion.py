@@ -69,6 +69,9 @@ class Motion:
         motion_cutoff: The low-pass of every joint's motion [Hz], (n,).
         torque_cutoff: That of torque and columns [Hz].
         asked: What was asked for.
+        position_noise: Standard deviation of the white noise of every joint's position on the working
+            clock, before smoothing [rad or m], (n,); None: unknown.
+        velocity_ratio: Its variance over that of the logged velocity [s^2], (n,); None: none was used.
         interval: Median sampling interval of the log [s].
         skew: Time by which the motion was moved against the torque [s].
         torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
@@ -91,6 +94,8 @@ class Motion:
     notes: tuple[str, ...] = field(default=())
     skew: float = 0.0
     asked: Filtering = Filtering()
+    position_noise: np.ndarray | None = None
+    velocity_ratio: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:
@@ -194,6 +199,9 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         torque_noise=noise,
         notes=(*log.notes, *band.notes),
         asked=replace(filtering, skew=0.0),
+        # Thinning keeps the density of the noise, not its variance.
+        position_noise=band.noise / np.sqrt(stride),
+        velocity_ratio=band.ratio,
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
-from jaxswarm.diagnose.folds.partial_out import cross_fit, robust_weight
+from jaxswarm.diagnose.folds.partial_out import cross_fit, robust_weight, width_slopes
 from jaxswarm.effects.term import Term
 
 
@@ -15,7 +15,9 @@ def stage():
 
 
 def weighted(found, background):
-    columns = found.regression.columns[:, :, found.fit.base.kept]
+    """The model's columns and what its joints' own sign widths would do, and the torque, weighted."""
+    own = found.regression.columns[:, :, found.fit.base.kept]
+    columns = np.concatenate([own, width_slopes(found)], axis=2)
     weight = background.weight[:, :, None]
     return columns * weight, found.regression.torque * background.weight
 
@@ -43,7 +45,7 @@ def test_held_out_residual_equals_an_explicit_refit(stage):
 
 def test_what_the_model_can_do_is_absorbed_whole_and_given_back_as_parameters(stage):
     found, background = stage
-    columns, _ = weighted(found, background)
+    columns = weighted(found, background)[0][:, :, : found.fit.base.size]
     change = np.random.default_rng(1).normal(size=columns.shape[2])
     torque = columns @ change
     for fold in background.folds:

@@ -43,6 +43,19 @@ def test_files_and_exit_code(monkeypatch, log_file, tmp_path, capsys):
     assert [e["effect"] for e in written["effects"]] == [hidden.effect]
 
 
+def test_a_log_too_short_to_judge_has_a_page_too(monkeypatch, log_file, tmp_path, capsys):
+    short, out = tmp_path / "short.npz", tmp_path / "out"
+    with np.load(log_file[0]) as whole:
+        np.savez(short, **{k: whole[k] if k == "joints" else whole[k][:150] for k in whole.files})
+    assert command(monkeypatch, short, "--robot", "rx60", "--out", out) == 0
+    assert "cannot be judged" in capsys.readouterr().out
+    written = json.loads((out / "diagnosis.json").read_text())
+    assert written["verdict"] == "cannot be judged"
+    assert written["provenance"]["inputs"][0]["name"] == "short.npz"
+    page = (out / "report.html").read_text()
+    assert "Cannot be judged" in page and written["reasons"][0].split(";")[0] in page
+
+
 BAD = [
     (["--declare", "stribek_friction"], "stribeck_friction"),
     (["--declare", "coulomb_friction@joint9"], "joint9"),

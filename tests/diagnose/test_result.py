@@ -152,8 +152,9 @@ def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen
     write_report(found, [], result, unseen, tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert not re.search(r"(src|href)\s*=\s*\"(?!data:)", page)
-    assert "http" not in page and "url(" not in page and "@import" not in page
-    assert page.count('alt="effect_') == len(result["effects"]) == 1
+    bare = re.sub(r'="data:[^"]*"', "", page)
+    assert "http" not in bare and "url(" not in bare and "@import" not in bare
+    assert page.count('alt="joint_spring on joint1: ') == len(result["effects"]) == 1
     assert verdict_sentence(result).split(" (")[0] in page
     assert (tmp_path / "effect_1.png").read_bytes().startswith(b"\x89PNG")
     written = json.loads((tmp_path / "diagnosis.json").read_text())
@@ -162,6 +163,15 @@ def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen
     np.testing.assert_allclose(
         model_torque(model, unseen[0]), model_torque(found.final.model, unseen[0]), atol=1e-9
     )
+
+
+def test_the_picture_of_a_change_shows_the_change(found):
+    """Against an earlier model the effect is drawn against what that model already had of it."""
+    step, final = found.kept[0], found.final.model
+    whole = pictures.evidence(step, final, found.final.motions[0])
+    nothing = pictures.evidence(replace(step, rest=final), final, found.final.motions[0])
+    sizes = [np.abs(f.axes[0].get_lines()[1].get_ydata()).max() for f in (whole, nothing)]
+    assert sizes[0] > 1.0 and sizes[1] < 1e-12
 
 
 def test_report_escapes_what_it_is_told(result):

@@ -55,6 +55,17 @@ def value(name, parameters, **sample):
             {"dq": -0.5, "direction": -1.0},
             -4.0,
         ),
+        ("cubic_spring", {"k3": 2.0, "q0": 0.5}, {"q": -0.5}, -2.0),
+        (
+            "position_dependent_friction",
+            {"sine": 2.0, "cosine": 1.0, "n": 3.0},
+            {"q": np.pi / 6, "direction": -1.0},
+            -2.0,
+        ),
+        ("gravity_compensator", {"a": 3.0, "b": 0.5, "q0": 0.2}, {"q": 0.2 + np.pi / 4},
+         3.0 / np.sqrt(1.0 + 0.5 * np.sqrt(0.5))),
+        ("friction_change", {"fc": 2.0, "t0": 9.0}, {"t": 9.1, "direction": -1.0}, -2.0),
+        ("friction_change", {"fc": 2.0, "t0": 9.0}, {"t": 8.9, "direction": -1.0}, 0.0),
         (
             "transmission_coupling",
             {"b": 1.0, "fc": 2.0, "ia": 0.5},

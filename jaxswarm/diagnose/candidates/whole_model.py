@@ -16,6 +16,9 @@ from jaxswarm.identify.forward.columns import rigid_columns
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     """How the model's torque would change in what the drives write down, to first order."""
     law, neutral = term.law, term.law.neutral()
+    if law.excess is not None:
+        columns = stand.stack(lambda k: stand.reported(k, _turned(stand, term, k)))
+        return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
     def slopes(k):
         output, step = stand.outputs[k], 1.0 / stand.found.motions[k].rate
@@ -35,6 +38,14 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     else:
         columns = stand.on_joint(low, term.joint)
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+
+
+def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
+    """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
+    law = term.law
+    slopes = jax.jacfwd(law.excess)({n: jnp.asarray(x, float) for n, x in law.neutral().items()})
+    by_position = stand.sensed(term.joint)[k].at(stand.pi)[1]
+    return np.stack([-by_position * float(slopes[p.name]) for p in law.parameters], axis=2)
 
 
 def body_candidate(stand: Linearization, term: Term) -> Candidate:

@@ -127,7 +127,7 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)
     joint = candidate.term.joint
-    if joint is None:
+    if joint is None or not candidate.term.law.shows_on_own_joint:
         joint = int(np.argmax(per_joint / before))
     # A joint effect is a matter of its own joint; others may gain through shared parameters.
     share = float(per_joint[joint] / before[joint])

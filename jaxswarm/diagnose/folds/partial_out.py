@@ -21,7 +21,11 @@ from scipy import linalg
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
+from jaxswarm.identify.estimation.gauss_newton import Problem
+from jaxswarm.identify.estimation.sign_width import width_groups, width_range
 from jaxswarm.identify.estimation.validate import time_blocks
+from jaxswarm.identify.forward.model import linear_values
 
 # Blocks per log, and the least number of rows in one.
 _BLOCKS, _LEAST_ROWS = 20, 8
@@ -124,10 +128,13 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     weight = robust_weight(solution.residual)
     if regression.used is not None:
         weight = weight * regression.used[:, None]
-    columns = regression.columns[:, :, solution.base.kept] * weight[:, :, None]
+    columns = regression.columns[:, :, solution.base.kept]
     size = columns.shape[2]
     if frozen:
         columns = columns[:, :, :0]
+    else:
+        columns = np.concatenate([columns, width_slopes(found)], axis=2)
+    columns = columns * weight[:, :, None]
     error = solution.residual * weight
     torque = error if frozen else regression.target * weight
     length = correlation_length(error, regression.log)
@@ -135,10 +142,37 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     block = time_blocks(regression.log, max(4, int(per_log)))
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
-    whole, first, second = (_fold(columns, torque, rows, size) for rows in (everything, odd, ~odd))
+    count = max(size, columns.shape[2])
+    folds = (_fold(columns, torque, rows, count) for rows in (everything, odd, ~odd))
+    # What the widths take up is no change of the base parameters.
+    whole, first, second = (replace(fold, solve=fold.solve[:size]) for fold in folds)
     torque_size = np.sqrt((regression.torque**2).mean(axis=0))
     halves = (first, second)
     return CrossFit(weight, block, whole, halves, error.size / length, noise_of(found), torque_size)
+
+
+def width_slopes(found: Estimate) -> np.ndarray:
+    """Derivatives of the model by the width of every joint's own sign, (T, n, m).
+
+    Joints share a width in the fit. That of one joint may be another, and a law that is bent into the
+    difference must not be credited with it.
+    """
+    model, motions = found.model, found.motions
+    problem = Problem(model.robot, motions, found.rigids, False)
+    moving = [
+        width_parameter((j,), width_range(motions, group))
+        for group in width_groups(model.robot, model.terms)
+        for j in group
+    ]
+    moving = [one for one in moving if one.lower < model.width[one.joints[0]] < one.upper]
+    if not moving:
+        return np.zeros((*found.regression.torque.shape, 0))
+    pi, theta = np.asarray(model.robot.parameters).ravel(), linear_values(model)
+    return tangents(
+        lambda place, free: problem.output(place, pi, theta, free),
+        Place(model.terms, model.width),
+        moving,
+    )
 
 
 def robust_weight(residual: np.ndarray) -> np.ndarray:

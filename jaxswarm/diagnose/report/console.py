@@ -1,39 +1,102 @@
-"""The diagnosis on a terminal."""
+"""The diagnosis on a terminal: verdict first, joints as rows, nothing cut at 80 columns."""
 
 from pathlib import Path
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from jaxswarm.diagnose.report.text import next_steps, value_text, verdict_sentence, where
+from jaxswarm.diagnose.report import grids
+from jaxswarm.diagnose.report.flags import flagged
+from jaxswarm.diagnose.report.grids import Grid
+from jaxswarm.diagnose.report.text import (
+    evidence_sentence,
+    grouped,
+    log_notes,
+    next_steps,
+    proof_sentence,
+    reasons,
+    remaining,
+    where,
+)
 
 
 def print_diagnosis(result: dict, out: Path | None) -> None:
-    """Print verdict, ladder of errors, added effects and what to do next."""
+    """Print verdict, proof, errors by joint, added effects, what is doubtful and what to do next."""
     console = Console()
-    console.print(f"[bold]{result['robot']}[/bold]: {verdict_sentence(result)}")
-    if result["error"]["before"] is None:
-        return
-    units = result["torque_units"]
-    table = Table("on unseen motion", *result["joints"], "global")
-
-    def row(name: str, errors: dict) -> None:
-        cells = [
-            f"{rms:.4g} {unit} ({100 * share:.2f} %)"
-            for rms, share, unit in zip(errors["rms"], errors["relative"], units, strict=True)
-        ]
-        table.add_row(name, *cells, f"{100 * errors['relative_global']:.3f} %")
-
-    row("declared model", result["error"]["before"])
-    for step in result["steps"]:
-        row(f"+ {where(step['added'])}", step["after"])
-    floor = result["error"]["noise_floor"]["rms"]
-    table.add_row("noise", *(f"{x:.3g} {u}" for x, u in zip(floor, units, strict=True)), "")
-    console.print(table)
-    for effect in [*result["effects"], *result["changed"]]:
-        values = ", ".join(f"{n} = {value_text(v)}" for n, v in effect["parameters"].items())
-        console.print(f"{where(effect)}: {values}")
-    for line in [*result.get("reasons", ()), *next_steps(result)]:
-        console.print(f"- {line}")
+    console.print(f"[bold]{result['robot']}: {result['verdict']}[/bold]")
+    console.print(evidence_sentence(result))
+    console.print(proof_sentence(result))
+    if result["error"]["before"] is not None:
+        _errors(console, result)
+    for key in ("effects", "changed"):
+        for name in dict.fromkeys(effect["effect"] for effect in result[key]):
+            same = [effect for effect in result[key] if effect["effect"] == name]
+            _effects(console, same, result["joints"])
+    for entry in result.get("discovered", ()):
+        console.print(f"\n[bold]a law of its own on {entry['joint']}[/bold]: {entry['formula']}")
+    _list(console, "left without a law:", [remaining(u) for u in result["unexplained"]])
+    _list(console, "to be looked at:", flagged(result))
+    dropped = [where(entry) for entry in result["removed"]]
+    _list(console, "added and taken back:", dropped)
+    refused = [f"{where(s)} {s['because']}" for s in result.get("refused", ())]
+    _list(console, "not kept, on other motion:", refused)
+    _list(console, "found in the logs:", log_notes(result))
+    _list(console, "what to know and do next:", [*reasons(result), *next_steps(result)])
     if out is not None:
-        console.print(f"report: {out / 'report.html'}")
+        console.print(f"\nreport: {out / 'report.html'}")
+
+
+def _errors(console: Console, result: dict) -> None:
+    on = result["error"]["after"]["on"]
+    _table(console, grids.by_joint(result), f"RMS error of the torque on {on}")
+    if result["steps"] or "with_smooth_terms" in result["error"]:
+        _table(console, grids.by_step(result), "by step")
+    logs = grids.by_validation_log(result)
+    if logs is not None:
+        _table(console, logs, "every validation log")
+
+
+def _effects(console: Console, same: list[dict], joints: list[str]) -> None:
+    """One law with its parameters on all joints it was found on."""
+    law = f": {same[0]['law']}" if same[0].get("law") else ""
+    console.print(f"\n[bold]{grouped(same, joints)}[/bold]{law}")
+    if same[0].get("meaning"):
+        console.print(same[0]["meaning"])
+    _table(console, grids.parameters_by_joint(same), "")
+    for effect in same:
+        others = ", ".join(f"{where(a)} ({a['relative_gain']:.2f})" for a in effect["alternatives"])
+        if others:
+            on = f" on {effect['joint']}" if same[1:] else ""
+            console.print(f"runners-up{on} (gain, that of the effect being 1): {others}")
+
+
+def _table(console: Console, grid: Grid, title: str) -> None:
+    """Text folds where it has to, numbers never do."""
+    table = Table(
+        title=title or None,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE,
+        padding=(0, 1),
+    )
+    words = [not any(_is_number(row[k]) for row in grid.rows) for k in range(len(grid.head))]
+    for k, head in enumerate(grid.head):
+        if words[k]:
+            table.add_column(head, overflow="fold")
+        else:
+            table.add_column(head, no_wrap=True, justify="right")
+    for k, row in enumerate(grid.rows):
+        table.add_row(*row, style="bold" if k in grid.flagged else None)
+    console.print(table)
+
+
+def _is_number(cell: str) -> bool:
+    return cell.lstrip("-")[:1].isdigit()
+
+
+def _list(console: Console, title: str, lines: list[str]) -> None:
+    if lines:
+        console.print(f"\n[bold]{title}[/bold]")
+    for line in lines:
+        console.print(f"- {line}")

@@ -1,17 +1,25 @@
 """The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what remains."""
 
+from textwrap import wrap
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
-from jaxswarm.diagnose.report.text import where
+from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion
+
+# Width of the ladder [in] at which its text has its own size on the page, and its panels side by side.
+_WIDTH, _ACROSS = 9.5, 4
+# Letters below the panels that fit into a line.
+_LETTERS = 110
 
 
 def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.ndarray]:
@@ -41,7 +49,7 @@ def evidence(step: Step, final: Model, motion: Motion) -> Figure:
     model without this effect, the line is the effect.
     """
     others = tuple(t for t in final.terms if t.identity != step.added.identity)
-    without = Model(final.robot, others, final.width, final.filtering, final.sigma)
+    without = step.rest or Model(final.robot, others, final.width, final.filtering, final.sigma)
     low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
     whole, rest = model_torque(final, motion), model_torque(without, motion)
     contribution = low.apply(whole - rest)
@@ -68,29 +76,49 @@ def evidence(step: Step, final: Model, motion: Motion) -> Figure:
 
 
 def ladder(result: dict) -> Figure:
-    """Error of every joint on unseen motion, before and after each added effect."""
-    stages = [("declared model", result["error"]["before"])]
-    for step in result["steps"]:
-        stages.append((f"+ {where(step['added'])}", step["after"]))
+    """Error of every joint on unseen motion, before and after each added effect; few panels a row."""
+    models = stages(result)
     joints, labels = result["joints"], result["torque_units"]
-    height = 1.4 + 0.34 * len(stages)
-    figure, axes = plots.panels(1, len(joints), 3.0 + 2.3 * len(joints), height, sharey=True)
+    columns = min(len(joints), _ACROSS)
+    rows = -(-len(joints) // columns)
+    # The names of the steps stand once, below all panels: beside the bars they would take their room.
+    names = [
+        part
+        for k, stage in enumerate(models)
+        for part in wrap(f"{k}: {stage.name}", _LETTERS, subsequent_indent="    ")
+    ]
+    foot = 0.2 + 0.18 * len(names)
+    height = rows * (0.75 + 0.24 * len(models)) + foot
+    figure, axes = plots.panels(rows, columns, _WIDTH, height, sharey=True)
+    figure.get_layout_engine().set(rect=(0.0, foot / height, 1.0, 1.0 - foot / height))
     floor = result["error"]["noise_floor"]["rms"]
-    rows = np.arange(len(stages))
     for j, axis in enumerate(axes):
-        rms = [errors["rms"][j] for _, errors in stages]
-        colors = [plots.MEASURED] + [plots.MODEL] * (len(stages) - 1)
-        axis.barh(rows, rms, color=colors, height=0.62)
-        for k, (_, errors) in enumerate(stages):
-            text = f" {rms[k]:.3g} ({100 * errors['relative'][j]:.1f} %)"
-            axis.text(rms[k], k, text, ha="left", va="center", fontsize=7)
-        axis.axvline(floor[j], color=plots.RESIDUAL, lw=1, ls="--")
-        axis.set_title(f"{joints[j]} [{labels[j]}]", fontsize=9)
-        axis.set_xlim(0, 1.6 * max(max(rms), floor[j]))
-    axes[0].set_yticks(rows, [name for name, _ in stages], fontsize=8)
+        if j >= len(joints):
+            axis.set_axis_off()
+            continue
+        _bars(axis, [stage.after for stage in models], j, floor[j])
+        axis.set_title(f"{joints[j]} [{labels[j]}]", fontsize=10)
+    axes[0].set_yticks(np.arange(len(models)), [str(k) for k in range(len(models))])
     axes[0].invert_yaxis()
-    figure.suptitle("error on unseen motion; dashed: noise of the torque sensor", fontsize=10)
+    words = "\n".join(names)
+    figure.text(0.01, 0.02, words, fontsize=9, va="bottom", linespacing=1.3)
+    figure.suptitle("error on unseen motion; dashed: noise of the torque sensor", fontsize=11)
     return figure
+
+
+def _bars(axis, stages: list[dict], j: int, floor: float) -> None:
+    """The errors of one joint as bars with their numbers, the noise as a dashed line."""
+    rms = [errors["rms"][j] for errors in stages]
+    colors = [plots.MEASURED] + [plots.MODEL] * (len(stages) - 1)
+    axis.barh(np.arange(len(stages)), rms, color=colors, height=0.66)
+    for k, errors in enumerate(stages):
+        text = f" {rms[k]:.3g} ({percent(errors['relative'][j], 1)})"
+        axis.text(rms[k], k, text, ha="left", va="center", fontsize=9)
+    axis.axvline(floor, color=plots.RESIDUAL, lw=1, ls="--")
+    # Room for the numbers behind the longest bar.
+    axis.set_xlim(0, 2.1 * max(max(rms), floor) or 1.0)
+    axis.locator_params(axis="x", nbins=4)
+    axis.tick_params(labelsize=9)
 
 
 def remaining(diagnosis: Diagnosis, title: str) -> Figure:
@@ -127,7 +155,7 @@ def structure(item: Unexplained, residual: np.ndarray, joint: str, unit: str) ->
     axes[0].set_ylabel(f"{joint} [{unit}]")
     axes[0].legend(frameon=False, fontsize=8, markerscale=4)
     figure.suptitle(
-        f"no known law: {joint} depends on {', '.join(item.depends_on)} ({item.share:.0%})",
+        f"no known law: {joint} depends on {', '.join(item.depends_on)} ({percent(item.share, 0)})",
         fontsize=11,
     )
     return figure

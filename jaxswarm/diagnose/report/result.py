@@ -17,13 +17,19 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
+from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.report.summary import term_parameters, units, with_intervals
+from jaxswarm.identify.report.summary import (
+    base_parameter_table,
+    term_parameters,
+    units,
+    with_intervals,
+)
 from jaxswarm.logs.motion import Motion
 
 _ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
@@ -71,6 +77,7 @@ def to_result(
         ],
         "changed": [],
         "steps": steps,
+        "base_parameters": base_parameter_table(final),
         "removed": [
             place(t, joints)
             for t in (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
@@ -85,7 +92,8 @@ def to_result(
             "noise_floor": {
                 "rms": list(map(float, noise)),
                 "how": "sample-to-sample noise of the torque (median third difference), taken as "
-                "white, below the torque cutoff; the least of the fitted logs",
+                "white, and what the noise of the positions makes of the declared model, below the "
+                "torque cutoff; the least of the fitted logs",
                 "torque_cutoff_hz": final.motions[0].torque_cutoff,
             },
         },
@@ -121,8 +129,12 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
     term, errors = _final_term(step.added, final)
     parameters = with_intervals(term_parameters(term, final.model.robot, errors))
     total = float(step.score.gain)
+    law = term.law
     return {
         **place(term, joints),
+        "law": law.summary,
+        "meaning": law.meaning,
+        "reference": law.reference,
         "parameters": parameters,
         "gain": {
             "share_of_error": step.score.share,
@@ -217,7 +229,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
         reasons.append("does not lower the error on unseen time")
     elif item.share < rules.share:
         reasons.append(
-            f"takes off {100 * item.share:.1f} % of the error, less than {rules.share:.0%}"
+            f"takes off {percent(item.share, 1)} of the error, less than {percent(rules.share, 0)}"
         )
     if item.gain > 0 and (
         item.over_noise < rules.over_noise or item.over_torque < rules.over_torque
@@ -228,7 +240,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
     if not item.allowed:
         reasons.append("sign or size against physics")
     if item.repeats < rules.repeat:
-        reasons.append(f"helps in only {item.repeats:.0%} of the blocks")
+        reasons.append(f"helps in only {percent(item.repeats, 0)} of the blocks")
     if not reasons and not passes(item, len(diagnosis.last), rules):
         reasons.append("no single event that explains more than everything that lasts")
     return {

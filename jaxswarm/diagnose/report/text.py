@@ -1,6 +1,10 @@
 """The diagnosis in sentences, shared by the report and the terminal."""
 
-import numpy as np
+from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.diagnose.report.numbers import value_text as value_text
+
+# A joint below so many times its noise is told to be left alone.
+_DONE = 2.0
 
 
 def where(entry: dict) -> str:
@@ -11,16 +15,33 @@ def where(entry: dict) -> str:
     return f"{entry['effect']} on {entry['joint']}{other}"
 
 
+def grouped(entries: list[dict], joints: list[str], between: str = ", ") -> str:
+    """Effects with their joints, each effect once: ``coulomb_friction on every joint``."""
+    places: dict[str, list[str]] = {}
+    for entry in entries:
+        other = f" (driven by {entry['other']})" if entry.get("other") else ""
+        places.setdefault(entry["effect"], []).append(f"{entry['joint'] or ''}{other}")
+    told = []
+    for effect, names in places.items():
+        whole = len(joints) > 1 and sorted(names) == sorted(joints)
+        on = "every joint" if whole else " and ".join(filter(None, names))
+        told.append(f"{effect} on {on}" if on else effect)
+    return between.join(told)
+
+
 def verdict_sentence(result: dict) -> str:
+    """The verdict in one sentence, with the error before and after, and how far it is proven."""
+    return f"{evidence_sentence(result)} {_PROOF[result['proof']]}".strip()
+
+
+def evidence_sentence(result: dict) -> str:
     """The verdict in one sentence, with the error before and after."""
     before, after = result["error"]["before"], result["error"]["after"]
-    if before is None:
-        return "; ".join(result["reasons"]) + "."
-    if result["verdict"] == "cannot be judged":
+    if before is None or result["verdict"] == "cannot be judged":
         return "This log cannot be judged: " + "; ".join(result["reasons"]) + "."
-    change = f"{100 * before['relative_global']:.2f} %"
+    change = percent(before["relative_global"])
     if result["effects"] or result["changed"]:
-        change += f" before, {100 * after['relative_global']:.2f} % after, on {after['on']}"
+        change += f" before, {percent(after['relative_global'])} after, on {after['on']}"
     added = _found(result)
     left = "; ".join(remaining(u) for u in result["unexplained"])
     sentences = {
@@ -31,7 +52,7 @@ def verdict_sentence(result: dict) -> str:
         f"explains: {left}.",
         "unexplained": f"Something is missing that no known law explains: {left} (error {change}).",
     }
-    return f"{sentences[result['verdict']]} {_PROOF[result['proof']]}".strip()
+    return sentences[result["verdict"]]
 
 
 _PROOF = {
@@ -42,25 +63,44 @@ _PROOF = {
 }
 
 
+def proof_sentence(result: dict) -> str:
+    """On what motion the outcome is shown, in one sentence."""
+    if result["error"]["before"] is None:
+        return "Nothing was fitted, nothing is proven."
+    if _PROOF[result["proof"]]:
+        return _PROOF[result["proof"]]
+    logs = [entry["on"] for entry in result["error"]["validation"]]
+    leads = f"; the worst of them, {result['error']['after']['on']}, leads" if logs[1:] else ""
+    return f"Shown on other motion that was not fitted: {', '.join(logs)}{leads}."
+
+
 def remaining(entry: dict) -> str:
     """What is left on a joint, in one clause: what it follows, or when and at which frequencies it is."""
     times = f"{entry['over_noise']:.1f} times the noise"
     if entry["depends_on"]:
         names = " and ".join(entry["depends_on"])
         return (
-            f"{100 * entry['share']:.0f} % of the remaining error of {entry['joint']} ({times}) "
+            f"{percent(entry['share'], 0)} of the remaining error of {entry['joint']} ({times}) "
             f"follows {names}"
         )
+    return f"{entry['joint']} is left with {times} at {when(entry)}"
+
+
+def when(entry: dict) -> str:
+    """At which frequencies, and in which stretches of which log, a joint is far from its noise."""
     low, high = entry["band_hz"]
-    spans = ", ".join(f"{w['start']:.3g}-{w['end']:.3g} s" for w in entry["windows"])
-    when = f", mostly at {spans}" if spans else ""
-    return f"{entry['joint']} is left with {times} at {low:.2g} to {high:.2g} Hz{when}"
+    several = any(w["log"] for w in entry["windows"])
+    spans = ", ".join(
+        f"{w['start']:.3g}-{w['end']:.3g} s" + (f" of log {w['log'] + 1}" if several else "")
+        for w in entry["windows"]
+    )
+    return f"{low:.2g} to {high:.2g} Hz" + (f", mostly at {spans}" if spans else "")
 
 
 def _found(result: dict) -> str:
     """What the model lacked and what changed, in one clause."""
-    lacked = ", ".join(where(e) for e in result["effects"])
-    changed = ", ".join(where(e) for e in result["changed"])
+    lacked = grouped(result["effects"], result["joints"])
+    changed = grouped(result["changed"], result["joints"])
     clauses = []
     if lacked:
         clauses.append(f"The model lacked {lacked}")
@@ -72,16 +112,10 @@ def _found(result: dict) -> str:
     return "; ".join(clauses)
 
 
-def value_text(row: dict) -> str:
-    """A parameter with its standard error and unit: ``0.108 ± 0.002 rad/s``; of a change, what it was too."""
-    if "change" in row:
-        now = value_text({k: v for k, v in row.items() if k not in ("change", "before")})
-        return f"{now}, was {row['before']:.5g}: changed by {value_text(row['change'])}"
-    if row.get("std_error") is not None and np.isnan(row["std_error"]):
-        return f"{row['value']:.5g} {row['unit']} (assumed: the log does not tell it)"
-    error = row.get("std_error")
-    pm = f" ± {error:.2g}" if error is not None and error == error else ""
-    return f"{row['value']:.5g}{pm} {row['unit']}"
+def reasons(result: dict) -> list[str]:
+    """What a reader has to know beside the verdict, without what the verdict's sentence says."""
+    told = evidence_sentence(result)
+    return [reason for reason in result.get("reasons", ()) if reason not in told]
 
 
 def next_steps(result: dict) -> list[str]:
@@ -90,22 +124,56 @@ def next_steps(result: dict) -> list[str]:
         f"To tell {' from '.join(u['effects'])} apart on {u['joint']}: {u['experiment']}."
         for u in result["undecided"]
     ]
-    floor = result["error"]["noise_floor"]["rms"]
-    after = result["error"]["after"]["rms"]
-    for joint, low, rms in zip(result["joints"], floor, after, strict=True):
-        if rms < 2.0 * low:
-            steps.append(f"{joint} is at {rms / low:.1f} times the torque's noise: stop there.")
     for u in result["unexplained"]:
-        if not u["depends_on"]:
-            continue
-        names = " and ".join(u["depends_on"])
+        steps += _look_at(u)
+    return steps + _done(result)
+
+
+def _look_at(entry: dict) -> list[str]:
+    """What to do about structure that no law explains."""
+    joint = entry["joint"]
+    if not entry["depends_on"]:
+        return [
+            f"Look at {joint} at {when(entry)}: what happens there happens in no known law "
+            "(a touch, cables, the controller, dropped samples)."
+        ]
+    names = " and ".join(entry["depends_on"])
+    steps = [
+        f"Vary {names} alone to see the shape on {joint}; a law registered with "
+        "jaxswarm.effects.register becomes a suspect at once."
+    ]
+    if entry.get("in_model"):
         steps.append(
-            f"Vary {names} alone to see the shape on {u['joint']}; a law registered with "
-            "jaxswarm.effects.register becomes a suspect at once."
+            f"model.json holds a smooth function of {names} for {joint}: it predicts what "
+            "no law explains, within the range of this motion."
         )
-        if u.get("in_model"):
-            steps.append(
-                f"model.json holds a smooth function of {names} for {u['joint']}: it predicts what "
-                "no law explains, within the range of this motion."
-            )
     return steps
+
+
+def _done(result: dict) -> list[str]:
+    """Joints whose torque has nothing more to tell, in one sentence."""
+    if result["error"]["after"] is None:
+        return []
+    floor, after = result["error"]["noise_floor"]["rms"], result["error"]["after"]["rms"]
+    times = [rms / low for rms, low in zip(after, floor, strict=True)]
+    near = [joint for joint, x in zip(result["joints"], times, strict=True) if x < _DONE]
+    if not near:
+        return []
+    most = max(x for x in times if x < _DONE)
+    named = "All joints are" if len(near) == len(times) > 1 else f"{', '.join(near)}:"
+    return [f"{named} within {most:.1f} times the torque's noise: stop there."]
+
+
+def log_notes(result: dict) -> list[str]:
+    """What was found wrong with the logs themselves, and what was done about it."""
+    told = {f"{item['log']}: {item['what']}": None for item in result.get("findings", ())}
+    if not told:
+        told = {note: None for log in result.get("logs", ()) for note in log["notes"]}
+    skew = result.get("filtering", {}).get("clock_skew_s", 0.0)
+    if skew:
+        late = "after" if skew > 0 else "before"
+        told[
+            f"The torque is read {1e3 * abs(skew):.2f} ms {late} the position: less than half a sample, "
+            "so a matter of the clock and not of the robot. The model allows for it."
+        ] = None
+    return list(told)

@@ -16,6 +16,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -102,7 +103,7 @@ def diagnose(
     """
     rules = rules or Rules()
     progress("fitting the declared model")
-    start = estimate(robot, declared, motions, bounded=False)
+    start = with_motion_noise(estimate(robot, declared, motions, bounded=False), seed)
     search = _Search(start, start, rules, seed, Memory(journal, rules.share), other, progress)
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
     for number in range(1, most + 2):

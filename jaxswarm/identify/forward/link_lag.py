@@ -15,7 +15,7 @@ import numpy as np
 from scipy import ndimage
 
 from jaxswarm.effects.deflection import deflection
-from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
@@ -74,8 +74,11 @@ def link_motion(
     pi: np.ndarray,
     rigid: Rigid | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Motion (q, dq, ddq) of the links where some lag behind their motors."""
+    """Motion (q, dq, ddq) of the links where some lag behind their motors or encoders say too much."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
+    for term in of_kind(terms, MeasurementLaw):
+        if term.law.excess is not None:
+            q[:, term.joint] -= float(term.law.excess(_values(term)))
     for term in of_kind(terms, TransmissionLaw):
         lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):

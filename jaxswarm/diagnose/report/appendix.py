@@ -1,0 +1,78 @@
+"""The lower half of the page: what was not added, the rigid body, pictures, logs, and where it comes from."""
+
+from jaxswarm import outputs
+from jaxswarm.diagnose.report import grids
+from jaxswarm.diagnose.report.grids import Grid
+from jaxswarm.diagnose.report.markup import bullets, download, folded, image, table, text
+from jaxswarm.diagnose.report.text import grouped, log_notes, where
+
+
+def not_added(result: dict) -> str:
+    """Candidates that did not survive, effects taken back, and the nearest suspects."""
+    parts = []
+    lost = table(grids.refused(result), "candidates that did not survive on other motion")
+    if lost:
+        parts += [text("h2", "Did not survive on other motion"), lost]
+    if result["removed"]:
+        parts += [
+            text("h2", "Added and taken back"),
+            bullets(where(entry) for entry in result["removed"]),
+        ]
+    asked = f"Suspects that were not added ({result['asked']} asked)"
+    parts.append(folded(asked, table(grids.suspects(result), "suspects that were not added")))
+    return "".join(parts)
+
+
+def rigid_body(result: dict) -> str:
+    """Base parameters with intervals, behind their title."""
+    rows = grids.base_parameters(result)
+    note = (
+        "Base form: the combinations of standard parameters that this motion tells apart. 'determined': "
+        "known well enough for the torque; 'weak': its interval is wide; 'at bound': physics holds it."
+    )
+    content = table(rows, "base parameters of the model")
+    title = f"Parameters of the rigid body and of linear effects ({len(rows.rows)})"
+    return folded(title, text("p", note, "soft") + content if content else "")
+
+
+def pictures(result: dict, images: dict[str, bytes]) -> str:
+    """Torque and residuals."""
+    joints = ", ".join(result["joints"])
+    drawn = [
+        ("Measured and predicted torque", "torque.png",
+         f"Torque of {joints} over time: measured, of the final model, and their difference below."),
+        ("What the final model leaves", "residual.png",
+         f"What the final model leaves on {joints}, against position, velocity, acceleration, load and "
+         "time; bars: mean and two standard errors."),
+        ("What the declared model leaves", "residual_before.png",
+         f"What the declared model leaves on {joints}, against the same."),
+    ]  # fmt: skip
+    # What the declared model leaves is for those who doubt: behind its title.
+    shown = [(text("h2", title), image(images, name, words)) for title, name, words in drawn[:2]]
+    title, name, words = drawn[2]
+    told = "".join(head + picture for head, picture in shown if picture)
+    return told + folded(title, image(images, name, words))
+
+
+def logs(result: dict) -> str:
+    """What was found wrong with the logs."""
+    found = bullets(log_notes(result))
+    return text("h2", "Found in the logs") + found if found else ""
+
+
+def origin(result: dict) -> str:
+    """What was declared and asked, versions, options and digests, and the whole result to save."""
+    declared = grouped(result["declared"], result["joints"], "; ") or "rigid body only"
+    parts = [text("h2", "Where this comes from"), text("p", f"Declared: {declared}.")]
+    if result.get("model"):
+        parts.append(text("p", f"Against the earlier model {result['model']}."))
+    source = result.get("provenance")
+    if source:
+        inputs = [(item["name"], item["sha256"]) for item in source["inputs"]]
+        parts.append(table(Grid(("file", "SHA-256"), inputs), "input files"))
+        told = {**source["options"], **{f"{k} version": v for k, v in source["versions"].items()}}
+        rows = [(name, str(value)) for name, value in told.items() if value is not None]
+        settings = table(Grid(("option", "value"), rows), "options and versions")
+        parts.append(folded("Options and versions", settings))
+    parts.append(download("diagnosis.json", outputs.to_json(result), "application/json"))
+    return "".join(parts)

@@ -1,0 +1,173 @@
+"""The tables of a diagnosis as plain text, shared by the page and the terminal; joints are rows."""
+
+from typing import NamedTuple
+
+from jaxswarm.diagnose.decision.remainder import NEAR
+from jaxswarm.diagnose.report.numbers import estimate, measure, number, percent, unit_text
+from jaxswarm.diagnose.report.stages import stages
+from jaxswarm.diagnose.report.text import where
+
+FAR = "far"
+
+
+class Grid(NamedTuple):
+    """A table of text.
+
+    Attributes:
+        head: Heads of the columns.
+        rows: Cells.
+        flagged: Indices of rows that deserve a second look.
+    """
+
+    head: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    flagged: frozenset[int] = frozenset()
+
+
+def by_joint(result: dict) -> Grid:
+    """Error before and after, noise, and how far the final model is from it: a row a joint."""
+    error, changed = result["error"], bool(result["steps"])
+    before, after = error["before"], error["after"]
+    over = result["residual_over_noise"] or [None] * len(result["joints"])
+    head = ("joint", "unit", *(("before", "share") if changed else ()))
+    head += ("after" if changed else "error", "share", "noise", "x noise")
+    rows, flagged = [], set()
+    for j, joint in enumerate(result["joints"]):
+        far = over[j] is not None and over[j] > NEAR
+        if far:
+            flagged.add(j)
+        row = [joint, result["torque_units"][j]]
+        for errors in (before, after) if changed else (after,):
+            row += [measure(errors["rms"][j]), percent(errors["relative"][j])]
+        row += [measure(error["noise_floor"]["rms"][j]), measure(over[j])]
+        rows.append((*row, FAR if far else ""))
+    whole = ["whole arm", ""]
+    for errors in (before, after) if changed else (after,):
+        whole += ["", percent(errors["relative_global"])]
+    rows.append((*whole, "", "", ""))
+    if not flagged:
+        return Grid(head, [row[:-1] for row in rows])
+    return Grid((*head, ""), rows, frozenset(flagged))
+
+
+def by_step(result: dict) -> Grid:
+    """The error of the whole arm, and of the joint an effect acts on, after every added effect."""
+    joints, units, rows = result["joints"], result["torque_units"], []
+    for stage in stages(result):
+        told = ""
+        if stage.joint in joints and stage.before is not None:
+            j = joints.index(stage.joint)
+            one, two = stage.before["rms"][j], stage.after["rms"][j]
+            told = f"{stage.joint}: {measure(one)} to {measure(two)}{unit_text(units[j])}"
+        rows.append((stage.name, told, percent(stage.after["relative_global"])))
+    described = result["error"].get("with_smooth_terms")
+    if described:
+        share = percent(described["relative_global"])
+        rows.append(("+ smooth terms without a law", "", share))
+    head = ("model", "error of its joint", "whole arm")
+    if not any(told for _, told, _ in rows):
+        return Grid((head[0], head[2]), [(name, share) for name, _, share in rows])
+    return Grid(head, rows)
+
+
+def all_steps(result: dict) -> Grid:
+    """The error of every joint after every added effect: a row a model."""
+    models = [(stage.name, stage.after) for stage in stages(result)]
+    if "with_smooth_terms" in result["error"]:
+        models.append(("+ smooth terms without a law", result["error"]["with_smooth_terms"]))
+    rows = [
+        (name, *(number(x, 4) for x in e["rms"]), percent(e["relative_global"], 3))
+        for name, e in models
+    ]
+    rows.append(("noise", *(measure(x) for x in result["error"]["noise_floor"]["rms"]), ""))
+    joints = zip(result["joints"], result["torque_units"], strict=True)
+    return Grid(("model", *(f"{j} [{unit}]" for j, unit in joints), "whole arm"), rows)
+
+
+def by_validation_log(result: dict) -> Grid | None:
+    """Error before and after on every validation log; None with fewer than two."""
+    logs = result["error"].get("validation") or []
+    if len(logs) < 2:
+        return None
+    rows, flagged = [], set()
+    floor = result["error"]["noise_floor"]["rms"]
+    for entry in logs:
+        pairs = zip(
+            result["joints"],
+            result["torque_units"],
+            entry["before"]["rms"],
+            entry["after"]["rms"],
+            floor,
+            strict=True,
+        )
+        for joint, unit, one, two, low in pairs:
+            grew = two > one and two > low
+            if grew:
+                flagged.add(len(rows))
+            cells = measure(one), measure(two), "grew" if grew else ""
+            rows.append((entry["on"], joint, unit, *cells))
+        shares = (percent(entry[k]["relative_global"]) for k in ("before", "after"))
+        rows.append((entry["on"], "whole arm", "", *shares, ""))
+    return Grid(("log", "joint", "unit", "before", "after", ""), rows, frozenset(flagged))
+
+
+def parameters(effect: dict) -> Grid:
+    """Value, 95 % interval and unit of an effect's parameters; of a change, what it was."""
+    changed = any(row.get("change") for row in effect["parameters"].values())
+    rows = []
+    for name, row in effect["parameters"].items():
+        cells = [name, *estimate(row)]
+        if changed:
+            change = row.get("change")
+            cells += [number(row.get("before"), 5), *(estimate(change) if change else ("-", "-"))]
+        rows.append((*cells, "" if row["unit"] == "1" else row["unit"]))
+    head = ("parameter", "value", "95 % interval")
+    more = ("before", "change", "95 % of the change") if changed else ()
+    return Grid((*head, *more, "unit"), rows)
+
+
+def parameters_by_joint(effects: list[dict]) -> Grid:
+    """The parameters of one law on several joints, with the joint in front; on one alone as they are."""
+    tables = [parameters(effect) for effect in effects]
+    if len(tables) == 1:
+        return tables[0]
+    widest = max(tables, key=lambda grid: len(grid.head))
+    rows = []
+    for effect, grid in zip(effects, tables, strict=True):
+        gap = ("-",) * (len(widest.head) - len(grid.head))
+        rows += [(effect["joint"] or "", *row[:-1], *gap, row[-1]) for row in grid.rows]
+    return Grid(("joint", *widest.head), rows)
+
+
+def base_parameters(result: dict) -> Grid:
+    """Every base parameter of the rigid body and of the effects with its interval and verdict."""
+    rows, flagged = [], set()
+    for k, row in enumerate(result.get("base_parameters", ())):
+        if row["verdict"] != "determined":
+            flagged.add(k)
+        stands = "" if row["expression"] == row["name"] else row["expression"]
+        unit = "" if row["unit"] == "1" else row["unit"]
+        rows.append((row["name"], *estimate(row), unit, row["verdict"], stands, row["effect"]))
+    head = ("parameter", "value", "95 % interval", "unit", "verdict", "stands for", "part of")
+    return Grid(head, rows, frozenset(flagged))
+
+
+def suspects(result: dict) -> Grid:
+    """Suspects that came nearest without being added, and why they were not."""
+    rows = [
+        (where(s), percent(s["share_of_error"], 1), "; ".join(s["rejected_because"]))
+        for s in result["suspects"]
+    ]
+    return Grid(("suspect", "share of the error", "not added because"), rows)
+
+
+def refused(result: dict) -> Grid:
+    """Candidates that explained the fitted log and did not survive on other motion."""
+    rows = [(where(s), s["because"]) for s in result.get("refused", ())]
+    return Grid(("candidate", "did not survive on other motion because it"), rows)
+
+
+def rivals(effect: dict) -> Grid:
+    """What else would have explained what an effect explains, and how well."""
+    rows = [(where(a), f"{a['relative_gain']:.2f}") for a in effect["alternatives"]]
+    return Grid(("runner-up", "gain, that of the effect being 1"), rows)

@@ -1,0 +1,85 @@
+"""Pieces of a self-contained page; every text is escaped here and nowhere else."""
+
+import base64
+from collections.abc import Iterable
+from html import escape
+
+from jaxswarm.diagnose.report.grids import Grid
+
+# Cells with more characters than this may wrap; shorter ones stay on one line.
+_SHORT = 26
+
+
+def text(tag: str, content: str, kind: str = "") -> str:
+    """An element with escaped text; nothing where there is no text."""
+    attribute = f' class="{kind}"' if kind else ""
+    return f"<{tag}{attribute}>{escape(content)}</{tag}>" if content else ""
+
+
+def bullets(lines: Iterable[str]) -> str:
+    """A list of sentences; nothing where there are none."""
+    items = "".join(text("li", line) for line in lines)
+    return f"<ul>{items}</ul>" if items else ""
+
+
+def table(grid: Grid, label: str) -> str:
+    """A table that scrolls within its own box where the page is narrow.
+
+    Args:
+        grid: Its content.
+        label: What it shows, for those who hear the page.
+    """
+    if not grid.rows:
+        return ""
+    columns = range(len(grid.head))
+    kinds = [_kind([row[k] for row in grid.rows]) for k in columns]
+    head = "".join(_cell("th", grid.head[k], kinds[k]) for k in columns)
+    body = "".join(
+        f"<tr{' class=far' if number in grid.flagged else ''}>"
+        + "".join(_cell("td", row[k], kinds[k]) for k in columns)
+        + "</tr>"
+        for number, row in enumerate(grid.rows)
+    )
+    return (
+        f'<div class="scroll" role="region" tabindex="0" aria-label="{escape(label)}">'
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def _kind(cells: list[str]) -> str:
+    """How a column is set: ``n`` numbers, ``w`` words that wrap, nothing for short words."""
+    if any(len(cell) > _SHORT for cell in cells):
+        return "w"
+    return "n" if any(cell.lstrip("-")[:1].isdigit() for cell in cells) else ""
+
+
+def _cell(tag: str, content: str, kind: str) -> str:
+    return f"<{tag}{f' class={kind}' if kind else ''}>{escape(content)}</{tag}>"
+
+
+def image(images: dict[str, bytes], name: str, words: str) -> str:
+    """A picture with its content in words, which also stand below it; nothing where it was not drawn."""
+    if name not in images:
+        return ""
+    data = base64.b64encode(images[name]).decode()
+    told = escape(words)
+    return (
+        f'<figure><div class="scroll" tabindex="0"><img alt="{told}" '
+        f'src="data:image/png;base64,{data}"></div><figcaption>{told}</figcaption></figure>'
+    )
+
+
+def folded(title: str, content: str) -> str:
+    """Content behind its title, to be opened; nothing where there is no content."""
+    if not content:
+        return ""
+    return f"<details><summary>{escape(title)}</summary>{content}</details>"
+
+
+def download(name: str, content: str, kind: str) -> str:
+    """A link that saves text as a file, without anything outside of the page."""
+    data = base64.b64encode(content.encode("utf-8", "backslashreplace")).decode()
+    return (
+        f'<p class="download"><a download="{escape(name)}" href="data:{kind};base64,{data}">'
+        f"Download {escape(name)}</a> ({len(content) / 1024:.0f} KiB)</p>"
+    )

@@ -1,0 +1,40 @@
+"""The style sheet of the page: readable at any width, light or dark, on a screen or on paper."""
+
+STYLE = """
+:root{color-scheme:light dark;--page:#fff;--text:#1c2429;--soft:#5b6770;--line:#d5dbe0;--box:#f3f6f8;
+--accent:#2e6f95;--warn:#a32a3c;--warnbox:#fbecee}
+@media (prefers-color-scheme:dark){:root{--page:#14191d;--text:#e3e8eb;--soft:#9aa7b0;--line:#36414a;
+--box:#1d252b;--accent:#6db3dc;--warn:#ff8d9b;--warnbox:#3a2026}
+img{filter:invert(.92) hue-rotate(180deg)}}
+*{box-sizing:border-box}
+body{font:16px/1.5 system-ui,-apple-system,"Segoe UI",sans-serif;color:var(--text);background:var(--page);
+max-width:72rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
+h1{font-size:1.15rem;font-weight:500;color:var(--soft);margin:.5rem 0}
+h2{font-size:1.25rem;margin:2.2rem 0 .5rem}h3{font-size:1.02rem;margin:1.2rem 0 .3rem}
+p,ul{max-width:48rem;margin:.5rem 0}ul{padding-left:1.3rem}
+small,figcaption,.soft{color:var(--soft);font-size:.88rem}
+.verdict{border-left:6px solid var(--accent);background:var(--box);padding:.9rem 1.1rem}
+.verdict strong{display:block;font-size:1.9rem;line-height:1.2;margin-bottom:.4rem}
+.verdict p{font-size:1.15rem;margin:0;max-width:60rem}.proof{font-weight:600}
+.flags{border-left:6px solid var(--warn);background:var(--warnbox);padding:.6rem 1.1rem;margin:1rem 0}
+.flags h3{margin:0}
+.formula{font-family:ui-monospace,monospace;background:var(--box);padding:.4rem .7rem}
+.scroll{overflow-x:auto;max-width:100%;margin:.5rem 0}
+.scroll table{border-collapse:collapse;overflow-wrap:normal}
+td,th{padding:.28rem .75rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
+th{background:var(--box);font-weight:600;white-space:nowrap}
+td{white-space:nowrap}td.n{text-align:right;font-variant-numeric:tabular-nums}th.n{text-align:right}
+td.w{min-width:14rem;white-space:normal}
+tr.far td{background:var(--warnbox);color:var(--warn);font-weight:600}
+figure{margin:.8rem 0}figure img{display:block;max-width:100%;min-width:40rem;height:auto}
+details{border:1px solid var(--line);padding:.5rem .9rem;margin:.8rem 0}
+summary{cursor:pointer;font-weight:600}
+a{color:var(--accent)}
+@media print{:root{--page:#fff;--text:#000;--soft:#444;--line:#bbb;--box:#f4f4f4;--accent:#2e6f95;
+--warn:#a32a3c;--warnbox:#fbecee}html{font-size:11px}body{max-width:none;padding:0;font-size:1rem}
+img{filter:none}figure img{min-width:0;max-height:22cm}
+figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
+.scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}.download{display:none}
+.formula{border:1px solid var(--line)}}
+@media print{details::details-content{content-visibility:visible;display:block}}
+"""

@@ -1,0 +1,63 @@
+"""Laws of springs, positions, jumps and zeros: what is planted is named, and not one of its doubles."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from planted import BAND, NOISE, added, diagnose_log, log_with
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.score import Rules, passes
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.effects.term import Term, parse_terms
+from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import random_links, synthetic_log
+from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import robot_from_dh
+
+PLANTED = [
+    Term("cubic_spring", 1, values={"k3": 6.0, "q0": 0.3}),
+    Term("position_dependent_friction", 0, values={"sine": 2.0, "cosine": -1.0, "n": 2.0}),
+    Term("friction_change", 0, values={"fc": 2.0, "t0": 7.0}),
+    Term("friction_change", 1, values={"fc": -1.0, "t0": 4.0}),
+    Term("gravity_compensator", 0, values={"a": 15.0, "b": 0.6, "q0": 0.2}),
+]
+
+
+@pytest.mark.parametrize("term", PLANTED, ids=lambda t: f"{t.effect}@{t.joint}")
+def test_what_is_planted_is_named_with_its_values(term):
+    found = diagnose_log(log_with(term))
+    assert added(found) == [(term.effect, term.joint)]
+    fitted = found.steps[0].added.values
+    for name in ("k3", "q0", "n", "fc", "t0", "dq0"):
+        if name in term.values:
+            assert fitted[name] == pytest.approx(term.values[name], rel=0.25), name
+
+
+def test_a_wrong_zero_is_seen_in_the_torque_of_the_links_beyond():
+    bare = robot_from_dh(
+        "elbow",
+        convention="modified",
+        alpha=[0.0, np.pi / 2, np.pi / 2],
+        a=[0, 0, 0.4],
+        d=[0, 0, 0],
+    )
+    arm = bare.replace(
+        parameters=jnp.asarray(random_links(bare, np.random.default_rng(3), mass=6.0))
+    )
+    friction = parse_terms("viscous_friction", arm.joints)
+    declared = tuple(replace(t, values={"b": 2.0}) for t in friction)
+    truth = Term("encoder_offset", 1, values={"dq0": 0.06})
+    log = synthetic_log(arm, (*declared, truth), 1, noise=NOISE, duration=12.0, rate=125.0)
+    found = estimate(arm, friction, [prepare(log, BAND)], bounded=False)
+    suspects = [*(Term(truth.effect, j) for j in range(3)), Term("base_tilt")]
+    scores = judge(Linearization(found, cross_fit(found)), suspects, 0)
+    best = max(scores, key=lambda s: s.gain)
+    assert best.candidate.term.place == truth.place
+    assert passes(best, 40, Rules()) and best.joint == 2
+    after = refit_with(found, best)
+    fitted = next(t for t in after.model.terms if t.place == truth.place)
+    assert fitted.values["dq0"] == pytest.approx(0.06, rel=0.1)

@@ -1,0 +1,205 @@
+"""The page of a diagnosis: everything is on it, in words too, and nothing is fetched from elsewhere."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from results import JOINTS, RESULTS, changed, errors, explained, pictures, unexplained
+
+from jaxswarm.diagnose.report import figures
+from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.stages import stages
+from jaxswarm.diagnose.report.text import evidence_sentence, proof_sentence
+
+
+class Words(HTMLParser):
+    """The text of a page, its alternative texts, and the elements that are open at its end."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.told, self.alt, self.links, self.open = [], [], [], []
+        self.feed(page)
+        self.text = " ".join(self.told)
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        if tag not in ("meta", "img", "link"):
+            self.open.append(tag)
+        if tag == "img":
+            self.alt.append(attrs["alt"])
+        self.links += [attrs[k] for k in ("src", "href") if k in attrs]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.told.append(data)
+
+
+def page_of(told):
+    return render(told, pictures(told))
+
+
+@pytest.mark.parametrize("kind", RESULTS)
+def test_verdict_evidence_and_proof_come_first(kind):
+    told = RESULTS[kind]()
+    words = Words(page_of(told))
+    assert words.open == []
+    places = [
+        words.text.index(part)
+        for part in (
+            told["verdict"].capitalize(),
+            evidence_sentence(told),
+            proof_sentence(told),
+            "Found in the logs",
+            "Where this comes from",
+        )
+    ]
+    assert places == sorted(places)
+    # What was declared is told at the end, not before the verdict.
+    assert words.text.rindex("Declared:") > places[-1]
+    assert all(words.text.count(reason) == 1 for reason in told["reasons"])
+
+
+@pytest.mark.parametrize("kind", RESULTS)
+def test_page_is_whole_without_anything_from_elsewhere(kind):
+    told = RESULTS[kind]()
+    page = page_of(told)
+    words = Words(page)
+    assert all(link.startswith("data:") for link in words.links)
+    bare = re.sub(r'="data:[^"]*"', "", page)
+    assert not re.search(r"https?:|url\(|@import|<script", bare)
+    assert 'name="viewport" content="width=device-width' in bare
+    saved = next(link for link in words.links if link.startswith("data:application/json"))
+    again = json.loads(base64.b64decode(saved.partition("base64,")[2]))
+    assert again["verdict"] == told["verdict"] and again["joints"] == told["joints"]
+
+
+def test_every_picture_is_told_in_words():
+    words = Words(page_of(explained()))
+    assert len(words.alt) == 5
+    assert all(len(alt.split()) > 8 and ".png" not in alt for alt in words.alt)
+    assert "stribeck_friction on panda_finger_joint2" in words.alt[0]
+
+
+def test_structure_without_a_law_is_drawn_for_its_joint():
+    told = unexplained()
+    told["unexplained"][0] |= {"depends_on": ["q_a", "dq_b"], "in_model": True}
+    words = Words(render(told, {f"unexplained_{JOINTS[3]}.png": b"x"}))
+    assert words.alt[0].startswith(f"{JOINTS[3]} against q_a and dq_b: ")
+    assert "90 % of the remaining error" in words.text and "a smooth function of q_a" in words.text
+
+
+def test_an_effect_has_formula_meaning_intervals_and_rivals():
+    told = explained()
+    text = Words(page_of(told)).text
+    effect = told["effects"][0]
+    assert effect["law"] in text and effect["meaning"] in text and effect["reference"] in text
+    assert "3.191 to 3.297" in text
+    assert "quadratic_drag on panda_finger_joint2 1.42" in text and "142 %" not in text
+
+
+def test_a_change_stands_beside_what_was():
+    text = Words(page_of(changed())).text
+    assert "1. stribeck_friction on panda_finger_joint2 changed" in text
+    assert "df 3.200 3.161 to 3.239 2.1 1.100 1.041 to 1.159 N m" in text
+    assert "vs 0.100 0.080 to 0.120 - - - rad/s" in text
+    assert "Against the earlier model earlier.json." in text
+
+
+def test_values_that_need_a_look_stand_in_one_list():
+    text = Words(page_of(explained())).text
+    part = text[text.index("Values to be looked at") : text.index("1. stribeck_friction")]
+    for said in (
+        "vs of stribeck_friction on panda_finger_joint2 is at its lower bound",
+        "delta of stribeck_friction on panda_finger_joint2 is assumed",
+        "fc_1 of coulomb_friction is held at its bound",
+        "weakly determined by this motion: mx1",
+    ):
+        assert said in part
+
+
+def test_all_that_was_decided_is_on_the_page():
+    text = Words(page_of(explained())).text
+    assert "backlash on panda_finger_joint4 raises the error of joint4" in text
+    assert "a gap of 2 s at row 118" in text and "a" * 64 in text
+    assert "zz1 1.50 1.30 to 1.70 kg m^2 determined zz1 + 0.1 m2" in text
+    assert "first.csv panda_finger_joint2" in text and "second.csv panda_finger_joint3" in text
+    assert "grew" in text and "Added and taken back torque_offset" in text
+    assert "the worst of them, second.csv, leads" in text
+
+
+def test_a_joint_far_from_its_noise_is_marked_and_told_with_times_and_frequencies():
+    page = page_of(unexplained())
+    marked = re.findall(r"<tr class=far>(.*?)</tr>", page)
+    assert JOINTS[3] in marked[0] and not any(JOINTS[2] in row for row in marked)
+    text = Words(page).text
+    assert (
+        "3.3 times the noise at 0.5 to 4 Hz, mostly at 2.5-3.5 s of log 1, 11-12 s of log 2" in text
+    )
+
+
+def test_what_was_declared_is_told_once_an_effect():
+    told = explained()
+    assert "Declared: coulomb_friction on every joint." in Words(page_of(told)).text
+    told["declared"] = [
+        {"effect": "transmission_coupling", "joint": "a", "other": "b"},
+        {"effect": "time_delay", "joint": None},
+    ]
+    said = "Declared: transmission_coupling on a (driven by b); time_delay."
+    assert said in Words(page_of(told)).text
+    assert "rigid body only" in Words(page_of(told | {"declared": []})).text
+
+
+def test_what_came_together_is_one_step():
+    told = explained()
+    step = told["steps"][0]
+    for joint in JOINTS:
+        told["steps"].append(step | {"added": {"effect": "viscous_friction", "joint": joint}})
+    own = {"effect": "time_delay", "joint": None}
+    told["steps"].append({"added": own, "before": step["after"], "after": errors(0.9)})
+    names = [stage.name for stage in stages(told)]
+    both = f"+ stribeck_friction on {JOINTS[1]}, viscous_friction on every joint"
+    assert names == ["declared model", both, "+ time_delay"]
+    text = Words(page_of(told)).text
+    assert f"0: declared model; 1: {both}; 2: + time_delay." in text
+
+
+def test_nothing_is_minus_zero_percent():
+    told = explained()
+    told["error"]["after"]["relative"][0] = -1e-9
+    told["effects"][0]["gain"]["share_of_error"] = -1e-9
+    assert not re.search(r"-0(\.0+)? %", Words(page_of(told)).text)
+
+
+def test_names_are_text():
+    told = json.loads(json.dumps(explained()).replace("panda_finger_joint2", "<b onload=1>&"))
+    page = page_of(told)
+    assert "<b onload" not in page and "&lt;b onload=1&gt;&amp;" in page
+
+
+def test_the_ladder_of_seven_joints_can_be_read():
+    """At its size on the page: no text under 8 points, none over another or out of the picture."""
+    told = explained()
+    figure = figures.ladder(told)
+    figure.draw_without_rendering()
+    width = figure.get_size_inches()[0] * figure.dpi
+    shrink = (
+        min(1.0, 1120 / width) * figure.dpi / 96
+    )  # the widest picture the page shows, in its pixels
+    shown = [axis for axis in figure.axes if axis.axison]
+    assert len(shown) == 7
+    boxes = []
+    for axis in shown:
+        for item in [*axis.texts, axis.title, *axis.get_xticklabels(), *axis.get_yticklabels()]:
+            if item.get_text():
+                assert item.get_fontsize() * shrink >= 8.0
+        boxes += [item.get_window_extent() for item in [*axis.texts, axis.title]]
+    boxes += [item.get_window_extent() for item in figure.texts]
+    for k, one in enumerate(boxes):
+        assert one.x0 >= 0 and one.x1 <= width and one.y0 >= 0
+        assert not any(one.overlaps(other) for other in boxes[k + 1 :])
+    assert np.isclose(sum(axis.get_xlim()[0] for axis in shown), 0.0)

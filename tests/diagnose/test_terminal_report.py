@@ -1,0 +1,91 @@
+"""The diagnosis on a terminal of 80 columns: nothing is cut, everything is told."""
+
+import json
+import re
+
+import pytest
+from results import JOINTS, RESULTS, effect, explained, unexplained
+
+from jaxswarm import console
+from jaxswarm.diagnose.report.console import print_diagnosis
+from jaxswarm.diagnose.report.flags import parameter_remark
+from jaxswarm.diagnose.report.grids import by_joint
+from jaxswarm.diagnose.report.numbers import value_text
+from jaxswarm.diagnose.report.text import evidence_sentence, next_steps, proof_sentence
+from jaxswarm.effects import REGISTRY
+
+
+def printed(told, monkeypatch, capsys, **environment):
+    for name, value in {"COLUMNS": "80", **environment}.items():
+        monkeypatch.setenv(name, value)
+    print_diagnosis(console.safe(told), None)
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", RESULTS)
+def test_nothing_is_cut_at_eighty_columns(kind, monkeypatch, capsys):
+    told = RESULTS[kind]()
+    out = printed(told, monkeypatch, capsys)
+    assert "…" not in out and max(map(len, out.splitlines())) <= 80
+    flat = " ".join(out.split())
+    assert flat.startswith(f"{told['robot']}: {told['verdict']} {evidence_sentence(told)}")
+    assert proof_sentence(told) in flat
+    for line in [*next_steps(told), *(r for r in told["reasons"] if r not in flat)]:
+        assert line in flat
+
+
+def test_every_number_of_seven_joints_stands_whole(monkeypatch, capsys):
+    told = explained()
+    out = printed(told, monkeypatch, capsys)
+    for row in by_joint(told).rows:
+        numbers = [cell for cell in row if re.match(r"-?\d", cell)]
+        assert re.search(r"\s+".join(map(re.escape, numbers)), out)
+
+
+def test_effects_flags_refusals_and_findings_are_told(monkeypatch, capsys):
+    flat = " ".join(printed(explained(), monkeypatch, capsys).split())
+    effect = explained()["effects"][0]
+    assert effect["law"] in flat and effect["meaning"] in flat
+    assert "3.191 to 3.297" in flat and "is at its lower bound" in flat
+    assert f"backlash on {JOINTS[3]} raises the error of joint4" in flat
+    assert "arm.csv: a gap of 2 s at row 118" in flat
+    assert "every validation log" in flat and "first.csv" in flat and "grew" in flat
+    flat = " ".join(printed(unexplained(), monkeypatch, capsys).split())
+    assert "2.5-3.5 s of log 1" in flat and re.search(rf"{JOINTS[3]} .{{0,60}} far", flat)
+
+
+def test_one_law_on_all_joints_is_one_table(monkeypatch, capsys):
+    told = explained()
+    told["effects"] = [effect(joint=joint) for joint in JOINTS]
+    out = printed(told, monkeypatch, capsys)
+    assert out.count("3.191 to 3.297") == 7 and "\u2026" not in out
+    flat = " ".join(out.split())
+    assert flat.count(told["effects"][0]["meaning"]) == 1
+    assert "The model lacked stribeck_friction on every joint (error" in flat
+    assert re.search(rf"{JOINTS[6]} df 3.244 3.191 to 3.297 N m", flat)
+
+
+@pytest.mark.parametrize("name", ["$x_{$", "[/b]", "a/b", "=1+1", "<script>", "\u03c6 1"])
+def test_odd_names_are_printed_as_they_are(name, monkeypatch, capsys):
+    told = json.loads(json.dumps(explained()).replace(JOINTS[1], name))
+    out = printed(told, monkeypatch, capsys)
+    assert f"stribeck_friction on {name}" in " ".join(out.split())
+
+
+def test_a_bound_is_told_in_the_unit_of_the_joint():
+    known = REGISTRY["stribeck_friction"].parameters[1]
+    row = {"value": known.lower, "std_error": 0.001, "unit": "m/s"}
+    assert parameter_remark(row, known) == "is at its lower bound, 0.005 m/s"
+    beyond = parameter_remark(row | {"value": -1.0}, known)
+    assert "outside of what physics allows" in beyond and "m/s" in beyond
+    assert parameter_remark(row | {"value": 0.1}, known) == ""
+
+
+def test_a_pure_number_has_no_unit_and_an_interval():
+    row = {"value": 1.091, "std_error": 0.012, "unit": "1"}
+    assert value_text(row) == "1.091 (95 %: 1.067 to 1.115)"
+    change = {"value": 0.5, "std_error": None, "unit": "N m"}
+    told = value_text(
+        {"value": 2.0, "std_error": None, "unit": "N m", "before": 1.5, "change": change}
+    )
+    assert told == "2 N m, was 1.5 N m: changed by 0.5 N m"
