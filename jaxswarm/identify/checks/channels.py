@@ -77,7 +77,8 @@ def _believed(guess: Guess, found: Tried, logged: Tried) -> bool:
     if found.braking.min() < -_NONE or found.size > _UNRELATED:
         return False
     change = found.power - logged.power
-    drove = bool((logged.braking[list(guess.joints)] < -_DRIVES).all())
+    own = logged.braking[list(guess.joints)]
+    drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
     return change < -_MUCH or (guess.check in _SIGNS and change < _SAME and drove)
 
 
