@@ -27,7 +27,7 @@ def with_extra(shape, **options):
 
 
 LAWS = [
-    ("q_joint2", lambda q, dq: 2.0 * np.cos(5 * q[:, 1]) * np.tanh(dq[:, 1] / 0.05)),
+    ("q_joint2", lambda q, dq: 2.0 * np.sin(4 * q[:, 1] * dq[:, 1])),
     ("q_joint1", lambda q, dq: 2.0 * np.sin(2 * q[:, 0]) * np.tanh(dq[:, 1] / 0.05)),
 ]
 
