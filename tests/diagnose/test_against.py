@@ -95,7 +95,6 @@ def test_friction_that_grew_is_named_as_a_change_of_what_was_known(model):
 
 def test_what_no_law_explains_is_told_against_an_earlier_model_too(model):
     log = log_of(upright_arm(), DECLARED, 9)
-    dq = np.gradient(log.q, log.t, axis=0)
     tau = log.tau.copy()
     tau[:, 1] += 2.0 * np.cos(5.0 * log.q[:, 0]) * np.sin(4.0 * log.q[:, 1])
     found = compare(model, [prepare(replace(log, tau=tau), BAND)])

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import BAND, diagnose_log, log_with
+from planted import BAND, blank, diagnose_log, log_with, small_arm
 
+from jaxswarm.diagnose import Rules, diagnose
 from jaxswarm.diagnose.decision.remainder import NEAR, Remainder
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import verdict
@@ -194,3 +195,10 @@ def test_pictures_have_a_figure_for_every_step(found):
     for step in found.steps:
         figure = pictures.evidence(step, found.final.model, found.final.motions[0])
         assert figure.axes
+
+
+def test_the_rules_that_decided_are_told():
+    strict = Rules(share=0.5)
+    found = diagnose(small_arm(), blank(), [prepare(log_with(), BAND)], rules=strict)
+    told = to_result(found, [])
+    assert told["rules"]["share"] == 0.5 and found.rules == strict

@@ -55,9 +55,9 @@ def to_result(
         diagnosis: The loop's outcome.
         left: Structure that remains.
         validation: Logs to score on.
-        rules: The thresholds that were used.
+        rules: Other thresholds than those that decided, to see what they would have refused.
     """
-    rules = rules or Rules()
+    rules = rules or diagnosis.rules
     final, robot = diagnosis.final, diagnosis.final.model.robot
     joints = robot.joints
     errors = UnseenErrors(validation, diagnosis.declared, final)

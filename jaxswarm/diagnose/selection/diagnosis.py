@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.score import Rules, Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
@@ -22,6 +22,7 @@ class Diagnosis:
         asked: Suspects asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
         ended: Whether the search ended by its number of rounds, and more might be added.
+        rules: Thresholds that decided.
         refused: What would have been added but did not survive on other motion, and why.
     """
 
@@ -34,6 +35,7 @@ class Diagnosis:
     withdrawn: tuple[Term, ...] = ()
     refused: tuple[tuple[Term, str], ...] = ()
     ended: bool = False
+    rules: Rules = Rules()
 
     @property
     def kept(self) -> tuple[Step, ...]:

@@ -127,7 +127,7 @@ def diagnose(
             break
     return Diagnosis(
         search.declared, search.current, tuple(search.steps), tuple(scores), background,
-        search.asked, search.withdrawn, tuple(search.refused), ended,
+        search.asked, search.withdrawn, tuple(search.refused), ended, rules,
     )  # fmt: skip
 
 
@@ -140,8 +140,8 @@ def _allow_for_skew(search: _Search, stand: Linearization, eligible: Sequence[Te
         return False
     search.skews.append(late)
     search.current = with_skew(search.current, late)
-    if not search.steps:
-        search.declared = search.current
+    # The error before is told by the same clocks as the error after.
+    search.declared = with_skew(search.declared, late) if search.steps else search.current
     return True
 
 
