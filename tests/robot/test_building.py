@@ -191,7 +191,7 @@ URDF = """<robot name="r"><link name="a"/><link name="b"/><gazebo/>
         ("", "not a readable URDF"),
         (URDF.replace('parent link="a"', 'parent link="c"'), "names link 'c'"),
         (URDF.replace("revolute", "floating"), "kind 'floating' is not supported"),
-        (URDF.replace("</joint>", '<mimic joint="k"/></joint>'), "mimics 'k'"),
+        (URDF.replace("</joint>", '<mimic joint="k"/></joint>'), "no moving joint"),
         (URDF.replace("</joint>", '<axis xyz="0 0 0"/></joint>'), "is no direction"),
         (URDF.replace("revolute", "fixed"), "no moving joint"),
     ],

@@ -18,7 +18,7 @@ from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.score import Rules, Score, accepted
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes
 from jaxswarm.diagnose.selection.change_fit import crossed
@@ -96,9 +96,7 @@ def compare(
         done = {t.identity for t in (*(c.term for c, _, _ in picked), *(t for t, _ in refused))}
         scores = _ask(current, background, held, seed, done, memory)
         asked = asked or len(scores)
-        guilty = [s for s in scores if passes(s, len(scores), rules)]
-        most = max((s.gain for s in scores), default=0.0)
-        guilty = [s for s in guilty if not s.candidate.term.law.recurring or s.gain >= most]
+        guilty = accepted(scores, rules)
         if number == _MOST_STEPS:
             break
         added = None

@@ -13,15 +13,18 @@ import numpy as np
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.remainder import NEAR
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, robust_weight
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# Residuals beyond this multiple of the torque sensor's noise are looked at for two laws in one.
+# Residuals beyond this multiple of the noise are looked at for two laws in one if they show structure; those
+# far from it in any case.
 _LOUD = 1.25
 # A law that was chosen anew may leave this much more of a joint's squared error.
 _PRICE = 1.02
@@ -52,13 +55,15 @@ def choose_again(
         if changed:
             return done, found, True
         steps = done
-    noise = np.min([m.torque_noise for m in current.motions], axis=0)
-    loud = set(np.flatnonzero(current.fit.sigma > _LOUD * noise).tolist())
-    joints = sorted({step.score.joint for step in steps if step.score.joint in loud})
-    left = find_unexplained(current, background, seed, joints) if joints else []
-    if left:
+    over = current.fit.sigma / noise_of(current)
+    acted = {step.score.joint for step in steps}
+    far = {j for j in acted if over[j] > NEAR}
+    unclear = sorted(j for j in acted - far if over[j] > _LOUD)
+    left = find_unexplained(current, background, seed, unclear) if unclear else []
+    where = sorted(far | {item.joint for item in left})
+    if where:
         progress("looking for two laws where one was bent")
-        told = pair(steps, current, [item.joint for item in left], asked, rules, seed)
+        told = pair(steps, current, where, asked, rules, seed)
         if told:
             return (*told, True)
     return list(steps), current, False

@@ -15,7 +15,7 @@ from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import judge
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.score import Rules, Score, accepted, passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
@@ -117,11 +117,11 @@ def diagnose(
             continue
         scores = judge(stand, eligible, seed)
         search.asked = search.asked or len(scores)
-        accepted = _accepted(scores, rules)
-        ended = number > most and bool(accepted)
+        best = accepted(scores, rules)
+        ended = number > most and bool(best)
         if number > most or not (
-            _add_best(search, scores, accepted, background)
-            if accepted
+            _add_best(search, scores, best, background)
+            if best
             else _choose_again(search, background)
         ):
             break
@@ -145,16 +145,6 @@ def _allow_for_skew(search: _Search, stand: Linearization, eligible: Sequence[Te
     return True
 
 
-def _accepted(scores: Sequence[Score], rules: Rules) -> list[Score]:
-    """Those that pass; what happens once only if nothing that lasts explains more."""
-    most = max((s.gain for s in scores), default=0.0)
-    return [
-        s
-        for s in scores
-        if passes(s, len(scores), rules) and (not s.candidate.term.law.recurring or s.gain >= most)
-    ]
-
-
 def _choose_again(search: _Search, background: CrossFit) -> bool:
     """Make every choice once more, with all effects in place; whether one changed."""
     if search.settled or not search.steps:
@@ -171,7 +161,7 @@ def _choose_again(search: _Search, background: CrossFit) -> bool:
 
 
 def _add_best(
-    search: _Search, scores: Sequence[Score], accepted: list[Score], background: CrossFit
+    search: _Search, scores: Sequence[Score], best: list[Score], background: CrossFit
 ) -> bool:
     """Add what every drive has, else the best candidate if it proves itself; always another round."""
     current = search.current
@@ -181,7 +171,7 @@ def _add_best(
         search.progress("adding what every drive has")
         search.steps, search.current = [*search.steps, *together[0]], together[1]
         return True
-    chosen, rivals = choose(accepted, search.rules, background)
+    chosen, rivals = choose(best, search.rules, background)
     term = chosen.candidate.term
     if stands_in(chosen, current, background, search.seed):
         search.refuse(term)
@@ -198,7 +188,7 @@ def _add_best(
     added = find_term(after, term)
     ranked = sorted(scores, key=lambda s: -s.gain)
     others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
-    near = near_ones(chosen, accepted, background)
+    near = near_ones(chosen, best, background)
     told = tuple(rivals), tuple(others)
     search.steps.append(Step(added, chosen, *told, current, after, removed, near))
     search.current = after
