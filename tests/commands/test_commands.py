@@ -199,7 +199,8 @@ def test_plain_output_is_ascii_without_escapes(folder):
     path = folder / "out" / "identification.json"
     done = subprocess.run(
         [sys.executable, "-m", "jaxswarm", "compare", str(path), str(path), "--plain"],
-        capture_output=True, check=True, env={**os.environ, "FORCE_COLOR": "1"},
+        capture_output=True, check=True,
+        env={**os.environ, "FORCE_COLOR": "1", "COLUMNS": "200"},
     )  # fmt: skip
     text = done.stdout.decode("ascii")
     assert "\x1b" not in text and "+-" in text and "viscous_friction" in text
