@@ -8,7 +8,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -49,25 +49,30 @@ def show_notices() -> None:
 
 @contextmanager
 def catch_termination() -> Iterator[None]:
-    """Turn SIGTERM into :class:`Terminated` for as long as a command runs, where signals can be caught."""
+    """Turn SIGTERM into :class:`Terminated`, and keep SIGINT from being lost, for as long as a command runs."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     timer = hasattr(signal, "setitimer")
 
-    def terminate(number, frame) -> None:
-        if timer:  # an exception within a callback of compiled code may be lost: raise it again
-            signal.signal(signal.SIGALRM, terminate)
-            signal.setitimer(signal.ITIMER_REAL, _AGAIN)
-        raise Terminated
+    def ending(error: type[BaseException]) -> Callable:
+        def end(number, frame) -> None:
+            if timer:  # an exception within a callback of compiled code may be lost: raise it again
+                signal.signal(signal.SIGALRM, end)
+                signal.setitimer(signal.ITIMER_REAL, _AGAIN)
+            raise error
 
-    before = signal.signal(signal.SIGTERM, terminate)
+        return end
+
+    kinds = {signal.SIGTERM: Terminated, signal.SIGINT: KeyboardInterrupt}
+    before = {number: signal.signal(number, ending(error)) for number, error in kinds.items()}
     try:
         yield
     finally:
         if timer:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGTERM, before)
+        for number, former in before.items():
+            signal.signal(number, former)
 
 
 def find_home() -> Path | None:
