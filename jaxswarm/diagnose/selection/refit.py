@@ -14,6 +14,9 @@ from jaxswarm.identify.forward.regression import Diverged
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
+# A law that takes this share off the squared error is needed, whatever the doubt of its coefficient: Stribeck
+# and Coulomb friction are told apart by few slow samples, their sum by all.
+_NEEDED = 0.2
 # A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
 _INSIDE = 0.95
 
@@ -41,9 +44,10 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     def cost(one: Estimate) -> float:
         return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
 
-    return (
-        after if physical and is_certain(fitted, errors) and cost(after) < cost(current) else None
-    )
+    fall = 1.0 - cost(after) / cost(current)
+    # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
+    needed = fall > 0.0 and (is_certain(fitted, errors) or fall > _NEEDED)
+    return after if physical and needed else None
 
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:
