@@ -72,11 +72,9 @@ def find_band(
         ratio, notes = _velocity(q, velocity, rate, found.cutoff, joints)
         if ratio is not None:
             found = find_cutoffs(q, rate, velocity, ratio)
-    valley = acceleration_valley(q, rate)
-    top = 0.4 * rate
-    motion = np.minimum(np.minimum(MOTION_BAND * found.cutoff, _VALLEY_BAND * valley), top)
-    if ratio is not None:  # the valley is that of the position alone
-        motion = np.minimum(MOTION_BAND * found.cutoff, top)
+    motion = np.minimum(MOTION_BAND * found.cutoff, 0.4 * rate)
+    if ratio is None:  # the valley is that of the position alone
+        motion = np.minimum(motion, _VALLEY_BAND * acceleration_valley(q, rate))
     compared = TORQUE_BAND / MOTION_BAND * float(np.median(motion))
     if torque is not None:
         # Above the band that holds the torque, errors of phase and structure are all there is.

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.cluster.vq import kmeans2
 
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import values_on
 
 # Groups that are tried, and the least number of rows in one.
 _GROUPS, _LEAST_ROWS = (6, 4, 3), 15
@@ -31,18 +30,3 @@ def regions(found: Estimate) -> np.ndarray | None:
         if (np.bincount(label, minlength=count) >= _LEAST_ROWS).all():
             return label
     return None
-
-
-def region_residual(found: Estimate, label: np.ndarray) -> np.ndarray:
-    """Residual (T, n) where every region is predicted by a fit to the others.
-
-    Nonlinear parameters, widths, weights and bounds stay those of the whole fit.
-    """
-    regression, solution = found.regression, found.fit
-    residual = np.empty_like(solution.residual)
-    for part in np.unique(label):
-        out = label == part
-        values = values_on(regression.rows(~out), solution)
-        columns = regression.columns[out][:, :, solution.base.kept]
-        residual[out] = regression.target[out] - columns @ values
-    return residual

@@ -16,9 +16,10 @@ from jaxswarm.diagnose.decision.unexplained import (
     with_smooth_terms,
 )
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.other_motion import region_residual, regions
+from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.validate import held_out_residual
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion, shift_motion
 
@@ -78,10 +79,9 @@ def proven(
     for item in left:
         if item.term is not None:
             model = with_smooth_terms(found, [item])
-            pairs = [(_log_residual(found, m), _log_residual(found, m, model)) for m in other]
+            pairs = [[_rms(_log_residual(found, m, x)) for x in (None, model)] for m in other]
             helps = pairs and all(
-                (_rms(two) <= HARM * _rms(one)).all()
-                and _rms(two)[item.joint] < GAIN * _rms(one)[item.joint]
+                (two <= HARM * one).all() and two[item.joint] < GAIN * one[item.joint]
                 for one, two in pairs
             )
             item = item if helps else replace(item, term=None)
@@ -104,7 +104,7 @@ def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
     used = np.ones(len(label), bool)
     for one in (before, after):
         used &= True if one.regression.used is None else one.regression.used
-    pair = (_rms(region_residual(e, label)[used]) for e in (before, after))
+    pair = (_rms(held_out_residual(e, block=label)[used]) for e in (before, after))
     yield (*pair, "on held-out regions of the motion")
 
 

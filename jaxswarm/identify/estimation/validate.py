@@ -50,14 +50,17 @@ def time_blocks(log: np.ndarray, count: int) -> np.ndarray:
     return block
 
 
-def held_out_residual(found: Estimate, count: int = 5) -> np.ndarray:
-    """Residual (T, n) where every block of time is predicted by a fit to the other blocks.
+def held_out_residual(
+    found: Estimate, count: int = 5, block: np.ndarray | None = None
+) -> np.ndarray:
+    """Residual (T, n) where every block of rows is predicted by a fit to the others.
 
+    The blocks are numbered by ``block`` (T,); by default they are ``count`` stretches of time per log.
     Nonlinear parameters, width, weights and bounds stay those of the whole fit; the linear parameters,
     by far the most, are refitted. A column that is zero on all other blocks counts as absent.
     """
     regression, solution = found.regression, found.fit
-    block = time_blocks(regression.log, count)
+    block = time_blocks(regression.log, count) if block is None else block
     residual = np.empty_like(solution.residual)
     for b in np.unique(block):
         out = block == b
