@@ -11,29 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from slide import run
 
-from jaxswarm.cli import app, main
+from jaxswarm.cli import app
 from jaxswarm.logs import read_log
 
 FRICTION = "viscous_friction,coulomb_friction"
-
-
-def run(*arguments):
-    """Exit code, stdout and stderr of a command, in this process."""
-    import contextlib
-    import io
-
-    out, err = io.StringIO(), io.StringIO()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "argv", ["jaxswarm", *map(str, arguments)])
-        patch.setenv("COLUMNS", "200")
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            try:
-                main()
-                code = 0
-            except SystemExit as end:
-                code = end.code or 0
-    return code, out.getvalue(), err.getvalue()
 
 
 @pytest.fixture(scope="module", autouse=True)
