@@ -29,7 +29,7 @@ class Finding:
         return f"{self.check}: {self.what}. {self.remedy}."
 
 
-def judged(log: Log, findings: Iterable[Finding], accept: Iterable[str]) -> Log:
+def with_findings(log: Log, findings: Iterable[Finding], accept: Iterable[str]) -> Log:
     """The log with its findings as notes, unless one of them forbids to go on.
 
     Raises:

@@ -73,7 +73,7 @@ def clean():
         "reasons": ["panda_finger_joint7 never reverses"],
         "refused": [],
         "asked": 123,
-        "suspects": [
+        "not_added": [
             {"effect": "payload", "joint": None, "share_of_error": -1e-6, "rejected_because": ["chance"]}
         ],
         "base_parameters": [

@@ -25,9 +25,9 @@ def weighted(found, background):
 def test_free_part_is_orthogonal_to_the_model_on_training_rows(stage):
     found, background = stage
     columns, _ = weighted(found, background)
-    suspect = background.weigh(np.random.default_rng(0).normal(size=(*columns.shape[:2], 3)))
+    candidate = background.weigh(np.random.default_rng(0).normal(size=(*columns.shape[:2], 3)))
     for fold in background.folds:
-        free = fold.free_part(suspect)[fold.train].reshape(-1, 3)
+        free = fold.free_part(candidate)[fold.train].reshape(-1, 3)
         model = columns[fold.train].reshape(-1, columns.shape[2])
         model = model / np.linalg.norm(model, axis=0)
         np.testing.assert_allclose(model.T @ free, 0.0, atol=1e-9 * np.linalg.norm(free))
@@ -66,8 +66,8 @@ def test_halves_share_no_rows_and_cover_all(stage):
 def test_a_frozen_model_absorbs_nothing(stage):
     found, _ = stage
     background = cross_fit(found, frozen=True)
-    suspect = np.ones((*background.weight.shape, 1))
-    np.testing.assert_array_equal(background.whole.free_part(suspect), suspect)
+    candidate = np.ones((*background.weight.shape, 1))
+    np.testing.assert_array_equal(background.whole.free_part(candidate), candidate)
     np.testing.assert_allclose(background.whole.residual, found.fit.residual * background.weight)
 
 

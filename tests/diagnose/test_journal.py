@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from jaxswarm.diagnose.candidates import propose as gather
+from jaxswarm.diagnose.candidates import propose
 from jaxswarm.diagnose.candidates.journal import FILE, Journal, fingerprint
 from jaxswarm.diagnose.run import diagnose_files
 from jaxswarm.effects.term import Term
@@ -60,8 +60,8 @@ def test_interrupted_diagnosis_goes_on(tmp_path, monkeypatch):
     path = tmp_path / "arm.npz"
     np.savez(path, t=log.t, q=log.q, tau=log.tau, joints=np.array(log.joints))
     declare = "viscous_friction,coulomb_friction"
-    searched, plain = [], gather.searching
-    monkeypatch.setattr(gather, "searching", lambda *a: searched.append(1) or plain(*a))
+    searched, plain = [], propose.searching
+    monkeypatch.setattr(propose, "searching", lambda *a: searched.append(1) or plain(*a))
 
     def stop(text):
         if text.startswith("round 2"):

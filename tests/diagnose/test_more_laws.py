@@ -8,7 +8,7 @@ import pytest
 from planted import BAND, NOISE, added, diagnose_log, log_with
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -54,8 +54,8 @@ def test_a_wrong_zero_is_seen_in_the_torque_of_the_links_beyond():
     truth = Term("encoder_offset", 1, values={"dq0": 0.06})
     log = synthetic_log(arm, (*declared, truth), 1, noise=NOISE, duration=12.0, rate=125.0)
     found = estimate(arm, friction, [prepare(log, BAND)], bounded=False)
-    suspects = [*(Term(truth.effect, j) for j in range(3)), Term("base_tilt")]
-    scores = judge(Linearization(found, cross_fit(found)), suspects, 0)
+    candidates = [*(Term(truth.effect, j) for j in range(3)), Term("base_tilt")]
+    scores = score_terms(Linearization(found, cross_fit(found)), candidates, 0)
     best = max(scores, key=lambda s: s.gain)
     assert best.candidate.term.place == truth.place
     assert passes(best, 40, Rules()) and best.joint == 2

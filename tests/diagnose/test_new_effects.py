@@ -8,9 +8,9 @@ import pytest
 from matplotlib.figure import Figure
 from planted import BAND, DECLARED, blank, declared_fit, log_with, small_arm
 
-from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.report.figures import evidence
@@ -129,9 +129,9 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     assert [t.joint for t in parsed] == ([None] if law.scope == "global" else [0, 1])
     log = log_of(term)
     found, background = declared_fit(log)
-    assert any(t.place == term.place for t in list_suspects(found.model, found.motions))
+    assert any(t.place == term.place for t in eligible_terms(found.model, found.motions))
     # A candidate that passes, and the refit that finds the truth.
-    (score,) = judge(Linearization(found, background), [replace(term, values={})], 0)
+    (score,) = score_terms(Linearization(found, background), [replace(term, values={})], 0)
     assert passes(score, 20, Rules())
     after = refit_with(found, score)
     added = find_term(after, score.candidate.term)
@@ -147,7 +147,7 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     save_model(after.model, tmp_path / "model.json")
     assert load_model(tmp_path / "model.json").terms == after.model.during(None).terms
     # Asked no more where it is, unless it may recur.
-    asked = {t.place for t in list_suspects(after.model, after.motions)}
+    asked = {t.place for t in eligible_terms(after.model, after.motions)}
     assert (term.place in asked) == law.recurring
 
 

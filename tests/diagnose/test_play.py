@@ -10,7 +10,7 @@ from planted import DECLARED, blank, small_arm
 
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.transmission import lagging_candidate
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -68,7 +68,7 @@ def test_play_is_named_with_its_size_and_nothing_else():
     assert term.values["blur"] == 0.0
     assert found.final.fit.sigma[1] < 0.6 * found.declared.fit.sigma[1]
     # One transmission per joint: no spring is asked where there is play.
-    asked = list_suspects(found.final.model, found.final.motions)
+    asked = eligible_terms(found.final.model, found.final.motions)
     assert ("joint_elasticity", 1) not in {(t.effect, t.joint) for t in asked}
     assert ("joint_elasticity", 0) in {(t.effect, t.joint) for t in asked}
 

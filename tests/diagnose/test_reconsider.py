@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
-from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import overlap
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
@@ -24,8 +24,8 @@ DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
 @pytest.fixture(scope="module")
 def stage():
     before, background = declared_fit(log_with(DRAG))
-    scores = judge(
-        Linearization(before, background), list_suspects(before.model, before.motions), 0
+    scores = score_terms(
+        Linearization(before, background), eligible_terms(before.model, before.motions), 0
     )
     return before, {s.candidate.term.identity: s for s in scores}
 
@@ -70,15 +70,15 @@ def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
     """Even where the law with a free exponent was ahead while the others were not fitted with it."""
     hidden = Term("nonlinear_viscous_friction", 1, values={"c": 1.5, "alpha": alpha})
     before, background = declared_fit(log_with(hidden))
-    scores = judge(
-        Linearization(before, background), list_suspects(before.model, before.motions), 0
+    scores = score_terms(
+        Linearization(before, background), eligible_terms(before.model, before.motions), 0
     )
     there = before, {s.candidate.term.identity: s for s in scores}
     step = step_of(there, "nonlinear_viscous_friction", ["quadratic_drag"])
 
-    def ahead(guilty, rules, background):
-        assert "quadratic_drag" in {s.candidate.term.effect for s in guilty}
-        return next(s for s in guilty if s.candidate.term.effect == step.added.effect), []
+    def ahead(passed, rules, background):
+        assert "quadratic_drag" in {s.candidate.term.effect for s in passed}
+        return next(s for s in passed if s.candidate.term.effect == step.added.effect), []
 
     monkeypatch.setattr(reconsider_module, "choose", ahead)
     steps, found, changed = reconsider([step], step.after, 60, Rules())

@@ -145,7 +145,7 @@ def test_sentence_of_every_verdict(found, clean):
 def test_result_is_json_and_every_rejection_has_a_reason(result):
     again = json.loads(to_json(result))
     assert again["verdict"] == "explained"
-    assert again["suspects"] and all(s["rejected_because"] for s in again["suspects"])
+    assert again["not_added"] and all(s["rejected_because"] for s in again["not_added"])
 
 
 def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen, tmp_path):

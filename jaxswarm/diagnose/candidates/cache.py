@@ -69,7 +69,7 @@ class Memory:
         """Remember the values per fold of a term."""
         self.known[term.place] = _Known(values, residuals)
 
-    def judged(self, term: Term, share: float) -> None:
+    def explained(self, term: Term, share: float) -> None:
         """Remember what the values of a term explained of the residuals they were found on."""
         known = self.known.get(term.place)
         if known is not None and known.share is None:

@@ -10,7 +10,7 @@ from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
 
-def list_suspects(
+def eligible_terms(
     model: Model, motions: tuple[Motion, ...], against_model: bool = False
 ) -> tuple[Term, ...]:
     """Every term that could be added to a model.
@@ -23,7 +23,7 @@ def list_suspects(
     """
     joints = model.robot.num_joints
     moves = np.any([np.ptp(m.q, axis=0) > 1e-3 for m in motions], axis=0)
-    suspects = []
+    eligible = []
     for law in REGISTRY.values():
         if law.reference_only and not law.recurring and not against_model:
             continue
@@ -40,8 +40,8 @@ def list_suspects(
         # Several events are possible; and an earlier model's friction may have changed.
         again = law.recurring or (against_model and isinstance(law, TorqueLaw))
         terms = [Term(law.name, *place) for place in places]
-        suspects += [t for t in terms if again or not _is_settled(t, law, model.terms)]
-    return tuple(suspects)
+        eligible += [t for t in terms if again or not _is_settled(t, law, model.terms)]
+    return tuple(eligible)
 
 
 def _is_settled(term: Term, law: Effect, present: tuple[Term, ...]) -> bool:

@@ -65,15 +65,15 @@ def gears(
     return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
 
 
-def best_option(judge: Candidate, fold: Fold, curves: np.ndarray) -> int:
+def best_option(probe: Candidate, fold: Fold, curves: np.ndarray) -> int:
     """The option whose torque, with a positive coefficient, explains most of a fold's rows.
 
     ``curves`` are the weighted torques (m, T', n) of all options.
     """
     # All options at once, one column each.
     free = fold.free_part(np.moveaxis(curves, 0, 2))
-    free = judge.view(free)[fold.train].reshape(-1, len(curves))
-    residual = judge.view(fold.residual)[fold.train].ravel()
+    free = probe.view(free)[fold.train].reshape(-1, len(curves))
+    residual = probe.view(fold.residual)[fold.train].ravel()
     size, inner = (free**2).sum(axis=0), free.T @ residual
     gains = np.where((size > 0) & (inner > 0), inner**2 / np.maximum(size, 1e-300), 0.0)
     return int(np.argmax(gains))

@@ -36,13 +36,13 @@ from jaxswarm.logs.motion import Motion
 _MULTIPLE = 16
 
 
-def gather(stand: Linearization, suspects: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
-    """All suspects as candidates; nonlinear parameters are searched where memory does not know them."""
-    searched = [t for t in suspects if t.law.searched]
+def propose_all(stand: Linearization, terms: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
+    """All terms as candidates; nonlinear parameters are searched where memory does not know them."""
+    searched = [t for t in terms if t.law.searched]
     done: dict[Term, Candidate | None] = {}
     # The compiled searches run while the other candidates are built.
     with _searched(stand, searched, key) as finish:
-        for term in suspects:
+        for term in terms:
             if not term.law.searched:
                 done[term] = propose(term.law, stand, term)
         found = finish()
@@ -50,14 +50,14 @@ def gather(stand: Linearization, suspects: tuple[Term, ...], key: jax.Array) -> 
         columns = tuple(stand.law(replace(term, values=v)) for v in values)
         placed = replace(term, values=values[0])
         done[term] = Candidate(placed, columns, len(term.law.parameters))
-    return [done[t] for t in suspects if done[t] is not None]
+    return [done[t] for t in terms if done[t] is not None]
 
 
 @singledispatch
 def propose(law: Effect, stand: Linearization, term: Term) -> Candidate | None:
     """A term as a candidate for the present model; None where there is nothing to say.
 
-    Terms whose nonlinear parameters are searched (``law.searched``) are proposed by :func:`gather`.
+    Terms whose nonlinear parameters are searched (``law.searched``) are proposed by :func:`propose_all`.
     """
     raise NotImplementedError(f"no candidates of kind {type(law).__name__}")
 

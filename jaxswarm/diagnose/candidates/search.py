@@ -5,7 +5,7 @@ freed of what the model absorbs, and the linear parameters eliminated: the cost 
 sum of squares, :math:`h^T G^{-1} h` with :math:`G = c_\perp^T c_\perp`, :math:`h = c_\perp^T r`.
 A coarse lattice over the cube finds the valley, which a torque ripple has one of per order, and a GPSO
 swarm in its cell finds the floor. The law is chosen inside the program and lengths are rounded up, so
-that neither another suspect nor a log of another length costs a compilation.
+that neither another candidate nor a log of another length costs a compilation.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -44,16 +44,16 @@ def lagging_candidate(stand: Linearization, term: Term) -> Candidate | None:
     rotor = np.zeros_like(stand.pi) if crossing else stand.rotor(j)
     options = known or _options(term, inertia, ROTOR_SHARES if rotor.any() else (0.0,))
     blur = max(1, round(law.nominal().get("blur", 0.0) / stand.found.regression.step[0]))
-    judge = Candidate(term, (), len(law.free(law.nominal())), blur)
+    probe = Candidate(term, (), len(law.free(law.nominal())), blur)
     build = _settled_curves if crossing else _curves
     curves = build(stand, term, options, rotor)
     picks = range(len(options))
     if known is None:
-        picks = [best_option(judge, fold, curves) for fold in stand.background.folds]
+        picks = [best_option(probe, fold, curves) for fold in stand.background.folds]
         memory.keep(term, residuals, [options[p] for p in picks])
     best = options[picks[0]]
     return replace(
-        judge,
+        probe,
         term=placed(term, best),
         columns=tuple(curves[p][:, :, None] for p in picks),
         start=stand.pi - best["share"] * rotor,

@@ -1,4 +1,4 @@
-"""Which of several guilty suspects is added, and which of the others the data do not tell from it.
+"""Which of several terms that passed is added, and which of the others the data do not tell from it.
 
 References: Q. H. Vuong, Econometrica 57 (1989) for the comparison of rivals; D. Rivers, Q. H. Vuong,
 Econometrics J. 5 (2002) for doing it under autocorrelation.
@@ -57,13 +57,13 @@ def beats(one: Score, other: Score, rules: Rules, background: CrossFit) -> bool:
     return adds(one, other) and not adds(other, one)
 
 
-def choose(guilty: list[Score], rules: Rules, background: CrossFit) -> tuple[Score, list[Score]]:
-    """The best of the guilty, and its rivals: those the data do not tell from it.
+def choose(passed: list[Score], rules: Rules, background: CrossFit) -> tuple[Score, list[Score]]:
+    """The best of those that passed, and its rivals: those the data do not tell from it.
 
     Rivals say the same as the best, gain within ``rules.tie`` standard errors of it, and are beaten by
     none of the others. Among them the one with the fewest parameters is chosen.
     """
-    ranked = sorted(guilty, key=lambda s: -s.gain)
+    ranked = sorted(passed, key=lambda s: -s.gain)
     best = ranked[0]
     close = [
         s

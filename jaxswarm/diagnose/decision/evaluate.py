@@ -1,4 +1,4 @@
-"""Suspects put to a model: gathered with their columns and scored on unseen blocks."""
+"""Candidate terms of a model: built with their columns and scored on unseen blocks."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -6,30 +6,30 @@ from dataclasses import replace
 import jax
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.propose import gather
+from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.decision.score import Score, score
 from jaxswarm.effects.term import Term
 
 
-def judge(
+def score_terms(
     stand: Linearization,
-    suspects: Sequence[Term],
+    terms: Sequence[Term],
     seed: int,
     signed: Callable[[Term], bool] = lambda term: False,
 ) -> list[Score]:
-    """Scores of suspects against a model.
+    """Scores of candidates against a model.
 
     Args:
         stand: The model and its stage.
-        suspects: Terms to ask.
+        terms: Terms to ask.
         seed: Seed of the searches.
         signed: Whether a term is a change of something known, of either sign.
     """
     interval = max(m.interval for m in stand.found.motions)
-    candidates = gather(stand, tuple(suspects), jax.random.key(seed))
+    candidates = propose_all(stand, tuple(terms), jax.random.key(seed))
     scores = [
         score(replace(c, signed=signed(c.term)), stand.background, interval) for c in candidates
     ]
     for one in scores:
-        stand.memory.judged(one.candidate.term, one.trained)
+        stand.memory.explained(one.candidate.term, one.trained)
     return scores

@@ -81,5 +81,5 @@ def undecidable(
         "discovered": [],
         "reasons": list(reasons),
         "asked": 0,
-        "suspects": [],
+        "not_added": [],
     }

@@ -1,12 +1,12 @@
-r"""The decision: what a suspect is worth on time it was not fitted to, and whether that can be chance.
+r"""The decision: what a candidate is worth on time it was not fitted to, and whether that can be chance.
 
 Every block of time is predicted by the fit to the blocks of the other half, nonlinear parameters
-included. The gain of a block is how much the weighted squared error falls. A suspect passes if
+included. The gain of a block is how much the weighted squared error falls. A candidate passes if
 
 * what it predicts for unseen blocks is in the residual there: the slope of the residual on the prediction
   is positive beyond chance. Its standard error is the jackknife over blocks, which are longer than the
   residual's memory, so neither autocorrelation nor one lucky block can feign evidence; the level is
-  divided by the number of suspects asked;
+  divided by the number of candidates asked;
 * it takes off at least a given share of its joints' squared error, beyond what it spends;
 * it helps in most blocks that carry a tenth of the mean gain or more; and its coefficients have the sign
   physics wants, in both halves.
@@ -218,7 +218,7 @@ def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:
-    """Whether a suspect is guilty, alone against the current model."""
+    """Whether a candidate passes, alone against the current model."""
     return (
         item.allowed
         and item.gain > 0

@@ -1,7 +1,7 @@
-r"""What the current model can absorb, on every fold: the stage on which suspects are tried.
+r"""What the current model can absorb, on every fold: the stage on which candidates are tried.
 
-A suspect may be credited only with what the model cannot do without it. With the weighted columns of the
-training rows factored as :math:`W_A = Q R` and :math:`P = W R^{-1}` on all rows, a suspect's column c
+A candidate may be credited only with what the model cannot do without it. With the weighted columns of the
+training rows factored as :math:`W_A = Q R` and :math:`P = W R^{-1}` on all rows, a candidate's column c
 keeps
 
 .. math:: c_\perp = c - P\,(Q^T c_A),

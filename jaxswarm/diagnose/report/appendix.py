@@ -8,7 +8,7 @@ from jaxswarm.diagnose.report.text import grouped, log_notes, where
 
 
 def not_added(result: dict) -> str:
-    """Candidates that did not survive, effects taken back, and the nearest suspects."""
+    """Candidates that did not survive, effects taken back, and those that came nearest."""
     parts = []
     lost = table(grids.refused(result), "candidates that did not survive on other motion")
     if lost:
@@ -18,8 +18,8 @@ def not_added(result: dict) -> str:
             text("h2", "Added and taken back"),
             bullets(where(entry) for entry in result["removed"]),
         ]
-    asked = f"Suspects that were not added ({result['asked']} asked)"
-    parts.append(folded(asked, table(grids.suspects(result), "suspects that were not added")))
+    asked = f"Candidates that were not added ({result['asked']} asked)"
+    parts.append(folded(asked, table(grids.not_added(result), "candidates that were not added")))
     return "".join(parts)
 
 

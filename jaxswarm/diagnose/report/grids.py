@@ -152,13 +152,13 @@ def base_parameters(result: dict) -> Grid:
     return Grid(head, rows, frozenset(flagged))
 
 
-def suspects(result: dict) -> Grid:
-    """Suspects that came nearest without being added, and why they were not."""
+def not_added(result: dict) -> Grid:
+    """Candidates that came nearest without being added, and why they were not."""
     rows = [
         (where(s), percent(s["share_of_error"], 1), "; ".join(s["rejected_because"]))
-        for s in result["suspects"]
+        for s in result["not_added"]
     ]
-    return Grid(("suspect", "share of the error", "not added because"), rows)
+    return Grid(("candidate", "share of the error", "not added because"), rows)
 
 
 def refused(result: dict) -> Grid:

@@ -109,7 +109,7 @@ def to_result(
         ],
         "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
         "asked": diagnosis.asked,
-        "suspects": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
+        "not_added": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
         "effective_samples": diagnosis.background.effective,
         "sign_width": list(final.model.width),
         "filtering": {
@@ -236,7 +236,7 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
     ):
         reasons.append("too small to matter beside noise and torque")
     if item.p_value * len(diagnosis.last) >= rules.significance:
-        reasons.append("may be chance, given how many suspects were asked")
+        reasons.append("may be chance, given how many candidates were asked")
     if not item.allowed:
         reasons.append("sign or size against physics")
     if item.repeats < rules.repeat:

@@ -140,7 +140,7 @@ def _look_at(entry: dict) -> list[str]:
     names = " and ".join(entry["depends_on"])
     steps = [
         f"Vary {names} alone to see the shape on {joint}; a law registered with "
-        "jaxswarm.effects.register becomes a suspect at once."
+        "jaxswarm.effects.register becomes a candidate at once."
     ]
     if entry.get("in_model"):
         steps.append(

@@ -1,7 +1,7 @@
 r"""The loop against a model identified before: what changed since.
 
 The earlier model is not refitted; it absorbs nothing. What is left, :math:`\tau - \hat\tau`, is put to
-every suspect, among them now a payload and a change of what the model already holds, which may have
+every candidate, among them now a payload and a change of what the model already holds, which may have
 either sign. The changes found are fitted together, the earlier parameters held; their standard errors
 respect autocorrelation as everywhere.
 """
@@ -13,11 +13,11 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, Score, accepted
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes
@@ -44,8 +44,8 @@ class Comparison:
             fitted to the others.
         last: Scores of the final round.
         background: Folds of the final round.
-        asked: Suspects asked in the first round.
-        refused: Suspects that explain something with values that cannot be believed, and why.
+        asked: Candidates asked in the first round.
+        refused: Candidates that explain something with values that cannot be believed, and why.
     """
 
     before: Estimate
@@ -96,19 +96,19 @@ def compare(
         done = {t.identity for t in (*(c.term for c, _, _ in picked), *(t for t, _ in refused))}
         scores = _ask(current, background, held, seed, done, memory)
         asked = asked or len(scores)
-        guilty = accepted(scores, rules)
+        passed = accepted(scores, rules)
         if number == _MOST_STEPS:
             break
         added = None
-        while guilty and added is None:
-            chosen, _ = choose(guilty, rules, background)
+        while passed and added is None:
+            chosen, _ = choose(passed, rules, background)
             others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen)[:6]
             trial = [*picked, (_raw(chosen.candidate, background), chosen, others)]
             fitted = changes_of(before, trial)
             doubts = [d for d in map(doubt_of, fitted) if d]
             if doubts:
                 refused.append((fitted[-1].term, doubts[-1]))
-                guilty = [s for s in guilty if s is not chosen]
+                passed = [s for s in passed if s is not chosen]
             else:
                 added, picked, changes = chosen, trial, fitted
         if added is None:
@@ -131,12 +131,10 @@ def _raw(candidate: Candidate, background: CrossFit) -> Candidate:
 
 
 def _ask(found: Estimate, background: CrossFit, held, seed: int, done, memory) -> list[Score]:
-    suspects = [
-        t for t in list_suspects(found.model, found.motions, True) if t.identity not in done
-    ]
-    return judge(
+    terms = [t for t in eligible_terms(found.model, found.motions, True) if t.identity not in done]
+    return score_terms(
         Linearization(found, background, memory),
-        suspects,
+        terms,
         seed,
         signed=lambda term: term.identity in held,
     )

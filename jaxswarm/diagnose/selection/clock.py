@@ -6,20 +6,20 @@ import numpy as np
 from scipy import special
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import shift_motion
 
 
-def clock_skew(stand: Linearization, suspects: Sequence[Term], seed: int) -> float:
+def clock_skew(stand: Linearization, terms: Sequence[Term], seed: int) -> float:
     """A delay [s] below half a sample: a matter of the clock, not of the robot, and so always allowed for.
 
     Every sampled and held torque is early or late by a part of a sample. The estimate is shrunk by its own
     certainty, the positive-part rule of W. James and C. Stein (1961): nothing where there is nothing.
     """
-    for s in judge(stand, [t for t in of_kind(suspects, MeasurementLaw) if t.law.clock], seed):
+    for s in score_terms(stand, [t for t in of_kind(terms, MeasurementLaw) if t.law.clock], seed):
         if not s.allowed and s.gain > 0:
             certainty = float(-special.ndtri(max(s.p_value, 1e-300)))
             return float(s.coefficients[0]) * max(0.0, 1.0 - 1.0 / max(certainty, 1e-9) ** 2)

@@ -17,9 +17,9 @@ class Diagnosis:
         declared: The estimate of the declared model.
         final: The estimate after the last step.
         steps: What was added, in order.
-        last: Scores of all suspects in the final round, in which nobody passed.
+        last: Scores of all candidates in the final round, in which nobody passed.
         background: The folds of the final model.
-        asked: Suspects asked in the first round.
+        asked: Candidates asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
         ended: Whether the search ended by its number of rounds, and more might be added.
         rules: Thresholds that decided.

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import special
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
@@ -59,7 +59,7 @@ def pair(
 
 def _ask(found: Estimate, term: Term, asked: int, rules: Rules, seed: int) -> Score | None:
     """The score of a term on a model if it passes."""
-    scores = judge(Linearization(found, cross_fit(found)), [replace(term, values={})], seed)
+    scores = score_terms(Linearization(found, cross_fit(found)), [replace(term, values={})], seed)
     return next((s for s in scores if passes(s, asked, rules)), None)
 
 

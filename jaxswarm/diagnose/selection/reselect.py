@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.remainder import NEAR
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
@@ -43,9 +43,9 @@ def choose_again(
 
     Args:
         steps: What was added, in order.
-        current: The model with all of it, in which no further suspect passes.
+        current: The model with all of it, in which no further candidate passes.
         background: Its stage.
-        asked: Suspects asked in the first round, for the level of the tests.
+        asked: Candidates asked in the first round, for the level of the tests.
         rules: Thresholds.
         seed: Seed of the searches.
         progress: Called with one line per effect.
@@ -99,19 +99,19 @@ def reconsider(
         own = step.added.identity
         rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
         background = cross_fit(rest)
-        suspects = [replace(t, values={}) for t in (step.added, *rivals)]
-        scores = judge(Linearization(rest, background), suspects, seed)
-        guilty = [s for s in scores if passes(s, asked, rules)]
+        terms = [replace(t, values={}) for t in (step.added, *rivals)]
+        scores = score_terms(Linearization(rest, background), terms, seed)
+        passed = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
-        if not guilty:
+        if not passed:
             if all(s.share < rules.share for s in scores):
                 del done[place]
                 current, changed = rest, True
             continue
-        chosen, near = choose(guilty, rules, background)
+        chosen, near = choose(passed, rules, background)
         same = chosen.candidate.term.identity == own
         instead = _replacement(
-            _simpler(chosen, guilty) if same else [chosen], chosen, rest, current
+            _simpler(chosen, passed) if same else [chosen], chosen, rest, current
         )
         if instead is None:
             if same:
@@ -147,13 +147,13 @@ def _replacement(
     return None
 
 
-def _simpler(chosen: Score, guilty: Sequence[Score]) -> list[Score]:
+def _simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
     """Those with fewer parameters, the fewest first.
 
     While a law is tried the others stay as they were fitted without it, and one with a free exponent
     makes up for that. Fitted all together, the simpler law may do.
     """
-    fewer = [s for s in guilty if s.candidate.size < chosen.candidate.size]
+    fewer = [s for s in passed if s.candidate.size < chosen.candidate.size]
     return sorted(fewer, key=lambda s: (s.candidate.size, -s.gain))
 
 

@@ -41,11 +41,11 @@ class Step:
     rest: Model | None = None
 
 
-def near_ones(chosen: Score, guilty: Sequence[Score], background: CrossFit) -> tuple[Score, ...]:
+def near_ones(chosen: Score, passed: Sequence[Score], background: CrossFit) -> tuple[Score, ...]:
     """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first."""
     return tuple(
         s
-        for s in sorted(guilty, key=lambda s: -s.gain)
+        for s in sorted(passed, key=lambda s: -s.gain)
         if s is not chosen
         and s.joint == chosen.joint
         and s.gain > _NEAR * chosen.gain

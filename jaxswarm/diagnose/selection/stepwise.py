@@ -10,11 +10,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.candidates.eligible import list_suspects
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.evaluate import judge
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, Score, accepted, passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
@@ -111,11 +111,11 @@ def diagnose(
         progress(f"round {number}: scoring candidates, {error:.3g} % error so far")
         background = cross_fit(search.current)
         stand = Linearization(search.current, background, search.memory)
-        eligible = list_suspects(search.current.model, search.current.motions)
+        eligible = eligible_terms(search.current.model, search.current.motions)
         eligible = [t for t in eligible if t.identity not in search.banned]
         if _allow_for_skew(search, stand, eligible):
             continue
-        scores = judge(stand, eligible, seed)
+        scores = score_terms(stand, eligible, seed)
         search.asked = search.asked or len(scores)
         best = accepted(scores, rules)
         ended = number > most and bool(best)
@@ -204,7 +204,7 @@ def _add_further_events(search: _Search, first: Term) -> None:
     for _ in range(_MOST_EVENTS):
         current = search.current
         stand = Linearization(current, cross_fit(current), search.memory)
-        told = judge(stand, [replace(first, values={})], search.seed)
+        told = score_terms(stand, [replace(first, values={})], search.seed)
         if not told or not passes(told[0], search.asked, search.rules):
             return
         after, removed = add(current, told[0])

@@ -7,7 +7,7 @@ from jaxswarm.identify.checks.channels import enough, unrelated, wrong_channels,
 from jaxswarm.identify.checks.rough import Rough, samples_of
 from jaxswarm.logs import frozen, lost, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
-from jaxswarm.logs.finding import Finding, judged
+from jaxswarm.logs.finding import Finding, with_findings
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
@@ -58,9 +58,9 @@ def checked(
     log, found = spikes.bridged(log)
     found += lost.lost_samples(log) + frozen.saturation(log)
     log, stuck = frozen.without_stuck(log)
-    log = judged(log, [*found, *stuck], accept)
+    log = with_findings(log, [*found, *stuck], accept)
     log, motions = prepare_segments(log, filtering)
-    return judged(log, against_robot(robot, motions), accept), motions
+    return with_findings(log, against_robot(robot, motions), accept), motions
 
 
 def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:

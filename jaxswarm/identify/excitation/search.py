@@ -36,7 +36,7 @@ from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.robot.model import Robot
 from jaxswarm.swarm import Space, cma_es, minimize_runs
 
-# Samples of a period for each harmonic: in the search, and where the result is judged.
+# Samples of a period for each harmonic: in the search, and where the result is looked at.
 _COARSE, _FINE = 20, 100
 _RANDOM = 20
 
@@ -100,12 +100,12 @@ def excite(
     period = 1.0 / fundamental
 
     @jax.jit
-    def judge(x: jax.Array) -> jax.Array:
+    def value(x: jax.Array) -> jax.Array:
         return planned_columns(arm, terms, limits, *build(x, samples=fine), period)
 
     progress("random motions")
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
-    columns = [np.asarray(judge(x)) for x in starts]
+    columns = [np.asarray(value(x)) for x in starts]
     base = find_base(
         np.concatenate([x.T for x in columns[:4]]), column_names(robot, terms), tolerance=1e-7
     )
@@ -131,7 +131,7 @@ def excite(
     trajectory = Fourier(*map(np.asarray, (offset, sine, cosine)), fundamental)
     return Excitation(
         trajectory=trajectory,
-        condition=condition(np.asarray(judge(best))[kept]),
+        condition=condition(np.asarray(value(best))[kept]),
         random=np.array([condition(x[kept]) for x in columns]),
         base=base,
         used=used_shares(trajectory, limits),
