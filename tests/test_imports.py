@@ -30,13 +30,13 @@ ALLOWED = {
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
-    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables", "work"},
-    "testing": {"effects", "swarm"},
-    "cli_robot": {"robot", "console", "catalog"},
-    "cli": {
-        *(*PHYSICS, "swarm", "identify", "diagnose", "studies"),
-        *("commands", "outputs", "console", "work", "terminal", "cli_robot"),
+    "commands": {
+        *(*PHYSICS, "swarm", "identify", "diagnose", "studies", "tasks"),
+        *("outputs", "plots", "tables", "catalog", "console", "work", "runtime"),
     },
+    "testing": {"effects", "swarm"},
+    "runtime": {"terminal"},
+    "cli": {"commands", "console", "work"},
     "__main__": {"cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
@@ -97,7 +97,7 @@ def part(name: str) -> str:
 
 
 def test_the_walk_sees_imports_inside_functions():
-    assert "jaxswarm.identify.run" in EDGES["jaxswarm.cli"]
+    assert "jaxswarm.identify.run" in EDGES["jaxswarm.commands.identification"]
     assert "jaxswarm.errors" in EDGES["jaxswarm.effects.base"]
 
 
