@@ -12,7 +12,8 @@ PACKAGE = ROOT / "jaxswarm"
 PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
-    "outputs": set(),
+    "unfinished": set(),
+    "outputs": {"unfinished"},
     "provenance": set(),
     "claim": set(),
     "terminal": set(),
