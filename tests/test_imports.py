@@ -31,8 +31,12 @@ ALLOWED = {
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
+    "fleet": {
+        *(*PHYSICS, "identify", "diagnose", "tasks"),
+        *("outputs", "plots", "tables", "runtime"),
+    },
     "commands": {
-        *(*PHYSICS, "swarm", "identify", "diagnose", "studies", "tasks"),
+        *(*PHYSICS, "swarm", "identify", "diagnose", "studies", "tasks", "fleet"),
         *("outputs", "plots", "tables", "catalog", "console", "work", "runtime"),
     },
     "testing": {"effects", "swarm"},

@@ -6,15 +6,17 @@ from typing import Annotated
 import typer
 
 from jaxswarm import console
+from jaxswarm.commands import fleets
 from jaxswarm.commands.options import (
     LARGEST_SEED,
     Accept,
     Json,
-    Logs,
+    LogsOrNone,
     MotionCutoff,
     Out,
     Seed,
     TorqueCutoff,
+    show,
 )
 from jaxswarm.commands.robots import RobotName, with_robot_options
 from jaxswarm.errors import InputError
@@ -60,9 +62,9 @@ def register(app: typer.Typer) -> None:
     )
     @with_robot_options
     def diagnose(
-        logs: Logs,
         robot: RobotName,
         out: Out,
+        logs: LogsOrNone = None,
         declare: Annotated[
             str | None,
             typer.Option(help="What is known to be there: none, or name[@joint[:partner]],..."),
@@ -77,10 +79,25 @@ def register(app: typer.Typer) -> None:
         motion_cutoff: MotionCutoff = None,
         torque_cutoff: TorqueCutoff = None,
         accept: Accept = None,
+        fleet: fleets.Fleet = None,
+        against: fleets.Against = None,
+        arm_pattern: fleets.ArmPattern = None,
+        workers: fleets.Workers = None,
+        scheduler: fleets.Scheduler = None,
+        adaptive: fleets.Adaptive = False,
         json: Json = False,
     ) -> None:
         """Find the effect a declared model lacks, add it, and show the error before and after."""
         start()
+        asked = fleets.Asked(fleet, against, arm_pattern, workers, scheduler, adaptive)
+        if model is not None and declare is not None:
+            raise InputError(
+                "--declare and --model exclude each other; a model holds what is declared"
+            )
+        if fleets.is_fleet(asked, logs, validation):
+            question = (declare, model, seed, motion_cutoff, torque_cutoff, tuple(accept or ()))
+            show(fleets.run(asked, robot, out, *question), json)
+            return
         from jaxswarm.diagnose import print_diagnosis
         from jaxswarm.diagnose.run import diagnose_files
         from jaxswarm.identify.run import Options
@@ -91,10 +108,6 @@ def register(app: typer.Typer) -> None:
             torque_cutoff=torque_cutoff,
             accept=tuple(accept or ()),
         )
-        if model is not None and declare is not None:
-            raise InputError(
-                "--declare and --model exclude each other; a model holds what is declared"
-            )
         inputs = (*logs, *(validation or ()), model, Path(robot))
         with work(out, inputs, _DIAGNOSED, resumable=True) as status:
             if model is not None:

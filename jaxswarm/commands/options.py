@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from jaxswarm.tables import Result
 
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
-Logs = Annotated[list[Path], typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")]
+_LOGS = typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")
+Logs = Annotated[list[Path], _LOGS]
+LogsOrNone = Annotated[list[Path] | None, _LOGS]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
 Validation = Annotated[Path | None, typer.Option("--validation", help="Log to score on.")]
 # Seeds are 64-bit integers with a sign wherever random numbers are made.
