@@ -20,6 +20,8 @@ BOUND = 1.5
 # What bounding costs: part of the sample that estimates of normal data are worth, about this.
 EFFICIENCY = 0.8
 _ROUNDS, _HALVINGS = 8, 40
+# Variances below this part of the least known one are none.
+_LEAST = 1e-6
 
 
 class Population(NamedTuple):
@@ -62,9 +64,9 @@ def bounded_variance(
         lost: Degrees of freedom that the center took.
     """
     goal = (members.sum(axis=1) - lost) * expected_bounded_square(BOUND)
-    low = np.zeros(len(members))
-    # There every deviation is below the bound, and the sum below the goal.
-    high = 4.0 * np.where(members, deviations**2, 0.0).sum(axis=1) + 1e-300
+    # Below, a variance is nothing beside the known ones; above, every deviation is a small one.
+    low = np.full(len(members), _LEAST * variances.min())
+    high = 4.0 * np.where(members, deviations**2, 0.0).sum(axis=1) + low
 
     def too_small(variance: np.ndarray) -> np.ndarray:
         squares = deviations**2 / (variance[:, None] + variances)
@@ -72,7 +74,7 @@ def bounded_variance(
 
     none = ~too_small(low)
     for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
+        middle = np.sqrt(low * high)
         raise_it = too_small(middle)
         low, high = np.where(raise_it, middle, low), np.where(raise_it, high, middle)
     return np.where(none, 0.0, high)

@@ -60,7 +60,7 @@ def connected(cluster: Cluster) -> Iterator[Any]:
             n_workers=0 if cluster.adaptive else count,
             threads_per_worker=1,
             processes=cluster.processes,
-            dashboard_address=None,
+            dashboard_address=":0",  # whichever port is free
             silence_logs=logging.CRITICAL,
         )
         if cluster.adaptive:
