@@ -7,6 +7,8 @@ workers their lives, of too little memory for example, is given up with that rea
 """
 
 import logging
+import os
+import signal
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -75,6 +77,9 @@ def connected(cluster: Cluster) -> Iterator[Any]:
     try:
         client.register_plugin(_preparation())
         yield client
+    except BaseException:
+        _kill(own)
+        raise
     finally:
         with suppress(Exception):  # the end of the work must not be hidden by a worker that hangs
             client.close(timeout=_PATIENCE)
@@ -108,6 +113,14 @@ def answers(
     finally:
         with suppress(Exception):
             client.cancel(list(finished.futures), force=True)
+
+
+def _kill(own: Any) -> None:
+    """End worker processes in the midst of their work: asked politely, they would first finish it."""
+    for nanny in own.workers.values() if own is not None else ():
+        with suppress(AttributeError, OSError):  # a thread of this process, or gone already
+            nanny.auto_restart = False
+            os.kill(nanny.pid, signal.SIGKILL)
 
 
 def _preparation() -> Any:

@@ -82,6 +82,24 @@ def test_single_results_are_those_of_the_command_for_one_log(fleet):
     assert json.loads(kept.read_text())["effects"] == json.loads(json.dumps(alone["effects"]))
 
 
+def test_a_log_of_another_length_compiles_next_to_nothing(fleet, tmp_path):
+    import jax.monitoring
+    from fleet_logs import DECLARED, arm
+
+    from jaxswarm.fleet.one_log import Settings, examine
+
+    compiled = []
+    jax.monitoring.register_event_duration_secs_listener(
+        lambda event, _, **more: compiled.append(event) if "backend_compile" in event else None
+    )
+    for seconds in (10.3, 10.7):
+        compiled.clear()
+        write_rx60(tmp_path / "log.csv", 3, seconds=seconds)
+        assert "result" in examine(str(tmp_path / "log.csv"), Settings(arm(), DECLARED))
+    # Numbers of single values may meet a program of their own; what has the length of a log may not.
+    assert len(compiled) <= 3
+
+
 def counted(address, settings):
     CALLS.append(address)
     return {"stamp": importlib.import_module("jaxswarm.fleet.sources").stamp(address), **RESULT}

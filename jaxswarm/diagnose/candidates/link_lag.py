@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
@@ -62,7 +61,7 @@ def gears(
     law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
-    inertia = jnp.asarray(sensed.inertia(pi))
+    inertia = np.asarray(sensed.inertia(pi))
     found = [law.gear(option, inertia) for option in options]
     return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
 

@@ -64,10 +64,10 @@ def flank_compression(
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
 
-def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
+def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
     """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
     values = {n: jnp.asarray(x) for n, x in _values(term).items()}
-    return term.law.gear(values, jnp.asarray(inertia))
+    return term.law.gear(values, np.asarray(inertia))
 
 
 def link_motion(
