@@ -60,7 +60,8 @@ def rank(
 def _arm(name: str, entries: list[Entry], differs: tuple, drifts: tuple) -> Arm:
     used = [one for one in entries if one.verdict not in (REFUSED, FAILED)]
     newest = used[-1] if used else entries[-1]
-    worst = float(np.nanmax(newest.over_noise)) if newest.over_noise else np.nan
+    known = [x for x in newest.over_noise if np.isfinite(x)]
+    worst = max(known, default=np.nan)
     unused = len(entries) - len(used)
     return Arm(
         name, len(entries), unused, newest.source.date, newest.verdict, newest.found, worst,
