@@ -11,6 +11,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.lengths import filled
 
 
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
@@ -26,11 +27,12 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
             output = output[:, term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
         ends = 2 * output[[0, -1]] - output[[1, -2]]
-        longer = jnp.asarray(np.concatenate([ends[:1], output, ends[1:]]))
+        longer = jnp.asarray(filled(np.concatenate([ends[:1], output, ends[1:]])))
         jacobian = jax.jacfwd(lambda p: law.report(p, longer, step))(
             {name: jnp.asarray(value, float) for name, value in neutral.items()}
         )
-        return np.stack([np.asarray(jacobian[p.name])[1:-1] for p in law.parameters], axis=-1)
+        own = slice(1, 1 + len(output))
+        return np.stack([np.asarray(jacobian[p.name])[own] for p in law.parameters], axis=-1)
 
     low = stand.low(slopes)
     if term.joint is None:

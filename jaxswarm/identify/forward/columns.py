@@ -18,6 +18,7 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import regressor, standard_parameter_names
 from jaxswarm.robot.model import Robot
@@ -153,7 +154,7 @@ def term_columns(
     law = term.law
     nonlinear = {p.name: np.float64(term.values[p.name]) for p in law.nonlinear}
     series = joint_series(motion, width, load, term.joint, term.other)
-    return np.asarray(_law(law, nonlinear, series))
+    return np.asarray(_law(law, nonlinear, filled(series)))[: len(motion.t)]
 
 
 def column_names(robot: Robot, terms: tuple[Term, ...]) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -26,9 +27,11 @@ from jaxswarm.robot.model import Robot
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
     """Lag of a link behind its motor along a log: e, de, dde, each (T,)."""
     torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
-    lag = deflection(by_ddq, by_dq, by_q, torque, *_transmission(term, by_ddq), 1.0 / motion.rate)
+    driven = filled((by_ddq, by_dq, by_q, torque))
+    lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate)
+    lag = (np.asarray(x)[: len(motion.t)] for x in lag)
     size = max(1, round(blur_of(term) * motion.rate))
-    return tuple(ndimage.uniform_filter1d(np.asarray(x), size, mode="nearest") for x in lag)
+    return tuple(ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
 
 
 def blur_of(term: Term) -> float:
@@ -61,10 +64,10 @@ def flank_compression(
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
 
-def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
+def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
     """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
     values = {n: jnp.asarray(x) for n, x in _values(term).items()}
-    return term.law.gear(values, jnp.asarray(inertia))
+    return term.law.gear(values, np.asarray(inertia))
 
 
 def link_motion(

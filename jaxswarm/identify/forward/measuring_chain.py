@@ -24,6 +24,7 @@ from jaxswarm.effects.measurement import shift
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -134,11 +135,11 @@ def _(law: ExternalTorque, term, motion, width, load):
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
     """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
     measured = of_kind(terms, MeasurementLaw)
+    size, block = len(block), filled(block) if measured else block
     for term in sorted(measured, key=lambda t: t.joint is None):
         own = (slice(None), slice(None) if term.joint is None else term.joint)
-        block = block.copy()
         block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
-    return block
+    return block[:size]
 
 
 def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
@@ -160,7 +161,9 @@ def late(series: Sample, seconds: float, motion: Motion) -> Sample:
     """What a law sees, so much later: its torque is then what a late clock reports of it."""
     if not seconds:
         return series
-    return Sample(*(np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in series))
+    held = filled(series)
+    later = (np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in held)
+    return Sample(*(x[: len(motion.t)] for x in later))
 
 
 def term_block(
