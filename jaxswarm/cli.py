@@ -236,6 +236,14 @@ def diagnose(
     motion_cutoff: MotionCutoff = None,
     torque_cutoff: TorqueCutoff = None,
     accept: Accept = None,
+    budget: Annotated[
+        float | None,
+        typer.Option(
+            min=1e-3,
+            callback=_finite,
+            help="Seconds after which no further round begins: what is known then is reported.",
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Find the effect a declared model lacks, add it, and show the error before and after."""
@@ -249,6 +257,7 @@ def diagnose(
         motion_cutoff=motion_cutoff,
         torque_cutoff=torque_cutoff,
         accept=tuple(accept or ()),
+        budget=budget,
     )
     if model is not None and declare is not None:
         raise InputError("--declare and --model exclude each other; a model holds what is declared")

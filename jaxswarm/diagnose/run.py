@@ -11,6 +11,7 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.report import figures as pictures
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.result import place, to_result
+from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
@@ -50,7 +51,7 @@ def diagnose_files(
         declare: List of declared effects.
         out: Folder for ``diagnosis.json``, ``model.json``, ``report.html`` and pictures.
         validation: Logs to score on; none: blocks of time held out in turn.
-        options: Frequencies and seed.
+        options: Frequencies, seed and budget.
         progress: Called with one line per stage.
 
     Returns:
@@ -60,6 +61,7 @@ def diagnose_files(
         InputError: On anything that cannot be used; nothing is written then.
     """
     options = options or Options()
+    budget = given_budget(options.budget)
     robot = load_robot(robot_spec)
     terms = parse_terms(declare, robot.joints)
     refuse_undeclarable(terms)
@@ -88,15 +90,16 @@ def diagnose_files(
     other = [part for parts in prepared[len(paths) :] for part in parts]
     journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
     diagnosis = diagnose(
-        robot, terms, motions, seed=options.seed, progress=progress, journal=journal, other=other
-    )
+        robot, terms, motions, seed=options.seed, progress=progress, journal=journal, other=other,
+        budget=budget,
+    )  # fmt: skip
     band = diagnosis.final.model.filtering
     unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
     result, left = conclude(diagnosis, unseen, options.seed, progress)
     result["reasons"] += reasons
     _tell_source(result, logs, scored, [*paths, *further], declare, options)
     write_report(diagnosis, left, result, unseen, out, progress)
-    journal.close()
+    journal.close(done=diagnosis.spent is None)
     return result
 
 

@@ -11,6 +11,7 @@ from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
+from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -60,6 +61,7 @@ def compare_files(
         InputError: On anything that cannot be used; nothing is written then.
     """
     options = options or Options()
+    budget = given_budget(options.budget)
     model = load_model(model_path)
     robot = load_robot(robot_spec)
     if (robot.joints, robot.kinds) != (model.robot.joints, model.robot.kinds):
@@ -79,7 +81,9 @@ def compare_files(
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
-    found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
+    found = compare(
+        model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
+    )
     result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
     result["model"] = Path(model_path).name
     result["findings"] = findings(read)
@@ -88,7 +92,7 @@ def compare_files(
     result["logs"] = described(read[: len(paths)])
     result["validation_logs"] = described(read[len(paths) :])
     write_report(diagnosis, left, result, unseen, out, progress)
-    journal.close()
+    journal.close(done=found.spent is None)
     return result
 
 
@@ -159,5 +163,6 @@ def _as_diagnosis(found: Comparison) -> Diagnosis:
         rest = with_changes(found.before, found.changes[:k] + found.changes[k + 1 :])
         steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
     return Diagnosis(
-        found.before, found.after, tuple(steps), found.last, found.background, found.asked
-    )
+        found.before, found.after, tuple(steps), found.last, found.background, found.asked,
+        spent=found.spent,
+    )  # fmt: skip

@@ -10,6 +10,7 @@ from jaxswarm.diagnose.report.result import place
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
 from jaxswarm.diagnose.run import conclude
 from jaxswarm.diagnose.run_against import conclude_comparison
+from jaxswarm.diagnose.selection.budget import Budget, given_budget
 from jaxswarm.diagnose.selection.changes import compare as changes_since
 from jaxswarm.diagnose.selection.stepwise import diagnose as search
 from jaxswarm.effects.term import parse_terms
@@ -38,6 +39,7 @@ def diagnose(
     motion_cutoff: float | None = None,
     torque_cutoff: float | None = None,
     accept: Sequence[str] = (),
+    budget: float | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fitted:
     """Find the effect a declared model lacks, add it, and show the error before and after.
@@ -53,6 +55,7 @@ def diagnose(
         motion_cutoff: Low-pass of the positions [Hz]; None: found from the data; with ``declare`` only.
         torque_cutoff: Low-pass shared by torque and model [Hz], likewise.
         accept: Findings about the logs in spite of which they are fitted, by name.
+        budget: Time [s] after which no further round of the search begins; None: no limit.
         progress: Called with one line per stage.
 
     Returns:
@@ -61,11 +64,11 @@ def diagnose(
     Raises:
         InputError: On anything that cannot be used.
     """
-    robot = as_robot(robot)
+    robot, limit = as_robot(robot), given_budget(budget)
     if model is not None:
         if declare is not None or rules is not None or motion_cutoff or torque_cutoff:
             raise InputError("model excludes declare, rules and cutoffs: the model holds them")
-        return _against(logs, as_model(model), validation, seed, progress, accept)
+        return _against(logs, as_model(model), validation, seed, limit, progress, accept)
     terms = parse_terms(declare or "none", robot.joints)
     refuse_undeclarable(terms)
     filtering = Filtering(motion_cutoff, torque_cutoff)
@@ -79,25 +82,25 @@ def diagnose(
         result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
         result["findings"] = findings(read)
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
-    found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress)
+    found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
     unseen = []
     if validation is not None:
         _, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
     result, left = conclude(found, unseen, seed, progress)
-    result["reasons"] = reasons
+    result["reasons"] += reasons
     result["findings"] = findings(read)
     shown = unseen[0] if unseen else found.final.motions[0]
     return _result(result, with_smooth_terms(found.final, left), shown)
 
 
 def _against(
-    logs: Logs, model: Model, validation, seed: int, progress, accept: Sequence[str]
+    logs: Logs, model: Model, validation, seed: int, budget: Budget, progress, accept
 ) -> Fitted:
     read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
     unseen = []
     if validation is not None:
         _, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
-    found = changes_since(model, motions, seed=seed, progress=progress)
+    found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
     result["findings"] = findings(read)
     shown = unseen[0] if unseen else motions[0]

@@ -79,6 +79,7 @@ def undecidable(
         "proof": NO_PROOF,
         "residual_over_noise": [],
         "discovered": [],
+        "budget": None,
         "reasons": list(reasons),
         "asked": 0,
         "not_added": [],

@@ -32,7 +32,7 @@ from jaxswarm.identify.report.summary import (
 )
 from jaxswarm.logs.motion import Motion
 
-_ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
+_TRIED = "the budget ended the search before it was added", "the refit did not confirm it"
 
 
 def place(term: Term, joints: tuple[str, ...]) -> dict:
@@ -102,9 +102,10 @@ def to_result(
         "proof": proof(final, validation),
         "residual_over_noise": [r.over_noise for r in remains],
         "discovered": [],
+        "budget": vars(diagnosis.spent) if diagnosis.spent else None,
         "reasons": [
             *([why] if why else []),
-            *([_ENDED] if diagnosis.ended else []),
+            *diagnosis.cut_short,
             *grown(errors.validation, joints, noise, HARM),
         ],
         "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
@@ -247,5 +248,5 @@ def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
         **place(item.candidate.term, joints),
         "share_of_error": item.share,
         "p_value": item.p_value,
-        "rejected_because": reasons or ["the refit did not confirm it"],
+        "rejected_because": reasons or [_TRIED[diagnosis.spent is None]],
     }
