@@ -37,7 +37,7 @@ class Journal:
             content = json.loads((self.folder / FILE).read_text(encoding="utf-8"))
             if content["fingerprint"] == fingerprint:
                 self.rounds = content["rounds"]
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             pass  # no earlier attempt, or one that cannot be read: start anew
 
     def recall(self, number: int, term: Term) -> list[dict[str, float]] | None:
