@@ -37,7 +37,7 @@ def spoiled(arms: int) -> None:
 def judged(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
     """What a diagnosis of the log says, and whether that is right."""
     try:
-        found = tasks.diagnose(log, arm.robot, _list_of(arm), budget=BUDGET)
+        found = tasks.diagnose(log, arm.robot, declared_list(arm), budget=BUDGET)
     except InputError as error:
         text = str(error)
         right = any(word in text for word in spoiling.said)
@@ -52,6 +52,7 @@ def judged(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
     return {**told, "text": text[:600]}
 
 
-def _list_of(arm: Arm) -> str:
+def declared_list(arm: Arm) -> str:
+    """What the user declares of an arm, as the command line has it."""
     names = arm.robot.joints
     return ",".join(f"{t.effect}@{names[t.joint]}" for t in arm.declared) or "none"
