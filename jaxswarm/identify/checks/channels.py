@@ -35,9 +35,9 @@ _NONE = 0.05
 _POOR = 0.1
 _SIGNS = {"torque_sign", "position_sign"}
 # Scales are believed where they lower that sum by less: nothing but the scale changes, so that on clean logs,
-# and on logs with any one law missing, none lowers it by more than 0.3 for torques and time. A last joint's
-# position may bend into what is missing by 0.5. Twice the scale costs 0.5 to 10 where it can be seen at all.
-_SCALES = {"torque_scale": 0.55, "time_scale": 0.55, "encoder_scale": 0.8}
+# and on logs with any one law missing, no torque's scale lowers it by more than 0.3 and time's by 0.05. A last
+# joint's position may bend into what is missing by 0.5. Twice the scale costs 0.4 to 10 where it can be seen.
+_SCALES = {"torque_scale": 0.55, "time_scale": 0.3, "encoder_scale": 0.8}
 # Turns of a joint [rad] that no arm makes; degrees make them at once.
 _FAR = 4.0 * np.pi
 # Mass [kg] at the end of an arm of a meter that would need the logged torques, and how it grows with the reach:
