@@ -107,7 +107,7 @@ def diagnose(
     """
     rules = rules or Rules()
     progress("fitting the declared model")
-    start = with_motion_noise(estimate(robot, declared, motions, bounded=False), seed)
+    start = estimate(robot, declared, motions, bounded=False)
     budget = budget or Budget()
     memory = Memory(journal, rules.share)
     search = _Search(start, start, rules, seed, memory, other, progress, budget)
@@ -116,6 +116,7 @@ def diagnose(
     for number in range(1, most + 2):
         error = _error(search.current)
         progress(f"round {number}: scoring candidates, {error:.3g} % error so far")
+        search.current = with_motion_noise(search.current, seed)
         background = cross_fit(search.current)
         if budget.spent:
             spent = Spent(budget.seconds, number - 1)
