@@ -16,11 +16,10 @@ _SEARCH = """
 import sys, jax, numpy as np
 jax.config.update("jax_enable_x64", True)
 from pathlib import Path
-from jaxswarm.swarm import Space, minimize_resumable, optimizers, find_optimizer
+from jaxswarm.swarm import Space, cma_es, minimize_resumable, sepso, shade
 space = Space.vector([-5.0] * 8, [5.0] * 8)
 cost = lambda x, args: (x**2 - 10 * jax.numpy.cos(2 * jax.numpy.pi * x)).sum()
-for name in ("cma_es", "shade", "sepso"):
-    optimizer = find_optimizer(name)()
+for name, optimizer in {"cma_es": cma_es(), "shade": shade(), "sepso": sepso()}.items():
     found = minimize_resumable(cost, optimizer, space, jax.random.key(1), num_steps=3000, path=name + ".ckpt",
                                every=100)
     Path("out").mkdir(exist_ok=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jaxswarm import outputs, plots
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
-from jaxswarm.diagnose.decision.insufficient import all_rest, resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
 from jaxswarm.diagnose.report import figures as pictures
@@ -18,6 +18,7 @@ from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.check_log import without_relation
+from jaxswarm.identify.checks.weak import WEAK, all_rest, resting_joints, too_short
 from jaxswarm.identify.forward.model import model_torque, save_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
@@ -77,7 +78,8 @@ def diagnose_files(
     motions = [part for parts in prepared[: len(paths)] for part in parts]
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
-    short = too_short(motions, columns)
+    weak = WEAK not in options.accept
+    short = too_short(motions, columns) if weak else []
     rests = all_rest(motions)
     if not rests and "no_relation" not in options.accept:
         rests = without_relation(robot, motions)

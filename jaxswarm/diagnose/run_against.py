@@ -19,6 +19,7 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
@@ -79,6 +80,7 @@ def compare_files(
     refuse_missing_channels(model.terms, read)
     refuse_resting_joints(read[: len(paths)], robot)
     motions = [part for parts in prepared[: len(paths)] for part in parts]
+    refuse_weak(motions, 10 * robot.num_joints, options.accept)
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))

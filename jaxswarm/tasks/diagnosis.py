@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
 from jaxswarm.diagnose.report.result import place
@@ -16,13 +16,14 @@ from jaxswarm.diagnose.selection.stepwise import diagnose as search
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import without_relation
+from jaxswarm.identify.checks.weak import WEAK, all_rest, refuse_weak, resting_joints, too_short
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.summary import units
-from jaxswarm.identify.run import findings, refuse_undeclarable
+from jaxswarm.identify.run import findings, refuse_resting_joints, refuse_undeclarable
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
-from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double
+from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double, refuse_shared
 from jaxswarm.tasks.words import effect_table, error_table
 
 
@@ -75,8 +76,10 @@ def diagnose(
     read, motions = prepared(logs, robot, filtering, terms, accept)
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
-    short = too_short(motions, columns)
-    lost = [] if "no_relation" in accept else without_relation(robot, motions)
+    short = [] if WEAK in accept else too_short(motions, columns)
+    lost = all_rest(motions)
+    if not lost and "no_relation" not in accept:
+        lost = without_relation(robot, motions)
     if short or lost:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
@@ -85,7 +88,8 @@ def diagnose(
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
     unseen = []
     if validation is not None:
-        _, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
+        scored, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
+        refuse_shared(read, scored)
     result, left = conclude(found, unseen, seed, progress)
     result["reasons"] += reasons
     result["findings"] = findings(read)
@@ -97,9 +101,12 @@ def _against(
     logs: Logs, model: Model, validation, seed: int, budget: Budget, progress, accept
 ) -> Fitted:
     read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
+    refuse_resting_joints(read, model.robot)
+    refuse_weak(motions, 10 * model.robot.num_joints, accept)
     unseen = []
     if validation is not None:
-        _, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
+        scored, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
+        refuse_shared(read, scored)
     found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
     result["findings"] = findings(read)

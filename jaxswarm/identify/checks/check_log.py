@@ -6,6 +6,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.checks.channels import enough, unrelated, wrong_channels, wrong_unit
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough, samples_of
+from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.finding import Finding, with_findings
@@ -27,6 +28,7 @@ CHECKS = {
     "time_scale": "time that is a multiple of what is logged",
     "late_torque": "a joint's torque that is late or early against its motion",
     "torque_unit": "torques out of reach of any arm of that geometry",
+    WEAK: "motion that is too short or too little for what is asked",
     "no_relation": "torque that has nothing to do with the motion",
 }
 
@@ -69,7 +71,7 @@ def checked(
 
 def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     """What is wrong with the motions and torques of a log of this robot."""
-    if motions[0].tau is None:
+    if motions[0].tau is None or all_rest(motions):
         return []
     samples = samples_of(motions)
     if not enough(robot, samples):
