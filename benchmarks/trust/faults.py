@@ -18,6 +18,10 @@ _STARTED = 1.5
 _CODES = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
 # Files that an unfinished command may leave in its output: from them it goes on.
 _KEPT = ("diagnosis.partial.json",)
+# Commands that write one set of results, which is left whole or not at all; what is killed in turn; and what
+# takes minutes and is killed one time in ten.
+_COMMANDS = ("identify", "diagnose", "diagnose --model")
+_SHORT, _LONG = (*_COMMANDS, "minimize_resumable"), "study"
 
 
 class Reference:
@@ -45,16 +49,16 @@ def faults(kills: int) -> None:
         reference = Reference(Path(place))
         wanted: dict[str, Callable[[Path], str]] = {}
         for k in range(kills):
-            job = list(JOBS)[k % len(JOBS)]
+            job = _LONG if k % 10 == 9 else _SHORT[k % len(_SHORT)]
             wanted[f"kill {k} of {job}"] = _bound(_ended_early, reference, job, signal.SIGKILL, k)
         for job in JOBS:
             for number in _CODES:
-                if job == "minimize_resumable":
-                    continue  # a script of its own, whose signals are Python's
+                if job not in _COMMANDS:
+                    continue
                 name = f"{number.name} of {job}"
                 wanted[name] = _bound(_ended_early, reference, job, number, len(wanted))
         for name, try_it in _OTHERS.items():
-            for job in ("identify", "diagnose", "diagnose --model"):
+            for job in _COMMANDS:
                 wanted[f"{name}: {job}"] = _bound(try_it, reference, job)
         for name, try_it in wanted.items():
             if name not in done:
@@ -84,7 +88,7 @@ def _ended_early(
         expected, word = _CODES[number]
         if code != expected or "Traceback" in told or word not in told:
             return f"at {moment:.1f} s of {seconds:.1f} s: code {code}: {told}"
-    if visible and job in ("identify", "diagnose", "diagnose --model") and visible != _names(whole):
+    if visible and job in _COMMANDS and visible != _names(whole):
         return f"at {moment:.1f} s: a part of the results was left: {sorted(visible)}"
     code, told = finish(start(job, folder))
     return _same(whole, folder, code, told, f"after {number.name} at {moment:.1f} s")

@@ -1,6 +1,7 @@
 """Commands that are killed and starved: each in a folder of its own, with the same bytes at any time."""
 
 import hashlib
+import json
 import os
 import subprocess
 import sys
@@ -9,9 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.trust import good
+from jaxswarm.outputs import MANIFEST
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = "out"
+# Results that hold measured times; every other file is compared as it is.
+STUDIES = ("rx60", "sepso")
 _SEARCH = """
 import sys, jax, numpy as np
 jax.config.update("jax_enable_x64", True)
@@ -79,7 +83,21 @@ def finish(process: subprocess.Popen) -> tuple[int, str]:
 
 
 def content(folder: Path) -> dict[str, str]:
-    """Digests of everything a job left in its output, by name."""
+    """Digests of everything a job left in its output, by name, but for times that a study measures."""
     place = folder / OUT
     files = sorted(p for p in place.rglob("*") if p.is_file()) if place.is_dir() else []
-    return {str(p.relative_to(place)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+    return {str(p.relative_to(place)): _digest(p) for p in files if p.name != MANIFEST}
+
+
+def _digest(path: Path) -> str:
+    data = path.read_bytes()
+    if path.suffix == ".json" and path.name.startswith(STUDIES):
+        data = json.dumps(_untimed(json.loads(data))).encode()
+    return hashlib.sha256(data).hexdigest()
+
+
+def _untimed(content):
+    if isinstance(content, dict):
+        kept = {k: v for k, v in content.items() if not k.startswith("seconds")}
+        return {k: _untimed(v) for k, v in kept.items()}
+    return [_untimed(v) for v in content] if isinstance(content, list) else content
