@@ -12,6 +12,9 @@ from jaxswarm.robot.model import Robot
 WEAK = "weak_motion"
 # Least number of independent rows per parameter, and least time [s], to hold blocks of time out.
 _ROWS_PER_PARAMETER, _SECONDS = 3.0, 2.0
+# The same of a fit alone: with fewer rows than parameters any noise is fitted, and the ends of a log are a part
+# of a second.
+_ROWS_OF_A_FIT, _SECONDS_OF_A_FIT = 1.0, 1.0
 # Least travel [rad or m] of a joint that moves.
 _LEAST_TRAVEL = 1e-3
 
@@ -43,20 +46,25 @@ def all_rest(motions: Sequence[Motion]) -> list[str]:
     return ["no joint moves: a standing arm tells nothing of its model; log a motion"]
 
 
-def too_short(motions: Sequence[Motion], parameters: int) -> list[str]:
+def too_short(
+    motions: Sequence[Motion],
+    parameters: int,
+    rows_each: float = _ROWS_PER_PARAMETER,
+    least: float = _SECONDS,
+) -> list[str]:
     """Sentences on logs with too few independent samples for a decision on held-out time."""
     rows = sum(len(m.decimator.kept(len(m.t))) * m.q.shape[1] for m in motions)
     seconds = sum(float(m.t[-1] - m.t[0]) for m in motions)
     reasons = []
-    if rows < _ROWS_PER_PARAMETER * parameters:
+    if rows < rows_each * parameters:
         reasons.append(
             f"{rows} independent samples below {motions[0].torque_cutoff:.3g} Hz are too few for "
             f"{parameters} parameters and a part to test on; log at least "
-            f"{seconds * _ROWS_PER_PARAMETER * parameters / max(rows, 1):.0f} s of exciting motion"
+            f"{np.ceil(seconds * rows_each * parameters / max(rows, 1)):.0f} s of exciting motion"
         )
-    elif seconds < _SECONDS:
+    elif seconds < least:
         reasons.append(
-            f"{seconds:.2g} s are too short to hold blocks of time out; log at least {_SECONDS:g} s"
+            f"{seconds:.2g} s are too short to hold blocks of time out; log at least {least:g} s"
         )
     return reasons
 
@@ -72,7 +80,8 @@ def refuse_weak(motions: Sequence[Motion], parameters: int, accept: Sequence[str
     Raises:
         InputError: With what the motion lacks.
     """
-    lacks = all_rest(motions) or too_short(motions, parameters)
+    lacks = all_rest(motions)
+    lacks = lacks or too_short(motions, parameters, _ROWS_OF_A_FIT, _SECONDS_OF_A_FIT)
     if lacks and WEAK not in accept:
         raise InputError(
             f"{motions[0].source}: {WEAK}: {'; '.join(lacks)}. To go on all the same, pass --accept {WEAK}"
