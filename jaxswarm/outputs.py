@@ -210,7 +210,7 @@ def _manifest(folder: Path) -> list[dict[str, str]]:
         sets = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sets"]
         # A name with a separator could lead out of the folder.
         return [{n: str(d) for n, d in one.items() if n == Path(n).name} for one in sets]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return []
 
 

@@ -73,7 +73,16 @@ def is_fleet(asked: Asked, logs: list[Path] | None, validation: list[Path] | Non
 
 
 def run(
-    asked: Asked, robot, out: Path, declare, model, seed, motion_cutoff, torque_cutoff, accept
+    asked: Asked,
+    robot,
+    out: Path,
+    declare,
+    model,
+    seed,
+    motion_cutoff,
+    torque_cutoff,
+    accept,
+    budget,
 ) -> "Result":
     """Diagnose a fleet; the arguments are those of the command."""
     from jaxswarm.fleet.extra import require
@@ -96,5 +105,6 @@ def run(
             motion_cutoff=motion_cutoff,
             torque_cutoff=torque_cutoff,
             accept=accept,
+            budget=budget,
             progress=status,
         )

@@ -16,6 +16,7 @@ from jaxswarm.commands.options import (
     Out,
     Seed,
     TorqueCutoff,
+    finite,
     show,
 )
 from jaxswarm.commands.robots import RobotName, with_robot_options
@@ -79,6 +80,14 @@ def register(app: typer.Typer) -> None:
         motion_cutoff: MotionCutoff = None,
         torque_cutoff: TorqueCutoff = None,
         accept: Accept = None,
+        budget: Annotated[
+            float | None,
+            typer.Option(
+                min=1e-3,
+                callback=finite,
+                help="Seconds after which no further round begins: what is known then is reported.",
+            ),
+        ] = None,
         fleet: fleets.Fleet = None,
         against: fleets.Against = None,
         arm_pattern: fleets.ArmPattern = None,
@@ -95,7 +104,15 @@ def register(app: typer.Typer) -> None:
                 "--declare and --model exclude each other; a model holds what is declared"
             )
         if fleets.is_fleet(asked, logs, validation):
-            question = (declare, model, seed, motion_cutoff, torque_cutoff, tuple(accept or ()))
+            question = (
+                declare,
+                model,
+                seed,
+                motion_cutoff,
+                torque_cutoff,
+                tuple(accept or ()),
+                budget,
+            )
             show(fleets.run(asked, robot, out, *question), json)
             return
         from jaxswarm.diagnose import print_diagnosis
@@ -107,6 +124,7 @@ def register(app: typer.Typer) -> None:
             motion_cutoff=motion_cutoff,
             torque_cutoff=torque_cutoff,
             accept=tuple(accept or ()),
+            budget=budget,
         )
         inputs = (*logs, *(validation or ()), model, Path(robot))
         with work(out, inputs, _DIAGNOSED, resumable=True) as status:

@@ -28,7 +28,7 @@ Seed = Annotated[
 ]
 
 
-def _finite(number: float | None) -> float | None:
+def finite(number: float | None) -> float | None:
     if number is not None and not isfinite(number):
         raise typer.BadParameter(f"{number} is no finite number.")
     return number
@@ -37,12 +37,12 @@ def _finite(number: float | None) -> float | None:
 MotionCutoff = Annotated[
     float | None,
     typer.Option(
-        min=0.01, callback=_finite, help="Low-pass of the motion [Hz]; found from the data."
+        min=0.01, callback=finite, help="Low-pass of the motion [Hz]; found from the data."
     ),
 ]
 TorqueCutoff = Annotated[
     float | None,
-    typer.Option(min=0.01, callback=_finite, help="Low-pass shared by torque and model [Hz]."),
+    typer.Option(min=0.01, callback=finite, help="Low-pass shared by torque and model [Hz]."),
 ]
 
 

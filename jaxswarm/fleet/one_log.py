@@ -27,6 +27,7 @@ class Settings:
         seed: Seed of the searches.
         motion_cutoff, torque_cutoff: Low-passes [Hz]; None: found from the data.
         accept: Findings in spite of which a log is fitted.
+        budget: Seconds after which no further round of a log begins; None: as many as it takes.
     """
 
     robot: Robot
@@ -36,6 +37,7 @@ class Settings:
     motion_cutoff: float | None = None
     torque_cutoff: float | None = None
     accept: tuple[str, ...] = ()
+    budget: float | None = None
 
 
 def examine(address: str, settings: Settings) -> dict:
@@ -65,6 +67,7 @@ def examine(address: str, settings: Settings) -> dict:
                 motion_cutoff=settings.motion_cutoff,
                 torque_cutoff=settings.torque_cutoff,
                 accept=settings.accept,
+                budget=settings.budget,
             )
         return {"stamp": mark, "result": dict(found.content)}
     except InputError as error:

@@ -45,6 +45,7 @@ def diagnose_fleet(
     motion_cutoff: float | None = None,
     torque_cutoff: float | None = None,
     accept: Sequence[str] = (),
+    budget: float | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Result:
     """Diagnose every log of a fleet and say which arm needs a look.
@@ -58,7 +59,7 @@ def diagnose_fleet(
         against: ``"fleet"``: compare every arm with the others too.
         arm_pattern: Rule for arm and date, see :mod:`jaxswarm.fleet.naming`.
         cluster: Where to work; default all cores of this machine.
-        seed, motion_cutoff, torque_cutoff, accept: As for one log.
+        seed, motion_cutoff, torque_cutoff, accept, budget: As for one log.
         progress: Called with one line per log.
 
     Returns:
@@ -70,7 +71,7 @@ def diagnose_fleet(
     require()
     if against is not None and against not in AGAINST:
         raise InputError(f"--against {against}: give fleet, to compare every arm with the others")
-    settings = _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept)
+    settings = _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
     pattern = read_pattern(arm_pattern)
     outputs.check_folder(out)
     progress("looking for logs")
@@ -109,14 +110,18 @@ def diagnose_fleet(
     return Result(content, (headline(arms), *_told(content)), (_ranking(arms),))
 
 
-def _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept) -> Settings:
+def _settings(
+    robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget
+) -> Settings:
     """What is asked of every log; what is wrong with it is told before the first."""
     arm = load_robot(robot)
     earlier = None if model is None else load_model(model)
     if model is not None and (motion_cutoff or torque_cutoff):
         raise InputError("--model holds the cutoffs: leave out --motion-cutoff and --torque-cutoff")
     refuse_undeclarable(parse_terms(declare or "none", arm.joints))
-    return Settings(arm, declare, earlier, seed, motion_cutoff, torque_cutoff, tuple(accept))
+    return Settings(
+        arm, declare, earlier, seed, motion_cutoff, torque_cutoff, tuple(accept), budget
+    )
 
 
 def _refuse_among_logs(out: Path, logs: str, sources: Sequence[Source]) -> None:

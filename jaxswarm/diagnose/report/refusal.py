@@ -4,13 +4,19 @@ from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.report.numbers import percent
 
 
-def refusal(item: Score, rules: Rules, asked: int) -> dict:
+# Why one that passed was not added: the refit, or the time that was given.
+_UNCONFIRMED = "the refit did not confirm it"
+_OUT_OF_TIME = "the budget ended the search before it was added"
+
+
+def refusal(item: Score, rules: Rules, asked: int, spent: bool = False) -> dict:
     """What a candidate that was not added would have taken off, and each rule that it failed.
 
     Args:
         item: Its score.
         rules: The thresholds.
         asked: Number of candidates scored beside it.
+        spent: Whether a budget ended the search.
     """
     reasons = []
     if item.gain <= 0:
@@ -34,5 +40,5 @@ def refusal(item: Score, rules: Rules, asked: int) -> dict:
     return {
         "share_of_error": item.share,
         "p_value": item.p_value,
-        "rejected_because": reasons or ["the refit did not confirm it"],
+        "rejected_because": reasons or [_OUT_OF_TIME if spent else _UNCONFIRMED],
     }

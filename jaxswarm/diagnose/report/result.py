@@ -32,8 +32,6 @@ from jaxswarm.identify.report.summary import (
 )
 from jaxswarm.logs.motion import Motion
 
-_ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
-
 
 def place(term: Term, joints: tuple[str, ...]) -> dict:
     """Effect and joint (null for a global effect, partner where there is one)."""
@@ -102,15 +100,19 @@ def to_result(
         "proof": proof(final, validation),
         "residual_over_noise": [r.over_noise for r in remains],
         "discovered": [],
+        "budget": vars(diagnosis.spent) if diagnosis.spent else None,
         "reasons": [
             *([why] if why else []),
-            *([_ENDED] if diagnosis.ended else []),
+            *diagnosis.cut_short,
             *grown(errors.validation, joints, noise, HARM),
         ],
         "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
         "asked": diagnosis.asked,
         "not_added": [
-            {**place(s.candidate.term, joints), **refusal(s, rules, len(diagnosis.last))}
+            {
+                **place(s.candidate.term, joints),
+                **refusal(s, rules, len(diagnosis.last), diagnosis.spent is not None),
+            }
             for s in _ranked(diagnosis.last)[:12]
         ],
         "effective_samples": diagnosis.background.effective,

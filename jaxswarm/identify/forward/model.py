@@ -140,7 +140,7 @@ def load_model(path: Path) -> Model:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; identify writes it as DIR/model.json") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: cannot be read as JSON ({error}); pass a model.json") from None
     if not isinstance(content, dict) or "format" not in content:
         raise InputError(f"{path}: is no jaxswarm model; pass a model.json written by identify")
