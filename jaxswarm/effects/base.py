@@ -52,6 +52,7 @@ class Effect:
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
+        turning: Whether only a joint that turns can have it.
         everyday: Whether every drive has it: missing on several joints, it is added to all at once.
         recurring: Whether it is an event of one log with a begin and an end, of which there may be
             several, and not a property of the robot, of which every stretch of a log is evidence.
@@ -77,6 +78,7 @@ class Effect:
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     min_joints: int = 1
+    turning: bool = False
     everyday: bool = False
     recurring: bool = False
     reference_only: bool = False

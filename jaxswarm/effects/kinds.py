@@ -201,13 +201,13 @@ class MeasurementLaw(Effect):
             x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
             arm sees (T, n, ...), one of a joint that joint's (T, ...).
         clock: Whether its one parameter is the time [s] by which the torque's clock lags.
-        excess: ``excess(p)``: what the encoder of its joint says too much [rad or m], zero for neutral
-            parameters; None: encoders are true.
+        excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where it
+            says q and that of the partner q_other, zero for neutral parameters; None: encoders are true.
     """
 
     report: Callable[[Mapping, jax.Array, float], jax.Array] = lambda p, x, step: x
     clock: bool = False
-    excess: Callable[[Mapping], jax.Array] | None = None
+    excess: Callable[[Mapping, jax.Array, jax.Array], jax.Array] | None = None
 
     @property
     def changes_rigid_columns(self) -> bool:
@@ -216,7 +216,7 @@ class MeasurementLaw(Effect):
 
     @property
     def shows_on_own_joint(self) -> bool:
-        """The zero of a joint turns the weight of all links beyond; its own torque takes that up."""
+        """A wrong position turns the weight of all links beyond; its own torque may take that up."""
         return self.excess is None
 
     def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
@@ -232,12 +232,14 @@ class MeasurementLaw(Effect):
     def check(self) -> None:
         """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
         super().check()
-        if self.scope == "pair" or self.linear:
+        if (self.scope == "pair" and self.excess is None) or self.linear:
             raise ValueError(
                 f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
                 "linear parameter"
             )
-        if self.excess is not None and self.scope != "joint":
-            raise ValueError(f"effect {self.name!r} is of an encoder: its scope is 'joint'")
+        if self.excess is not None and self.scope == "global":
+            raise ValueError(
+                f"effect {self.name!r} is of an encoder: its scope is 'joint' or 'pair'"
+            )
         if self.clock and (self.scope != "global" or len(self.parameters) != 1):
             raise ValueError(f"effect {self.name!r} is a clock: one parameter, scope 'global'")

@@ -6,8 +6,8 @@ transmission passes
     s = k z + d (dtheta - dq),   z = dead zone of (theta - q), ``gap`` to either side.
 
 Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
-ripple and rotor inertia see motor position and velocity, the rigid body sees the links. A
-:class:`BodyChange` changes the robot itself, a :class:`MeasurementLaw` what is measured.
+ripple and rotor inertia see motor position and velocity as the encoders say them, the rigid body sees the
+links. A :class:`BodyChange` changes the robot itself, a :class:`MeasurementLaw` what is measured.
 """
 
 import dataclasses
@@ -165,30 +165,9 @@ def put_on(law: Effect, plant: Plant, acting: Acting) -> Plant:
 
 @put_on.register(TorqueLaw)
 @put_on.register(TransmissionLaw)
+@put_on.register(MeasurementLaw)
 def _(law, plant, acting):
     return plant.replace(acting=(*plant.acting, acting))
-
-
-@put_on.register
-def _(law: MeasurementLaw, plant, acting):
-    plant = plant.replace(acting=(*plant.acting, acting))
-    if law.excess is None:
-        return plant
-    # What the encoder says is the coordinate: the arm is mounted so that it stands where it says zero.
-    return plant.replace(robot=_mounted(plant.robot, acting.joint, -law.excess(acting.values)))
-
-
-def _mounted(robot: Robot, joint: int, by: jax.Array | float) -> Robot:
-    """Return the robot that stands at zero as the given one with a joint at ``by`` [rad or m]."""
-    axis, rotation = jnp.asarray(robot.axis[joint]), jnp.asarray(robot.rotation[joint])
-    if robot.kinds[joint] == "prismatic":
-        moved = jnp.asarray(robot.translation).at[joint].add(rotation @ axis * by)
-        return robot.replace(translation=_known(moved))
-    cross = jnp.cross(axis[:, None], jnp.eye(3), axis=0)
-    turn = jnp.eye(3) + jnp.sin(by) * cross + (1.0 - jnp.cos(by)) * cross @ cross
-    return robot.replace(
-        rotation=_known(jnp.asarray(robot.rotation).at[joint].set(rotation @ turn))
-    )
 
 
 @put_on.register

@@ -180,16 +180,6 @@ def test_global_effects_change_the_robot():
     np.testing.assert_allclose((loaded.parameters - robot.parameters)[1, :2], [3.0, 0.6])
 
 
-@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
-def test_an_encoder_whose_zero_is_wrong_is_an_arm_that_stands_elsewhere(kind):
-    robot = two_joint_arm(kind)
-    wrong = make_plant(robot, [Acting("encoder_offset", 1, values={"dq0": 0.2})]).robot
-    q, dq, ddq = np.array([0.3, -0.5]), np.array([0.4, 0.9]), np.array([1.0, -2.0])
-    true = inverse_dynamics(robot, q - np.array([0.0, 0.2]), dq, ddq)
-    np.testing.assert_allclose(inverse_dynamics(wrong, q, dq, ddq), true, atol=1e-12)
-    assert np.abs(true - inverse_dynamics(robot, q, dq, ddq)).max() > 0.01
-
-
 def test_gain_and_delay_show_in_the_measured_torque_only():
     terms = [Acting("drive_gain", 0, values={"gain": 1.1})]
     terms += [Acting("time_delay", values={"seconds": 0.002})]

@@ -31,10 +31,11 @@ def eligible_terms(
             continue  # the rigid parameters say the same
         if not all(name in m.channels for name in law.requires for m in motions):
             continue
+        fits = [not law.turning or kind == "revolute" for kind in model.robot.kinds]
         if law.scope == "global":
             places = [(None, None)]
         elif law.scope == "joint":
-            places = [(j, None) for j in range(joints) if moves[j]]
+            places = [(j, None) for j in range(joints) if moves[j] and fits[j]]
         else:
             places = [(j, o) for j in range(joints) for o in range(joints) if j != o and moves[o]]
         # Several events are possible; and an earlier model's friction may have changed.

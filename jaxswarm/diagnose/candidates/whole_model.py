@@ -11,6 +11,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.link_lag import excess_of
 
 
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
@@ -42,10 +43,15 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
 
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
-    law = term.law
-    slopes = jax.jacfwd(law.excess)({n: jnp.asarray(x, float) for n, x in law.neutral().items()})
-    by_position = stand.sensed(term.joint)[k].at(stand.pi)[1]
-    return np.stack([-by_position * float(slopes[p.name]) for p in law.parameters], axis=2)
+    neutral = {n: jnp.asarray(x, float) for n, x in term.law.neutral().items()}
+    motion = stand.found.motions[k]
+    slopes = jax.jacfwd(lambda p: excess_of(term, motion, p))(neutral)
+    by = stand.sensed(term.joint)[k].at(stand.pi)[1:]
+    columns = [
+        -sum(x * np.asarray(e[p.name])[:, None] for x, e in zip(by, slopes, strict=True))
+        for p in term.law.parameters
+    ]
+    return np.stack(columns, axis=2)
 
 
 def body_candidate(stand: Linearization, term: Term) -> Candidate:
