@@ -13,6 +13,9 @@ from jaxswarm.effects import gravity_compensator as gravity_compensator
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
 from jaxswarm.effects import position_friction as position_friction
+from jaxswarm.effects import torque_constant_saturation as torque_constant_saturation
+from jaxswarm.effects import torque_dead_band as torque_dead_band
+from jaxswarm.effects import torque_lag as torque_lag
 from jaxswarm.effects import transmission as transmission
 from jaxswarm.effects.base import REGISTRY as REGISTRY
 from jaxswarm.effects.base import Effect as Effect

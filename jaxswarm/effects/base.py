@@ -10,7 +10,7 @@ Registering an effect with :func:`register` makes it known everywhere.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from jaxswarm.effects.parameter import Parameter
@@ -60,6 +60,8 @@ class Effect:
             one fit to whole logs cannot hold it.
         shown_against: Horizontal axis of its picture, one of :data:`AXES`.
         grid_size: Points of the first look at its nonlinear parameters; None: the usual number.
+        probe: Values to which the slope of a candidate is drawn, for parameters whose derivative at
+            neutral is that of another effect; the refit has to tell them from neutral.
         stepwise: Whether the torque has small steps along its nonlinear parameters.
         export: How file formats for robots hold it.
         identity: Parameters by which two terms in one place are told apart, once they are known.
@@ -84,6 +86,7 @@ class Effect:
     reference_only: bool = False
     shown_against: str = "velocity"
     grid_size: int | None = None
+    probe: Mapping[str, float] = field(default_factory=dict, hash=False)
     stepwise: bool = False
     export: tuple[Export, ...] = ()
     identity: tuple[str, ...] = ()

@@ -14,6 +14,7 @@ import numpy as np
 
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.deflection import contact_stiffness
+from jaxswarm.effects.measurement_law import MeasurementLaw as MeasurementLaw
 from jaxswarm.effects.sample import Sample
 
 
@@ -190,56 +191,3 @@ class ExternalTorque(Effect):
                 f"effect {self.name!r} is an external torque: it needs scope 'global' and the nonlinear "
                 "parameters log, start and end"
             )
-
-
-@dataclass(frozen=True)
-class MeasurementLaw(Effect):
-    """How the drives and their clock write down a torque, or an encoder a position.
-
-    Attributes:
-        report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
-            x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
-            arm sees (T, n, ...), one of a joint that joint's (T, ...).
-        clock: Whether its one parameter is the time [s] by which the torque's clock lags.
-        excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where it
-            says q and that of the partner q_other, zero for neutral parameters; None: encoders are true.
-    """
-
-    report: Callable[[Mapping, jax.Array, float], jax.Array] = lambda p, x, step: x
-    clock: bool = False
-    excess: Callable[[Mapping, jax.Array, jax.Array], jax.Array] | None = None
-
-    @property
-    def changes_rigid_columns(self) -> bool:
-        """The links stand otherwise than their encoders say."""
-        return self.excess is not None
-
-    @property
-    def shows_on_own_joint(self) -> bool:
-        """A wrong position turns the weight of all links beyond; its own torque may take that up."""
-        return self.excess is None
-
-    def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
-        """All parameters."""
-        return [p.name for p in self.parameters]
-
-    def credible(self, change: float, interval: float) -> bool:
-        """Less than half a sample is no delay: a torque sampled and held is late by that much already."""
-        if not self.clock:
-            return True
-        return abs(change) > 0.5 * interval and abs(change) < self.parameters[0].upper
-
-    def check(self) -> None:
-        """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
-        super().check()
-        if (self.scope == "pair" and self.excess is None) or self.linear:
-            raise ValueError(
-                f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
-                "linear parameter"
-            )
-        if self.excess is not None and self.scope == "global":
-            raise ValueError(
-                f"effect {self.name!r} is of an encoder: its scope is 'joint' or 'pair'"
-            )
-        if self.clock and (self.scope != "global" or len(self.parameters) != 1):
-            raise ValueError(f"effect {self.name!r} is a clock: one parameter, scope 'global'")

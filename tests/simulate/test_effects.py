@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from arms import slide, two_joint_arm
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 
 from jaxswarm.effects import REGISTRY, TorqueLaw, make_sample
 from jaxswarm.errors import InputError
@@ -188,6 +189,23 @@ def test_gain_and_delay_show_in_the_measured_torque_only():
     motion = simulate(plant, rest(plant, jnp.zeros(1)), force, dt=1e-3)
     logged = measured_torque(plant, motion)
     np.testing.assert_allclose(logged[2:], 1.1 * force[:-2], atol=1e-12)
+
+
+def test_drives_write_down_bent_and_filtered_torques():
+    bend = Acting("torque_constant_saturation", 0, values={"c": 0.1})
+    band = Acting("torque_dead_band", 0, values={"d": 0.5})
+    slow = Acting("torque_lag", values={"tc": 0.02, "seconds": 0.0})
+    force = 3.0 * jnp.sin(0.05 * jnp.arange(400.0))[:, None]
+    logged = []
+    for acting in (bend, band, slow):
+        plant = make_plant(slide(), [acting])
+        motion = simulate(plant, rest(plant, jnp.zeros(1)), force, dt=1e-3)
+        np.testing.assert_allclose(motion.tau, force)
+        logged.append(np.asarray(measured_torque(plant, motion)))
+    np.testing.assert_allclose(logged[0], force * (1.0 - 0.1 * np.abs(force)), atol=1e-12)
+    np.testing.assert_allclose(logged[1], force + 0.5 * np.sign(force), atol=1e-12)
+    told = lsim(([1.0], [0.02, 1.0]), np.asarray(force[:, 0]), np.asarray(motion.t))[1]
+    np.testing.assert_allclose(logged[2][200:, 0], told[200:], atol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,12 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.link_lag import excess_of
+from jaxswarm.identify.forward.measuring_chain import report_own
 
 
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
@@ -20,6 +22,9 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     if law.excess is not None:
         columns = stand.stack(lambda k: stand.reported(k, _turned(stand, term, k)))
         return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+    if law.distortion is not None:
+        columns = stand.on_joint(stand.low(lambda k: _distorted(stand, term, k)), term.joint)
+        return Candidate(term, (columns,) * 3, columns.shape[2])
 
     def slopes(k):
         output, step = stand.outputs[k], 1.0 / stand.found.motions[k].rate
@@ -28,10 +33,17 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
         # Continued straight by a sample: what a delay brings in at the ends is not known.
         ends = 2 * output[[0, -1]] - output[[1, -2]]
         longer = jnp.asarray(np.concatenate([ends[:1], output, ends[1:]]))
-        jacobian = jax.jacfwd(lambda p: law.report(p, longer, step))(
-            {name: jnp.asarray(value, float) for name, value in neutral.items()}
-        )
-        return np.stack([np.asarray(jacobian[p.name])[1:-1] for p in law.parameters], axis=-1)
+        start = {name: jnp.asarray(value, float) for name, value in neutral.items()}
+
+        def slope(name):
+            to = law.probe.get(name)
+            if to is None:
+                one = jax.jacfwd(lambda x: law.report({**start, name: x}, longer, step))
+                return one(start[name])
+            way = to - neutral[name]
+            return (law.report({**start, name: to}, longer, step) - longer) / way
+
+        return np.stack([np.asarray(slope(p.name))[1:-1] for p in law.parameters], axis=-1)
 
     low = stand.low(slopes)
     if term.joint is None:
@@ -39,6 +51,13 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     else:
         columns = stand.on_joint(low, term.joint)
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+
+
+def _distorted(stand: Linearization, term: Term, k: int) -> np.ndarray:
+    """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
+    own = distortion_columns(term.law, stand.outputs[k][:, term.joint])
+    terms = stand.found.model.terms
+    return report_own(terms, stand.found.motions[k], own, term.joint)
 
 
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import (
     BodyChange,
     ExternalTorque,
@@ -86,6 +87,8 @@ def assemble(
         if static is None:
             static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
         load = load_of(full, static, pi)
+    if any(t.law.distortion for t in measured):
+        load = load._replace(whole=_whole_torque(terms, motion, width, load))
 
     parts = [kept if kept is not None else low(full)]
     if measured:
@@ -94,6 +97,19 @@ def assemble(
         if term.columns(robot.joints):
             parts.append(low(report(terms, motion, own_columns(term, motion, width, load))))
     return np.concatenate(parts, axis=2)
+
+
+def _whole_torque(
+    terms: tuple[Term, ...], motion: Motion, width: Sequence[float], load: Load
+) -> np.ndarray:
+    """Torque (T, n) that drives distort: of the rigid body and of all terms by the values they have."""
+    whole = load.full.copy()
+    for term in terms:
+        if not (isinstance(term.law, MeasurementLaw) and term.law.distortion):
+            names = term.linear_names(motion.joints)
+            values = np.array([term.values.get(name, 0.0) for name in names])
+            whole += own_columns(term, motion, width, load) @ values
+    return whole
 
 
 def own_columns(
@@ -113,9 +129,16 @@ def law_block(
 
 @law_block.register(TransmissionLaw)
 @law_block.register(BodyChange)
-@law_block.register(MeasurementLaw)
 def _(law, term, motion, width, load):
     return np.zeros((*motion.q.shape, 0))  # they change the columns of others
+
+
+@law_block.register
+def _(law: MeasurementLaw, term, motion, width, load):
+    block = np.zeros((*motion.q.shape, len(law.linear)))
+    if law.distortion is not None:
+        block[:, term.joint] = distortion_columns(law, load.whole[:, term.joint])
+    return block
 
 
 @law_block.register
@@ -152,8 +175,7 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
 
 def lateness(terms: tuple[Term, ...]) -> float:
     """Time [s] by which the terms say the clock of the torque lags."""
-    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
-    return sum(t.values[t.law.parameters[0].name] for t in clocks)
+    return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
 
 
 def late(series: Sample, seconds: float, motion: Motion) -> Sample:
