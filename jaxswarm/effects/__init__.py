@@ -4,6 +4,7 @@ from jaxswarm.effects import bodies as bodies
 from jaxswarm.effects import cable_coupling as cable_coupling
 from jaxswarm.effects import contact as contact
 from jaxswarm.effects import cubic_spring as cubic_spring
+from jaxswarm.effects import dwell_friction as dwell_friction
 from jaxswarm.effects import encoder_eccentricity as encoder_eccentricity
 from jaxswarm.effects import encoder_offset as encoder_offset
 from jaxswarm.effects import friction as friction
@@ -12,6 +13,7 @@ from jaxswarm.effects import gear_coupling_error as gear_coupling_error
 from jaxswarm.effects import gravity_compensator as gravity_compensator
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
+from jaxswarm.effects import payload_change as payload_change
 from jaxswarm.effects import position_friction as position_friction
 from jaxswarm.effects import torque_constant_saturation as torque_constant_saturation
 from jaxswarm.effects import torque_dead_band as torque_dead_band

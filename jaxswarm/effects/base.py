@@ -51,6 +51,7 @@ class Effect:
         contains: Names of effects of the same joint that it makes redundant.
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
+        rests: Time [s] that its joint has to stand still between motions for it to show.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
         turning: Whether only a joint that turns can have it.
         everyday: Whether every drive has it: missing on several joints, it is added to all at once.
@@ -79,6 +80,7 @@ class Effect:
     contains: tuple[str, ...] = ()
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
+    rests: float = 0.0
     min_joints: int = 1
     turning: bool = False
     everyday: bool = False
@@ -113,6 +115,11 @@ class Effect:
     def positive(self) -> bool:
         """Whether physics wants the coefficient of a candidate's single column positive."""
         return len(self.linear) == 1 and self.linear[0].lower >= 0
+
+    @property
+    def in_one_log(self) -> bool:
+        """Whether it happened in one log, told by its number, and is nothing of the robot's."""
+        return any(p.name == "log" for p in self.parameters)
 
     @property
     def changes_rigid_columns(self) -> bool:

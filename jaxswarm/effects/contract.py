@@ -106,6 +106,9 @@ def _(law: BodyChange, rng, num_draws):
         same = np.allclose(law.gravity(law.neutral(), level), level)
         _require(same, law, "changes gravity where its parameters are neutral")
         return
+    if law.window:
+        along = np.asarray(law.weight({"start": 0.5, "end": 1.5}, np.linspace(0.0, 2.0, 64)))
+        _require(along[0] == along[-1] == 0.0 and along.max() == 1.0, law, "has no window")
     nothing = np.asarray(law.body(law.neutral()))
     _require(
         nothing.shape == (10,) and not nothing.any(), law, "is no body of ten zeros if neutral"

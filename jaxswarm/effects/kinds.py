@@ -10,11 +10,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.deflection import contact_stiffness
 from jaxswarm.effects.measurement_law import MeasurementLaw as MeasurementLaw
+from jaxswarm.effects.ramp import ramp
 from jaxswarm.effects.sample import Sample
 
 
@@ -112,10 +114,13 @@ class BodyChange(Effect):
         gravity: ``gravity(p, gravity) -> gravity`` [m/s^2], (3,).
         body: ``body(p) -> (10,)``: inertial parameters added to the last link, its ten parameters in
             their standard order.
+        window: Whether the body is carried between the times ``start`` and ``end`` [s] of one log only, told
+            by the parameter ``log`` from zero; then its inertial parameters are linear.
     """
 
     gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
     body: Callable[[Mapping], jax.Array] | None = None
+    window: bool = False
 
     @property
     def changes_rigid_columns(self) -> bool:
@@ -123,22 +128,30 @@ class BodyChange(Effect):
         return self.gravity is not None
 
     def free(self, values: Mapping[str, float]) -> tuple:
-        """A body is found in one linear step."""
-        return () if self.body is not None else super().free(values)
+        """A body is found in one linear step, but for when it was carried."""
+        return () if self.body is not None and not self.window else super().free(values)
 
     def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
-        """All parameters."""
-        return [p.name for p in self.parameters]
+        """All parameters of the body or the gravity."""
+        return [p.name for p in (self.linear if self.window else self.parameters)]
+
+    def weight(self, p: Mapping, t: jax.Array) -> jax.Array:
+        """How much of the body is carried at times t: all of it, but outside of its window."""
+        if not self.window:
+            return jnp.ones_like(t)
+        return ramp(t, p["start"]) * (1.0 - ramp(t, p["end"]))
 
     def check(self) -> None:
         """Refuse a change of nothing, of both, or of a single joint."""
         super().check()
-        if self.scope != "global" or (self.gravity is None) == (self.body is None) or self.linear:
+        linear = bool(self.linear) != self.window
+        if self.scope != "global" or (self.gravity is None) == (self.body is None) or linear:
             raise ValueError(
                 f"effect {self.name!r} is a change of the body: it needs scope 'global', exactly one of "
-                "gravity and body, and no linear parameter"
+                "gravity and body, and no linear parameter but those of a body in a window"
             )
-        if self.body is not None and not (self.reference_only and len(self.parameters) == 10):
+        own = len(self.linear if self.window else self.parameters)
+        if self.body is not None and not (self.reference_only and own == 10):
             raise ValueError(
                 f"effect {self.name!r} adds to the last link, which every fit finds as a whole: it needs "
                 "reference_only=True and ten inertial parameters"

@@ -78,7 +78,7 @@ def motor_side(plant: Plant, state: State) -> tuple[list, ...]:
 def accelerations(plant: Plant, state: State, drive: Drive, t, sincos: SinCos) -> tuple[list, list]:
     """Return link accelerations (n entries) and motor accelerations of soft joints (s entries)."""
     n, soft = plant.robot.num_joints, plant.soft
-    mass, bias = equations_of_motion(plant.robot, state.q, state.dq, sincos=sincos)
+    mass, bias = equations_of_motion(plant.robot_at(t), state.q, state.dq, sincos=sincos)
     motor_q, motor_dq = motor_side(plant, state)
     row = list(range(n))  # row of each joint's motor
     for k, joint in enumerate(soft):

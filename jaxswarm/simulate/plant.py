@@ -93,6 +93,14 @@ class Plant:
                 return a.values[a.law.motor_inertia]
         return None
 
+    def robot_at(self, t: Any) -> Robot:
+        """Return the robot with what its last link carries at a time [s]."""
+        robot = self.robot
+        for a in of_kind(self.acting, BodyChange):
+            body = a.law.weight(a.values, jnp.asarray(t, float)) * a.law.body(a.values)
+            robot = robot.replace(parameters=jnp.asarray(robot.parameters).at[-1].add(body))
+        return robot
+
     def replace(self, **changes) -> "Plant":
         """Return a copy with fields replaced."""
         return dataclasses.replace(self, **changes)
@@ -176,6 +184,8 @@ def _(law: BodyChange, plant, acting):
     if law.gravity is not None:
         gravity = law.gravity(acting.values, jnp.asarray(robot.gravity))
         return plant.replace(robot=robot.replace(gravity=_known(gravity)))
+    if law.window:
+        return plant.replace(acting=(*plant.acting, acting))
     parameters = jnp.asarray(robot.parameters).at[-1].add(law.body(acting.values))
     return plant.replace(robot=robot.replace(parameters=_known(parameters)))
 

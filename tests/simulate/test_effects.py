@@ -181,6 +181,25 @@ def test_global_effects_change_the_robot():
     np.testing.assert_allclose((loaded.parameters - robot.parameters)[1, :2], [3.0, 0.6])
 
 
+def test_a_load_is_carried_within_its_window_only():
+    robot = two_joint_arm()
+    load = {"m": 3.0, "mcx": 0.6, "Izz": 0.2}
+    heavy = make_plant(robot, [Acting("payload", values=load)])
+    times = {"start": 1.0, "end": 2.0}
+    plant = make_plant(robot, [Acting("payload_change", values={**load, **times})])
+    state = rest(plant, jnp.array([0.3, -0.5]), jnp.array([1.0, 2.0]))
+    state = state._replace(q=tuple(state.q), dq=tuple(state.dq), motor_q=(), motor_dq=(), memory=())
+    drive = Drive((5.0, 1.0), (0.0, 0.0), (25.0, 25.0))
+
+    def at(plant, t):
+        return np.array(accelerations(plant, state, drive, t, polynomial_sincos)[0])
+
+    bare = make_plant(robot)
+    for t, same in ((0.9, bare), (1.5, heavy), (2.1, bare)):
+        np.testing.assert_allclose(at(plant, t), at(same, t), rtol=1e-9)
+    assert np.abs(at(heavy, 1.5) - at(bare, 1.5)).max() > 1.0
+
+
 def test_gain_and_delay_show_in_the_measured_torque_only():
     terms = [Acting("drive_gain", 0, values={"gain": 1.1})]
     terms += [Acting("time_delay", values={"seconds": 0.002})]

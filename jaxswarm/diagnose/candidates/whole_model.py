@@ -8,12 +8,13 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.window import windowed_candidate
 from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.link_lag import excess_of
-from jaxswarm.identify.forward.measuring_chain import report_own
+from jaxswarm.identify.forward.measuring_chain import body_basis, report_own
 
 
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
@@ -79,11 +80,11 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
     if law.gravity is not None:
         columns = stand.background.weigh(_gravity_columns(stand, term))
     else:
-        names = [p.name for p in law.parameters]
-        unit = [{name: float(name == one) for name in names} for one in names]
-        bodies = np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
+        bodies = body_basis(law)
         last = slice(-10, None)
         columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
+        if law.window:
+            return windowed_candidate(stand, term, columns)
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
 

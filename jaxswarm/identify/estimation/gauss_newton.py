@@ -54,10 +54,11 @@ class Problem:
         sizes = [len(t.columns(self.robot.joints)) for t in place.terms]
         ends = len(pi) + np.cumsum(sizes)
         parts = []
-        for motion, rigid in zip(self.motions, self.rigids, strict=True):
+        for number, (motion, rigid) in enumerate(zip(self.motions, self.rigids, strict=True)):
             given = (motion, place.width, pi, rigid)
             if moved is None:
-                parts.append(assemble(self.robot, place.terms, *given, decimate=True) @ theta)
+                columns = assemble(self.robot, place.terms, *given, decimate=True, log=number)
+                parts.append(columns @ theta)
                 continue
             parts.append(
                 sum(

@@ -57,6 +57,7 @@ def assemble(
     pi: np.ndarray,
     rigid: Rigid | None = None,
     decimate: bool = False,
+    log: int | None = None,
 ) -> np.ndarray:
     """Columns of a log for given nonlinear and rigid parameters, shape (T, n, p).
 
@@ -68,6 +69,7 @@ def assemble(
         pi: Rigid parameters (10 n,) that load-dependent terms and transmissions go by.
         rigid: Rigid columns of the plain motion in nominal gravity, where known.
         decimate: Whether to return the columns through the decimator, (T', n, p).
+        log: Number of the log: columns of what happened in another one are zero; None: all happened here.
 
     Returns:
         Standard parameters first, then the linear parameters of the terms in their order.
@@ -88,19 +90,25 @@ def assemble(
             static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
         load = load_of(full, static, pi)
     if any(t.law.distortion for t in measured):
-        load = load._replace(whole=_whole_torque(terms, motion, width, load))
+        load = load._replace(whole=_whole_torque(terms, motion, width, load, full))
 
     parts = [kept if kept is not None else low(full)]
     if measured:
         parts = [low(report(terms, motion, full))]
     for term in terms:
         if term.columns(robot.joints):
-            parts.append(low(report(terms, motion, own_columns(term, motion, width, load))))
+            block = _supplied(term, motion, width, load, full)
+            here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
+            parts.append(low(report(terms, motion, block if here else 0.0 * block)))
     return np.concatenate(parts, axis=2)
 
 
 def _whole_torque(
-    terms: tuple[Term, ...], motion: Motion, width: Sequence[float], load: Load
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: Sequence[float],
+    load: Load,
+    rigid: np.ndarray,
 ) -> np.ndarray:
     """Torque (T, n) that drives distort: of the rigid body and of all terms by the values they have."""
     whole = load.full.copy()
@@ -108,8 +116,25 @@ def _whole_torque(
         if not (isinstance(term.law, MeasurementLaw) and term.law.distortion):
             names = term.linear_names(motion.joints)
             values = np.array([term.values.get(name, 0.0) for name in names])
-            whole += own_columns(term, motion, width, load) @ values
+            whole += _supplied(term, motion, width, load, rigid) @ values
     return whole
+
+
+def _supplied(
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None, rigid: np.ndarray
+) -> np.ndarray:
+    """Columns (T, n, k) of a term on the working clock, those of a body from the rigid ones (T, n, 10 n)."""
+    if not (isinstance(term.law, BodyChange) and term.law.window):
+        return own_columns(term, motion, width, load)
+    weight = np.asarray(term.law.weight(term.values, motion.t))
+    return weight[:, None, None] * (rigid[:, :, -10:] @ body_basis(term.law))
+
+
+def body_basis(law: BodyChange) -> np.ndarray:
+    """Inertial parameters of the last link by each parameter of a body, (10, 10)."""
+    names = law.candidate_names(())
+    unit = [{name: float(name == one) for name in names} for one in names]
+    return np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
 
 
 def own_columns(
