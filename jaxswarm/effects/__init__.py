@@ -11,6 +11,7 @@ from jaxswarm.effects import friction as friction
 from jaxswarm.effects import friction_change as friction_change
 from jaxswarm.effects import gear_coupling_error as gear_coupling_error
 from jaxswarm.effects import gravity_compensator as gravity_compensator
+from jaxswarm.effects import link_geometry as link_geometry
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
 from jaxswarm.effects import payload_change as payload_change

@@ -54,6 +54,7 @@ class Effect:
         rests: Time [s] that its joint has to stand still between motions for it to show.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
         turning: Whether only a joint that turns can have it.
+        carried: Whether only a joint on another link can have it.
         everyday: Whether every drive has it: missing on several joints, it is added to all at once.
         recurring: Whether it is an event of one log with a begin and an end, of which there may be
             several, and not a property of the robot, of which every stretch of a log is evidence.
@@ -83,6 +84,7 @@ class Effect:
     rests: float = 0.0
     min_joints: int = 1
     turning: bool = False
+    carried: bool = False
     everyday: bool = False
     recurring: bool = False
     reference_only: bool = False

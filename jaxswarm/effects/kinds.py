@@ -114,12 +114,15 @@ class BodyChange(Effect):
         gravity: ``gravity(p, gravity) -> gravity`` [m/s^2], (3,).
         body: ``body(p) -> (10,)``: inertial parameters added to the last link, its ten parameters in
             their standard order.
+        placement: ``placement(p) -> (2, 2)``: shift [m] of a joint in its parent along two directions across
+            its own axis, and turns [rad] about them, the first of which lies across its parent's axis too.
         window: Whether the body is carried between the times ``start`` and ``end`` [s] of one log only, told
             by the parameter ``log`` from zero; then its inertial parameters are linear.
     """
 
     gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
     body: Callable[[Mapping], jax.Array] | None = None
+    placement: Callable[[Mapping], jax.Array] | None = None
     window: bool = False
 
     @property
@@ -133,7 +136,7 @@ class BodyChange(Effect):
 
     def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
         """All parameters of the body or the gravity."""
-        return [p.name for p in (self.linear if self.window else self.parameters)]
+        return [p.name for p in (self.linear or self.parameters)]
 
     def weight(self, p: Mapping, t: jax.Array) -> jax.Array:
         """How much of the body is carried at times t: all of it, but outside of its window."""
@@ -142,15 +145,18 @@ class BodyChange(Effect):
         return ramp(t, p["start"]) * (1.0 - ramp(t, p["end"]))
 
     def check(self) -> None:
-        """Refuse a change of nothing, of both, or of a single joint."""
+        """Refuse a change of nothing, of several things, or of a single joint's gravity or body."""
         super().check()
-        linear = bool(self.linear) != self.window
-        if self.scope != "global" or (self.gravity is None) == (self.body is None) or linear:
+        told = [x for x in (self.gravity, self.body, self.placement) if x is not None]
+        linear = self.window or self.placement is not None
+        scope = "global" if self.placement is None else "joint"
+        if self.scope != scope or len(told) != 1 or bool(self.linear) != linear:
             raise ValueError(
-                f"effect {self.name!r} is a change of the body: it needs scope 'global', exactly one of "
-                "gravity and body, and no linear parameter but those of a body in a window"
+                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body and "
+                "placement, scope 'global' ('joint' for a placement), and linear parameters for a body "
+                "in a window and for a placement only"
             )
-        own = len(self.linear if self.window else self.parameters)
+        own = len(self.linear or self.parameters)
         if self.body is not None and not (self.reference_only and own == 10):
             raise ValueError(
                 f"effect {self.name!r} adds to the last link, which every fit finds as a whole: it needs "

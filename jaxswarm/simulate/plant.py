@@ -27,6 +27,7 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
+from jaxswarm.effects.placement import moved_joint
 from jaxswarm.effects.term import of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
@@ -184,6 +185,10 @@ def _(law: BodyChange, plant, acting):
     if law.gravity is not None:
         gravity = law.gravity(acting.values, jnp.asarray(robot.gravity))
         return plant.replace(robot=robot.replace(gravity=_known(gravity)))
+    if law.placement is not None:
+        placed = moved_joint(robot, acting.joint, law.placement(acting.values))
+        rotation, translation = (_known(x) for x in (placed.rotation, placed.translation))
+        return plant.replace(robot=robot.replace(rotation=rotation, translation=translation))
     if law.window:
         return plant.replace(acting=(*plant.acting, acting))
     parameters = jnp.asarray(robot.parameters).at[-1].add(law.body(acting.values))

@@ -36,6 +36,7 @@ def eligible_terms(
             continue
         fits = [
             (not law.turning or kind == "revolute")
+            and (not law.carried or model.robot.parents[j] >= 0)
             and (not law.rests or longest_rest(motions, j) >= law.rests)
             for j, kind in enumerate(model.robot.kinds)
         ]

@@ -15,6 +15,7 @@ from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.link_lag import excess_of
 from jaxswarm.identify.forward.measuring_chain import body_basis, report_own
+from jaxswarm.identify.forward.placement import placement_columns
 
 
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
@@ -77,6 +78,14 @@ def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
 def body_candidate(stand: Linearization, term: Term) -> Candidate:
     """Another gravity or a body on the last link, to first order."""
     law, neutral = term.law, term.law.neutral()
+    if law.placement is not None:
+
+        def moved(k):
+            at = stand.arm, stand.moved[k], stand.pi
+            return stand.reported(k, placement_columns(law, term.joint, *at))
+
+        columns = stand.stack(moved)
+        return Candidate(term, (columns,) * 3, columns.shape[2])
     if law.gravity is not None:
         columns = stand.background.weigh(_gravity_columns(stand, term))
     else:

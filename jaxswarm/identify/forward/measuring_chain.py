@@ -7,6 +7,7 @@ The order in which a torque comes about fixes the order here: the links move beh
 
 from collections.abc import Sequence
 from functools import singledispatch
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -26,6 +27,7 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.identify.forward.placement import placement_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -47,6 +49,15 @@ def uses_load(terms: tuple[Term, ...]) -> bool:
 def moves_links(terms: tuple[Term, ...]) -> bool:
     """Whether a term changes the rigid columns themselves."""
     return any(t.law.changes_rigid_columns for t in terms)
+
+
+class _Body(NamedTuple):
+    """A rigid body on its way: the arm in its gravity, motion of the links, parameters and their columns."""
+
+    arm: Robot
+    moved: tuple[np.ndarray, ...]
+    pi: np.ndarray
+    columns: np.ndarray
 
 
 def assemble(
@@ -82,6 +93,7 @@ def assemble(
         full = rigid_columns(arm, *moved)
         static = None
     else:
+        arm, moved = robot, (motion.q, motion.dq, motion.ddq)
         full, static = rigid.full, rigid.static
         kept = rigid.low if decimate and not measured else None
     load = None
@@ -89,15 +101,16 @@ def assemble(
         if static is None:
             static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
         load = load_of(full, static, pi)
+    body = _Body(arm, moved, pi, full)
     if any(t.law.distortion for t in measured):
-        load = load._replace(whole=_whole_torque(terms, motion, width, load, full))
+        load = load._replace(whole=_whole_torque(terms, motion, width, load, body))
 
     parts = [kept if kept is not None else low(full)]
     if measured:
         parts = [low(report(terms, motion, full))]
     for term in terms:
         if term.columns(robot.joints):
-            block = _supplied(term, motion, width, load, full)
+            block = _supplied(term, motion, width, load, body)
             here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
             parts.append(low(report(terms, motion, block if here else 0.0 * block)))
     return np.concatenate(parts, axis=2)
@@ -108,7 +121,7 @@ def _whole_torque(
     motion: Motion,
     width: Sequence[float],
     load: Load,
-    rigid: np.ndarray,
+    body: _Body,
 ) -> np.ndarray:
     """Torque (T, n) that drives distort: of the rigid body and of all terms by the values they have."""
     whole = load.full.copy()
@@ -116,18 +129,21 @@ def _whole_torque(
         if not (isinstance(term.law, MeasurementLaw) and term.law.distortion):
             names = term.linear_names(motion.joints)
             values = np.array([term.values.get(name, 0.0) for name in names])
-            whole += _supplied(term, motion, width, load, rigid) @ values
+            whole += _supplied(term, motion, width, load, body) @ values
     return whole
 
 
 def _supplied(
-    term: Term, motion: Motion, width: Sequence[float], load: Load | None, rigid: np.ndarray
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None, body: _Body
 ) -> np.ndarray:
-    """Columns (T, n, k) of a term on the working clock, those of a body from the rigid ones (T, n, 10 n)."""
-    if not (isinstance(term.law, BodyChange) and term.law.window):
-        return own_columns(term, motion, width, load)
-    weight = np.asarray(term.law.weight(term.values, motion.t))
-    return weight[:, None, None] * (rigid[:, :, -10:] @ body_basis(term.law))
+    """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
+    law = term.law
+    if isinstance(law, BodyChange) and law.placement is not None:
+        return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
+    if isinstance(law, BodyChange) and law.window:
+        weight = np.asarray(law.weight(term.values, motion.t))
+        return weight[:, None, None] * (body.columns[:, :, -10:] @ body_basis(law))
+    return own_columns(term, motion, width, load)
 
 
 def body_basis(law: BodyChange) -> np.ndarray:
