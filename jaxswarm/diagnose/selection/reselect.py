@@ -17,7 +17,7 @@ from jaxswarm.diagnose.decision.remainder import NEAR
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, robust_weight
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
@@ -165,5 +165,5 @@ def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
 
 def _cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:
     """Squared error of a joint, or of several, in units of the noise; rare large residuals bounded."""
-    weight = robust_weight(weights.fit.residual)
+    weight = row_weight(weights)
     return float(np.square((found.fit.residual * weight)[:, joint]).sum())
