@@ -49,6 +49,8 @@ class Effect:
         reference: Where it comes from.
         meaning: What it means on a real arm and what to do about it, in one sentence or two.
         contains: Names of effects of the same joint that it makes redundant.
+        extends: Name of an effect of the same place beside which alone it is asked: what it adds to that
+            one has to be worth as much as any other effect.
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
         rests: Time [s] that its joint has to stand still between motions for it to show.
@@ -79,6 +81,7 @@ class Effect:
     reference: str
     meaning: str = ""
     contains: tuple[str, ...] = ()
+    extends: str = ""
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     rests: float = 0.0

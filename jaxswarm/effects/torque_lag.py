@@ -1,9 +1,9 @@
 r"""A filter in the torque's channel: what is written down follows the torque with a time constant.
 
 :math:`t_c\,\dot y + y = \tau(t - \theta)`: the filter of a drive or a sensor, with a delay as well. Below its
-corner a filter delays by :math:`t_c` what passes, and to first order that is all; it is told from
-``time_delay``, which it contains, by what it takes off fast torques, :math:`t_c^2 \omega^2/2` of them, such as
-the jump of dry friction at a reversal.
+corner a filter delays by :math:`t_c` what passes, and to first order that is all. It is told from
+``time_delay``, which it contains and beside which alone it is asked, by what it takes off fast torques,
+:math:`t_c^2 \omega^2/2` of them, such as the jump of dry friction at a reversal.
 
 Reference: K. J. Astrom, R. M. Murray, "Feedback Systems" (2008), ch. 8 (first-order lag and delay).
 """
@@ -66,6 +66,7 @@ register(
         # The slope at zero is that of the delay: drawn to a common time constant it is the filter's own.
         probe={"tc": 0.01},
         contains=("time_delay",),
+        extends="time_delay",
         shown_against="model torque",
     )
 )

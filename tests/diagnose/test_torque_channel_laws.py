@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from elbow import ask, elbow_log, fitted, passing
 from scipy import signal
@@ -22,9 +21,12 @@ PLANTED = [
 
 
 def named(log, *laws):
+    """The first fit, the best that passes, the fit with it; a filter is asked beside its delay."""
     found = fitted(log)
     best = passing(ask(found, *laws))[0]
-    return found, best, refit_with(found, best)
+    after = refit_with(found, best)
+    further = passing(ask(after, "torque_lag"))
+    return (found, further[0], refit_with(after, further[0])) if further else (found, best, after)
 
 
 @pytest.mark.parametrize("truth", PLANTED, ids=lambda t: f"{t.effect}@{t.joint}")
@@ -52,18 +54,14 @@ def test_a_filter_of_scipy_is_named_with_its_time_constant():
 
 
 def test_a_pure_delay_is_no_filter():
-    found = fitted(elbow_log(Term("time_delay", values={"seconds": 0.012})))
-    (lag,) = ask(found, "torque_lag")
-    assert refit_with(found, lag) is None
-    (delay,) = ask(found, "time_delay")
-    after = refit_with(found, delay)
-    assert find_term(after, delay.candidate.term).values["seconds"] == pytest.approx(
-        0.012, rel=0.01
-    )
-    # And a filter, once found, holds the delay that was taken for it.
-    filtered = fitted(elbow_log(Term("torque_lag", values={"tc": 0.02, "seconds": 0.0})))
-    late = refit_with(filtered, ask(filtered, "time_delay")[0])
-    (lag,) = passing(ask(late, "torque_lag"))
-    both = refit_with(late, lag)
-    assert [t.effect for t in both.model.terms if t.joint is None] == ["torque_lag"]
-    assert np.isclose(both.model.terms[-1].values["tc"], 0.02, rtol=0.05)
+    _, best, after = named(elbow_log(Term("time_delay", values={"seconds": 0.012})), *LAWS)
+    assert best.candidate.term.effect == "time_delay"
+    assert find_term(after, best.candidate.term).values["seconds"] == pytest.approx(0.012, rel=0.01)
+
+
+def test_a_filter_takes_the_place_of_the_delay_it_was_taken_for():
+    log = elbow_log(Term("torque_lag", values={"tc": 0.02, "seconds": 0.0}))
+    _, _, both = named(log, "time_delay")
+    (lag,) = [t for t in both.model.terms if t.joint is None]
+    assert lag.effect == "torque_lag"
+    assert lag.values["tc"] == pytest.approx(0.02, rel=0.05)

@@ -49,6 +49,9 @@ def eligible_terms(
         # Several events are possible; and an earlier model's friction may have changed.
         again = law.recurring or (against_model and isinstance(law, TorqueLaw))
         terms = [Term(law.name, *place) for place in places]
+        if law.extends:
+            held = {t.place for t in model.terms}
+            terms = [t for t in terms if (law.extends, t.joint, t.other) in held]
         eligible += [t for t in terms if again or not _is_settled(t, law, model.terms)]
     return tuple(eligible)
 
