@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.competing import choose, is_special_case
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.remainder import NEAR
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
@@ -120,7 +120,11 @@ def reconsider(
         pick, current = instead
         others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
         added = find_term(current, pick.candidate.term)
-        told = () if same else tuple(near)
+        told = tuple(
+            s
+            for s in (chosen, *near)
+            if s is not pick and not is_special_case(pick.candidate, s.candidate, background)
+        )
         done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
         changed = True
     return (chain(done) if changed else done), current, changed
