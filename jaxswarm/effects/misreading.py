@@ -6,12 +6,14 @@ motion along :math:`q + s\,\dot q + s^2\,\ddot q/2`.
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 import jax
 
 from jaxswarm.effects.kinds import MeasurementLaw
 
 
+@partial(jax.jit, static_argnames="law")
 def misreading(law: MeasurementLaw, p: Mapping, motion: tuple) -> tuple[jax.Array, ...]:
     """The excess of a law's encoder and its first and second derivative by time, each (T,).
 
@@ -33,3 +35,9 @@ def misreading(law: MeasurementLaw, p: Mapping, motion: tuple) -> tuple[jax.Arra
 
     slope = jax.jacfwd(at)
     return at(0.0), slope(0.0), jax.jacfwd(slope)(0.0)
+
+
+@partial(jax.jit, static_argnames="law")
+def misreading_slopes(law: MeasurementLaw, p: Mapping, motion: tuple) -> tuple[dict, ...]:
+    """Derivatives of :func:`misreading` by every parameter, dictionaries of (T,) by name."""
+    return jax.jacfwd(lambda values: misreading(law, values, motion))(p)

@@ -42,15 +42,17 @@ def moved_joint(robot: Robot, joint: int, moves: jax.Array) -> Robot:
         joint: Index of the joint.
         moves: (2, 2): shifts [m] along the directions of :func:`across`, and turns [rad] about them.
     """
-    directions = jnp.asarray(across(robot, joint))
-    moves = jnp.asarray(moves)
+    placed = _placed(robot.translation, robot.rotation, joint, across(robot, joint), moves)
+    return robot.replace(translation=placed[0], rotation=placed[1])
+
+
+@jax.jit
+def _placed(translation, rotation, joint, directions, moves) -> tuple[jax.Array, jax.Array]:
+    """Translations (n, 3) and rotations (n, 3, 3) with one of them shifted and turned."""
     shift, turn = moves[0] @ directions, moves[1] @ directions
     size = jnp.sqrt(jnp.sum(turn**2) + 1e-30)
     cross = jnp.cross(turn[:, None] / size, jnp.eye(3), axis=0)
-    rotation = jnp.eye(3) + jnp.sin(size) * cross + (1.0 - jnp.cos(size)) * cross @ cross
-    return robot.replace(
-        translation=jnp.asarray(robot.translation).at[joint].add(shift),
-        rotation=jnp.asarray(robot.rotation)
-        .at[joint]
-        .set(rotation @ jnp.asarray(robot.rotation[joint])),
-    )
+    turned = jnp.eye(3) + jnp.sin(size) * cross + (1.0 - jnp.cos(size)) * cross @ cross
+    own = turned @ jnp.asarray(rotation)[joint]
+    moved = jnp.asarray(translation).at[joint].add(shift)
+    return moved, jnp.asarray(rotation).at[joint].set(own)

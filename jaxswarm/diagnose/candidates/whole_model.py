@@ -11,9 +11,10 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.window import windowed_candidate
 from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
-from jaxswarm.identify.forward.link_lag import excess_of
+from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.measuring_chain import body_basis, report_own
 from jaxswarm.identify.forward.placement import placement_columns
 
@@ -64,9 +65,8 @@ def _distorted(stand: Linearization, term: Term, k: int) -> np.ndarray:
 
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
-    neutral = {n: jnp.asarray(x, float) for n, x in term.law.neutral().items()}
-    motion = stand.found.motions[k]
-    slopes = jax.jacfwd(lambda p: excess_of(term, motion, p))(neutral)
+    along = read_motion(term, stand.found.motions[k])
+    slopes = misreading_slopes(term.law, term.law.neutral(), along)
     by = stand.sensed(term.joint)[k].at(stand.pi)[1:]
     columns = [
         -sum(x * np.asarray(e[p.name])[:, None] for x, e in zip(by, slopes, strict=True))

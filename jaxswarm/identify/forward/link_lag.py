@@ -91,9 +91,13 @@ def link_motion(
 
 def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[jax.Array, ...]:
     """What an encoder says too much along a log, and its two derivatives, each (T,)."""
+    return misreading(term.law, dict(values), read_motion(term, motion))
+
+
+def read_motion(term: Term, motion: Motion) -> tuple[np.ndarray, ...]:
+    """q, dq, ddq (T, 2) of what an encoder's error follows: its joint, and its partner or the joint again."""
     places = [term.joint, term.joint if term.other is None else term.other]
-    along = tuple(x[:, places] for x in (motion.q, motion.dq, motion.ddq))
-    return misreading(term.law, {n: jnp.asarray(x) for n, x in values.items()}, along)
+    return tuple(x[:, places] for x in (motion.q, motion.dq, motion.ddq))
 
 
 def lag_slopes(
