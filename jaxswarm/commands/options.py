@@ -29,6 +29,7 @@ Seed = Annotated[
 
 
 def finite(number: float | None) -> float | None:
+    """The number, which has to be one."""
     if number is not None and not isfinite(number):
         raise typer.BadParameter(f"{number} is no finite number.")
     return number

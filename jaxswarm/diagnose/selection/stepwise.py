@@ -215,7 +215,7 @@ def _add_best(
     if after is None:
         search.refuse(term)
         return True
-    why = None if term.law.recurring else survives(current, after, chosen.joint, search.other)
+    why = None if term.law.in_one_log else survives(current, after, chosen.joint, search.other)
     if why:
         search.refuse(term, why)
         return True

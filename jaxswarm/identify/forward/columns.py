@@ -99,10 +99,17 @@ def rigid_of(robot: Robot, motion: Motion) -> Rigid:
 
 
 class Load(NamedTuple):
-    """Rigid-body torque of a model along a log [N m or N], (T, n): whole, and without acceleration."""
+    """Torque of a model along a log [N m or N], (T, n).
+
+    Attributes:
+        full: Of the rigid body.
+        static: Of the rigid body without acceleration.
+        whole: Of the rigid body and of all effects that supply a torque; None where no law asks.
+    """
 
     full: np.ndarray
     static: np.ndarray
+    whole: np.ndarray | None = None
 
 
 def load_of(full: np.ndarray, static: np.ndarray, pi: np.ndarray) -> Load:

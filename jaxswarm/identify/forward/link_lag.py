@@ -7,6 +7,7 @@ the lag. :func:`lag_slopes` gives the missing part of the derivative,
 :math:`-(\tau_q\,\partial e + \tau_{\dot q}\,\partial\dot e + \tau_{\ddot q}\,\partial\ddot e)/\partial\pi`.
 """
 
+from collections.abc import Mapping
 from functools import partial
 
 import jax
@@ -16,6 +17,7 @@ from scipy import ndimage
 
 from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
+from jaxswarm.effects.misreading import misreading
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.lengths import filled
@@ -81,12 +83,24 @@ def link_motion(
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
     for term in of_kind(terms, MeasurementLaw):
         if term.law.excess is not None:
-            q[:, term.joint] -= float(term.law.excess(_values(term)))
+            for x, e in zip((q, dq, ddq), excess_of(term, motion, _values(term)), strict=True):
+                x[:, term.joint] -= np.asarray(e)
     for term in of_kind(terms, TransmissionLaw):
         lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
+
+
+def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[jax.Array, ...]:
+    """What an encoder says too much along a log, and its two derivatives, each (T,)."""
+    return misreading(term.law, dict(values), read_motion(term, motion))
+
+
+def read_motion(term: Term, motion: Motion) -> tuple[np.ndarray, ...]:
+    """q, dq, ddq (T, 2) of what an encoder's error follows: its joint, and its partner or the joint again."""
+    places = [term.joint, term.joint if term.other is None else term.other]
+    return tuple(x[:, places] for x in (motion.q, motion.dq, motion.ddq))
 
 
 def lag_slopes(
