@@ -3,7 +3,6 @@
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.report.numbers import percent
 
-
 # Why one that passed was not added: the refit, or the time that was given.
 _UNCONFIRMED = "the refit did not confirm it"
 _OUT_OF_TIME = "the budget ended the search before it was added"
