@@ -1,0 +1,204 @@
+"""A formula for what no law explains: search, prove, add; or say that there is none.
+
+A formula passes by the rules of the catalog's laws, its chance divided by the number of programs that were
+tried, and it has to reach what a smooth function of the same residual does: else it stands for a law that the
+grammar does not hold. Then the model is refitted with it, and it must survive on other motion as any addition.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
+from jaxswarm.diagnose.discovery.as_term import as_term, candidate_of
+from jaxswarm.diagnose.discovery.candidates import candidates
+from jaxswarm.diagnose.discovery.front import Point, alike, front
+from jaxswarm.diagnose.discovery.grammar import programs, skeleton
+from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
+
+# Formulas of one joint that are put to the proof, and that are told beside the chosen one.
+_PROVED, _TOLD = 5, 3
+# A formula reaches at least this part of what a smooth function of one or two variables explains.
+_OF_SMOOTH = 0.8
+# Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
+_TIE, _NEAR = 2.0, 1.2
+
+
+@dataclass(frozen=True)
+class Discovery:
+    """A law that was found as a formula.
+
+    Attributes:
+        added: Its term, with the values of the fit after it.
+        score: What it was worth.
+        chosen: The formula as the front has it.
+        alternatives: What fits alike, with the terms they would be.
+        front: The shortest formulas that reach each error on other motion.
+        tried: Programs that were tried.
+        based_on: Known laws whose shape it bends; empty: none.
+        before, after: The estimates around it.
+    """
+
+    added: Term
+    score: Score
+    chosen: Point
+    alternatives: tuple[tuple[Point, Term], ...]
+    front: tuple[Point, ...]
+    tried: int
+    based_on: tuple[str, ...]
+    before: Estimate
+    after: Estimate
+    removed: tuple[Term, ...] = ()
+
+
+@dataclass(frozen=True)
+class NoFormula:
+    """A joint that was searched in vain.
+
+    Attributes:
+        joint: Index.
+        tried: Programs that were tried.
+        nearest: The best formula; None: none explains anything.
+        because: Why it was not added.
+    """
+
+    joint: int
+    tried: int
+    nearest: Point | None
+    because: str
+
+
+def discover(
+    diagnosis: Diagnosis,
+    other: Sequence[Motion] = (),
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Diagnosis, tuple[Discovery, ...], tuple[NoFormula, ...]]:
+    """Search a law for every joint whose residual is structured.
+
+    Args:
+        diagnosis: The loop's outcome, in which nobody passed any more.
+        other: Logs of other motion, on which a formula has to survive.
+        seed: Of the swarms.
+        progress: Called with one line per joint.
+
+    Returns:
+        The diagnosis with the formulas in its final model, what was found, and where nothing was.
+    """
+    found: list[Discovery] = []
+    vain: list[NoFormula] = []
+    joints = diagnosis.final.model.robot.joints
+    while True:
+        left = find_unexplained(diagnosis.final, diagnosis.background, seed)
+        done = {d.added.joint for d in found} | {n.joint for n in vain}
+        open_ = sorted((u for u in left if u.joint not in done), key=lambda u: -u.share)
+        if not open_:
+            return diagnosis, tuple(found), tuple(vain)
+        progress(f"searching a formula for {joints[open_[0].joint]}")
+        outcome = _discover_on(diagnosis, open_[0], other, seed)
+        if isinstance(outcome, NoFormula):
+            vain.append(outcome)
+            continue
+        found.append(outcome)
+        after = outcome.after
+        diagnosis = replace(diagnosis, final=after, background=cross_fit(after))
+
+
+def _discover_on(
+    diagnosis: Diagnosis, left: Unexplained, other: Sequence[Motion], seed: int
+) -> Discovery | NoFormula:
+    """Search one joint."""
+    final, j = diagnosis.final, left.joint
+    label = regions(final)
+    if label is None:
+        return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
+    stand = Linearization(final, diagnosis.background)
+    ranked: list[tuple[Joint, Point]] = []
+    tried = 0
+    for partner, wanted in _variables(left, final.model.robot.joints):
+        problem = joint_problem(stand, j, partner, wanted)
+        pieces = programs(problem.data, problem.units, problem.angles)
+        points, count = candidates(problem, pieces, label, seed)
+        tried += count
+        ranked += [(problem, one) for one in points]
+    ranked.sort(key=lambda pair: pair[1].length)
+    why = "no program explains anything of it"
+    for problem, one in ranked[:_PROVED]:
+        outcome = _prove(diagnosis, left, problem, one, tried, other)
+        if isinstance(outcome, str):
+            why = why if one is not ranked[0][1] else outcome
+            continue
+        term, item, after = outcome
+        return Discovery(
+            find_term(after, term),
+            item,
+            one,
+            _alternatives(problem, one, [p for own, p in ranked if own is problem]),
+            tuple(front([p for _, p in ranked])),
+            tried,
+            _known_shapes(one),
+            final,
+            after,
+        )
+    return NoFormula(j, tried, ranked[0][1] if ranked else None, why)
+
+
+def _variables(left: Unexplained, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
+    """Partner joint and further fields, as the residual's dependence names them: one search each."""
+    own = joints[left.joint]
+    named = [name.split("_", 1) if "_" in name else [name, own] for name in left.depends_on]
+    wanted = [quantity for quantity, _ in named if quantity in ("t", "temperature")]
+    partners = dict.fromkeys(joints.index(joint) for _, joint in named if joint != own)
+    return [(partner, wanted) for partner in partners] or [(None, wanted)]
+
+
+def _prove(
+    diagnosis: Diagnosis,
+    left: Unexplained,
+    problem: Joint,
+    one: Point,
+    tried: int,
+    other: Sequence[Motion],
+) -> tuple[Term, Score, Estimate] | str:
+    """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
+    final = diagnosis.final
+    candidate, term = candidate_of(problem, one.formula)
+    item = score(candidate, diagnosis.background, max(m.interval for m in final.motions))
+    if not passes(item, tried + diagnosis.asked, diagnosis.rules):
+        return "the best formula may be chance, given how many programs were tried, or is too small"
+    if item.share < _OF_SMOOTH * left.share:
+        return "a smooth function explains clearly more than the best formula"
+    after = refit_with(final, item)
+    if after is None:
+        return "the refit did not confirm the best formula"
+    why = survives(final, after, problem.joint, other)
+    return f"the best formula {why}" if why else (term, item, after)
+
+
+def _alternatives(
+    problem: Joint, one: Point, points: Sequence[Point]
+) -> tuple[tuple[Point, Term], ...]:
+    """Formulas of another form that fit alike, the shortest first."""
+    own = {skeleton(p) for p in one.formula.programs}
+    told = []
+    for point in points:
+        same = {skeleton(p) for p in point.formula.programs} == own
+        near = abs(alike(point, one)) < _TIE or point.error < _NEAR * one.error
+        if not same and near and len(told) < _TOLD:
+            told.append((point, as_term(problem, point.formula)))
+    return tuple(told)
+
+
+def _known_shapes(one: Point) -> tuple[str, ...]:
+    """Known laws whose shape a formula holds."""
+    return tuple(dict.fromkeys(p.based_on for p in one.formula.pieces if p.based_on))
