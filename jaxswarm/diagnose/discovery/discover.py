@@ -6,18 +6,20 @@ grammar does not hold. Then the model is refitted with it, and it must survive o
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.score import Score, passes, score
-from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import as_term, candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
 from jaxswarm.diagnose.discovery.front import Point, alike, front
 from jaxswarm.diagnose.discovery.grammar import programs, skeleton
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
+from jaxswarm.diagnose.discovery.stand_ins import Discovery, without_stand_ins
 from jaxswarm.diagnose.folds.other_motion import regions
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
@@ -32,33 +34,6 @@ _PROVED, _TOLD = 5, 3
 _OF_SMOOTH = 0.8
 # Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
 _TIE, _NEAR = 2.0, 1.2
-
-
-@dataclass(frozen=True)
-class Discovery:
-    """A law that was found as a formula.
-
-    Attributes:
-        added: Its term, with the values of the fit after it.
-        score: What it was worth.
-        chosen: The formula as the front has it.
-        alternatives: What fits alike, with the terms they would be.
-        front: The shortest formulas that reach each error on other motion.
-        tried: Programs that were tried.
-        based_on: Known laws whose shape it bends; empty: none.
-        before, after: The estimates around it.
-    """
-
-    added: Term
-    score: Score
-    chosen: Point
-    alternatives: tuple[tuple[Point, Term], ...]
-    front: tuple[Point, ...]
-    tried: int
-    based_on: tuple[str, ...]
-    before: Estimate
-    after: Estimate
-    removed: tuple[Term, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,13 +53,28 @@ class NoFormula:
     because: str
 
 
+class Search(NamedTuple):
+    """The outcome of a search: what was found, and the joints that were searched in vain."""
+
+    found: tuple[Discovery, ...]
+    vain: tuple[NoFormula, ...]
+
+
+class _Open(NamedTuple):
+    """A joint to be searched: what its residual depends on, and how much of it a smooth function explains."""
+
+    joint: int
+    depends_on: tuple[str, ...]
+    share: float
+
+
 def discover(
     diagnosis: Diagnosis,
     other: Sequence[Motion] = (),
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
-) -> tuple[Diagnosis, tuple[Discovery, ...], tuple[NoFormula, ...]]:
-    """Search a law for every joint whose residual is structured.
+) -> tuple[Diagnosis, Search]:
+    """Search a law for every joint whose residual is structured, or far from the noise.
 
     Args:
         diagnosis: The loop's outcome, in which nobody passed any more.
@@ -93,29 +83,37 @@ def discover(
         progress: Called with one line per joint.
 
     Returns:
-        The diagnosis with the formulas in its final model, what was found, and where nothing was.
+        The diagnosis with the formulas in its final model, and what was found and what was not.
     """
     found: list[Discovery] = []
     vain: list[NoFormula] = []
     joints = diagnosis.final.model.robot.joints
     while True:
-        left = find_unexplained(diagnosis.final, diagnosis.background, seed)
         done = {d.added.joint for d in found} | {n.joint for n in vain}
-        open_ = sorted((u for u in left if u.joint not in done), key=lambda u: -u.share)
-        if not open_:
-            return diagnosis, tuple(found), tuple(vain)
-        progress(f"searching a formula for {joints[open_[0].joint]}")
-        outcome = _discover_on(diagnosis, open_[0], other, seed)
+        waiting = [one for one in _unlawful(diagnosis, seed) if one.joint not in done]
+        if not waiting:
+            return diagnosis, Search(tuple(found), tuple(vain))
+        progress(f"searching a formula for {joints[waiting[0].joint]}")
+        outcome = _discover_on(diagnosis, waiting[0], other, seed)
         if isinstance(outcome, NoFormula):
             vain.append(outcome)
             continue
+        diagnosis, outcome = without_stand_ins(diagnosis, outcome, seed)
         found.append(outcome)
-        after = outcome.after
-        diagnosis = replace(diagnosis, final=after, background=cross_fit(after))
+
+
+def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
+    """Joints that no law explains: those whose structure was found, then those only far from the noise."""
+    final = diagnosis.final
+    found = find_unexplained(final, diagnosis.background, seed)
+    told = [_Open(u.joint, u.depends_on, u.share) for u in sorted(found, key=lambda u: -u.share)]
+    known = {one.joint for one in told}
+    far = [r for r in remainders(final) if not r.near and r.joint not in known]
+    return told + [_Open(r.joint, (), 0.0) for r in sorted(far, key=lambda r: -r.over_noise)]
 
 
 def _discover_on(
-    diagnosis: Diagnosis, left: Unexplained, other: Sequence[Motion], seed: int
+    diagnosis: Diagnosis, left: _Open, other: Sequence[Motion], seed: int
 ) -> Discovery | NoFormula:
     """Search one joint."""
     final, j = diagnosis.final, left.joint
@@ -153,7 +151,7 @@ def _discover_on(
     return NoFormula(j, tried, ranked[0][1] if ranked else None, why)
 
 
-def _variables(left: Unexplained, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
+def _variables(left: _Open, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
     """Partner joint and further fields, as the residual's dependence names them: one search each."""
     own = joints[left.joint]
     named = [name.split("_", 1) if "_" in name else [name, own] for name in left.depends_on]
@@ -164,7 +162,7 @@ def _variables(left: Unexplained, joints: tuple[str, ...]) -> list[tuple[int | N
 
 def _prove(
     diagnosis: Diagnosis,
-    left: Unexplained,
+    left: _Open,
     problem: Joint,
     one: Point,
     tried: int,
