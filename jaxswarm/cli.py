@@ -12,6 +12,7 @@ import typer
 from jaxswarm import console, terminal
 from jaxswarm.cli_robot import RobotName, robot_commands, with_robot_options
 from jaxswarm.commands import register
+from jaxswarm.commands.options import EffectsFrom
 from jaxswarm.errors import InputError, printable
 from jaxswarm.work import run, work
 
@@ -192,10 +193,12 @@ def identify(
         typer.Option(min=1e-9, help="Residual standard deviations a mass off by e^2 costs."),
     ] = 0.03,
     accept: Accept = None,
+    effects_from: EffectsFrom = None,
     json: Json = False,
 ) -> None:
     """Identify a declared model from logs and score it on motion it was not fitted to."""
     _start()
+    from jaxswarm.effects import register_from
     from jaxswarm.effects.bodies import with_free_base
     from jaxswarm.identify import print_identification
     from jaxswarm.identify.run import Options, identify_files
@@ -205,8 +208,10 @@ def identify(
         optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
         estimator, physical, prior, prior_weight, tuple(accept or ()),
     )  # fmt: skip
-    inputs = (*logs, validation, prior and Path(prior), Path(robot))
+    inputs = (*logs, validation, prior and Path(prior), Path(robot), effects_from)
     with work(out, inputs, _IDENTIFIED) as status:
+        if effects_from:
+            register_from(effects_from)
         report = identify_files(logs, robot, effects, out, validation, options, status)
     console.notes([*report["logs"], *report["validation_logs"]])
     console.show(
@@ -236,12 +241,18 @@ def diagnose(
     motion_cutoff: MotionCutoff = None,
     torque_cutoff: TorqueCutoff = None,
     accept: Accept = None,
+    discover: Annotated[
+        bool,
+        typer.Option("--discover", help="Search a formula for what no known law explains."),
+    ] = False,
+    effects_from: EffectsFrom = None,
     json: Json = False,
 ) -> None:
     """Find the effect a declared model lacks, add it, and show the error before and after."""
     _start()
     from jaxswarm.diagnose import print_diagnosis
     from jaxswarm.diagnose.run import diagnose_files
+    from jaxswarm.effects import register_from
     from jaxswarm.identify.run import Options
 
     options = Options(
@@ -249,11 +260,16 @@ def diagnose(
         motion_cutoff=motion_cutoff,
         torque_cutoff=torque_cutoff,
         accept=tuple(accept or ()),
+        discover=discover,
     )
     if model is not None and declare is not None:
         raise InputError("--declare and --model exclude each other; a model holds what is declared")
-    inputs = (*logs, *(validation or ()), model, Path(robot))
+    if model is not None and discover:
+        raise InputError("--discover goes with --declare: against a model nothing is searched")
+    inputs = (*logs, *(validation or ()), model, Path(robot), effects_from)
     with work(out, inputs, _DIAGNOSED, resumable=True) as status:
+        if effects_from:
+            register_from(effects_from)
         if model is not None:
             from jaxswarm.diagnose.run_against import compare_files
 
@@ -270,13 +286,17 @@ def predict(
     model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
     log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],
     out: Annotated[Path, typer.Option("--out", help="CSV file to write.")],
+    effects_from: EffectsFrom = None,
     json: Json = False,
 ) -> None:
     """Predict the torque of an identified model along a log, at its own time stamps."""
     _start()
+    from jaxswarm.effects import register_from
     from jaxswarm.identify.predict import predict_file
 
-    with work(out, (model, log)):
+    with work(out, (model, log, effects_from)):
+        if effects_from:
+            register_from(effects_from)
         result = predict_file(model, log, out)
     console.notes([{"source": result["log"], "notes": result["notes"]}])
     text = f"{result['samples']} samples written to {printable(result['out'])}"

@@ -30,7 +30,7 @@ ALLOWED = {
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
-    "commands": {"tasks", "logs", "outputs", "plots", "console", "tables", "work"},
+    "commands": {"effects", "tasks", "logs", "outputs", "plots", "console", "tables", "work"},
     "testing": {"effects", "swarm"},
     "cli_robot": {"robot", "console", "catalog"},
     "cli": {
@@ -58,7 +58,14 @@ ROOMS = {
         "excitation": 2,
         "report": 2,
     },
-    "diagnose": {"folds": 0, "candidates": 1, "decision": 2, "selection": 3, "report": 4},
+    "diagnose": {
+        "folds": 0,
+        "candidates": 1,
+        "decision": 2,
+        "selection": 3,
+        "discovery": 4,
+        "report": 5,
+    },
     "studies": {"rx60": 0, "sepso": 1},
 }
 

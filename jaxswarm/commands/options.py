@@ -15,6 +15,13 @@ if TYPE_CHECKING:
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
 ModelFile = Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")]
 
+EffectsFrom = Annotated[
+    Path | None,
+    typer.Option(
+        help="Python file with laws of yours: it is run, so pass only what you have read."
+    ),
+]
+
 _PIPED = 200
 
 

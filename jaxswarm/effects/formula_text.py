@@ -92,6 +92,7 @@ def python(program: Program) -> str:
     >>> python(("q", "s", "/", "sin", "dq", "*"))
     'jnp.sin(s.q / p["s"]) * s.dq'
     """
+
     def leaf(name: str) -> Part:
         return (f"s.{name}" if name in FIELDS else f'p["{name}"]'), _ATOM
 

@@ -30,6 +30,7 @@ class Options:
     prior: str | None = None
     prior_weight: float = PULL
     accept: tuple[str, ...] = ()
+    discover: bool = False
 
 
 ESTIMATORS: dict[str, Callable[[Estimate], tuple[Estimate, dict]]] = {

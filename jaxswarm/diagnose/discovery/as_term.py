@@ -28,7 +28,9 @@ def as_term(problem: Joint, formula: Sum) -> Term:
     for k, program in enumerate(formula.programs):
         unit = unit_text(over(TORQUE, unit_of(program, inner, problem.units)))
         name = _LINEAR[k]
-        table.append(Parameter(name, unit, -_MOST, _MOST, True, float(a[k]), f"factor of term {k + 1}"))
+        table.append(
+            Parameter(name, unit, -_MOST, _MOST, True, float(a[k]), f"factor of term {k + 1}")
+        )
     table += [_wider(p, formula.values[p.name]) for p in formula.constants]
     law = Formula(formula.programs, tuple(table), validity(problem, formula))
     other = problem.other if law.couples else None

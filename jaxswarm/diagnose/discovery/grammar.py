@@ -6,7 +6,8 @@ times one more factor, so that a bent known law is found as such.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations, product as pairs
+from itertools import combinations
+from itertools import product as pairs
 
 import numpy as np
 
@@ -25,7 +26,9 @@ _ALONE, _WITH_SUMS = {"+", "-"}, {"dq", "ddq"}
 _PAIRED = ("q", "dq", "ddq", "load", "q_other", "dq_other")
 
 
-def programs(data: Mapping[str, np.ndarray], units: Mapping[str, Unit], angles: bool) -> list[Piece]:
+def programs(
+    data: Mapping[str, np.ndarray], units: Mapping[str, Unit], angles: bool
+) -> list[Piece]:
     """Every program over the fields that are given, without repetition.
 
     Args:
@@ -57,9 +60,7 @@ def skeleton(program: Program) -> tuple[Program, ...]:
     >>> skeleton(("q", "k2", "*", "sin", "dq", "*")) == skeleton(("dq", "q", "k", "*", "sin", "*"))
     True
     """
-    plain = (
-        token if token in WORDS else token.rstrip("0123456789") for token in program
-    )
+    plain = (token if token in WORDS else token.rstrip("0123456789") for token in program)
     return tuple(sorted(factors(tuple(plain))))
 
 
@@ -129,8 +130,7 @@ def _seeds(
             if not {t for t in shape.fields} <= set(data):
                 continue
             table = tuple(
-                p.scale(p.range_of(data[of]), units[of], constant)
-                for constant, of in shape.scales
+                p.scale(p.range_of(data[of]), units[of], constant) for constant, of in shape.scales
             )
             seed = Piece(shape.program, table, name)
             yield seed

@@ -100,9 +100,7 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
         yield Piece((*x, "2", "*", "cos"))
     yield Piece((*x, "k", "*", "p", "+", "sin"), (_order(r, u), _PHASE))
     yield Piece((*x, "s", "/", "square", "neg", "exp"), (scale(r, u),))
-    yield Piece(
-        (*x, "c", "-", "s", "/", "square", "neg", "exp"), (_center(r, u), _width(r, u))
-    )
+    yield Piece((*x, "c", "-", "s", "/", "square", "neg", "exp"), (_center(r, u), _width(r, u)))
     bump = (*x, "c", "-", "s", "/", "square", "neg", "exp")
     yield Piece((*x, "c", "-", *bump, "*"), (_center(r, u), _width(r, u)))
     yield Piece((*x, "c", "-", "s", "/", "tanh"), (_center(r, u), _width(r, u)))
@@ -193,5 +191,3 @@ def renamed(piece: Piece, names: Mapping[str, str]) -> Piece:
     return piece._replace(
         program=tuple(names.get(token, token) for token in piece.program), constants=constants
     )
-
-

@@ -1,4 +1,4 @@
-"""One joint as a search for formulas sees it: its variables, what is left of its torque, what a law may take."""
+"""One joint as a search for formulas sees it: its variables, what is left of its torque, what may be taken."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The first look at all programs: each at a few points of its constants, and the best of them refined by swarms.
+"""The first look at all programs: each at a few points of its constants, the best of them refined by swarms.
 
 A program's own linear constant is eliminated, and its column freed of what the model absorbs, so that it is
 credited only with what the model cannot do without it.
@@ -66,9 +66,7 @@ def screen(problem: Joint, stage: Stage, pieces: Sequence[Piece], seed: int = 0)
     return sorted(trials, key=lambda one: -one.share)
 
 
-def _survey(
-    problem: Joint, stage: Stage, pieces: Sequence[Piece]
-) -> tuple[np.ndarray, np.ndarray]:
+def _survey(problem: Joint, stage: Stage, pieces: Sequence[Piece]) -> tuple[np.ndarray, np.ndarray]:
     """Best point of every program in the unit cube (P, M), and its share (P,)."""
     best = np.full((len(pieces), MOST_CONSTANTS), 0.5, np.float32)
     shares = np.zeros(len(pieces))

@@ -97,5 +97,3 @@ def said(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
     """What a formula fitted to a fold says of all rows of the joint, weighted, (T,)."""
     free = free_columns(problem, formula, fold)
     return free @ linear(problem, formula, fold, free)
-
-

@@ -38,7 +38,9 @@ class Symmetry(NamedTuple):
     def text(self) -> str:
         """The form in one sentence."""
         if self.kinds == (POTENTIAL,):
-            return "a function of the position alone: it has a potential, stores energy and returns it"
+            return (
+                "a function of the position alone: it has a potential, stores energy and returns it"
+            )
         parity = "neither odd nor even" if self.parity == "neither" else self.parity
         told = f"{' and '.join(self.kinds)}, {parity} in the velocity"
         if self.driving is None:

@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from jaxswarm.effects.base import Effect, get_law
+from jaxswarm.effects.base import REGISTRY, Effect, get_law
 from jaxswarm.effects.formula import formula_law, from_json
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.logs.motion import Filtering
@@ -86,6 +86,11 @@ def _check_term(term, joints: list[str], place: str) -> None:
 def _law_of(term: dict, place: str) -> Effect:
     name = _get(term, "effect", str, f"{place}.")
     if "formula" not in term:
+        if name not in REGISTRY:
+            raise InputError(
+                f"{place}: unknown effect {name!r}. {nearest(name, REGISTRY)} A law of yours needs "
+                "--effects-from FILE (jaxswarm.effects.register_from)"
+            )
         return get_law(name)
     try:
         return formula_law(from_json(_get(term, "formula", dict, f"{place}.")))
