@@ -1,6 +1,7 @@
 """A formula as a Python file with a ready law, and the way back: effects from a file that the user names."""
 
 import importlib.util
+import json
 import re
 import sys
 from pathlib import Path
@@ -39,13 +40,15 @@ def law_file(formula: Formula, joint: str, other: str | None = None) -> str:
     )
     valid = "\n".join(f"    {n}: {low:.6g} to {high:.6g}" for n, low, high in formula.valid)
     table = "\n".join(
-        f"        Parameter({p.name!r}, {p.unit!r}, {p.lower!r}, {p.upper!r}, {p.linear}, "
-        f"{p.nominal!r}, {p.description!r}, {p.scale!r}),"
+        f"        Parameter({_quoted(p.name)}, {_quoted(p.unit)}, {p.lower!r}, {p.upper!r}, {p.linear}, "
+        f"{p.nominal!r}, {_quoted(p.description)}, {_quoted(p.scale)}),"
         for p in formula.parameters
     )
-    facts = "".join(
+    facts = f"    shown_against={_quoted(law.shown_against)},\n"
+    facts += "".join(
         f"    {field}={getattr(law, field)!r},\n"
-        for field in ("shown_against", "uses_direction", "uses_load", "requires")
+        for field in ("uses_direction", "uses_load", "requires")
+        if getattr(law, field)
     )
     return f'''"""{law.summary}: a law found on a log, on {printable(joint)}.
 
@@ -65,20 +68,24 @@ from jaxswarm.effects import Law, Parameter
 
 def torque(p, s):
     """Torque [N m or N] of one sample: see jaxswarm.effects.Sample for what it holds."""
-    return {terms} + 0.0 * jnp.asarray(s.q)
+    return {terms}
 
 
 law = Law(
-    name={name!r},
-    scope={law.scope!r},
+    name={_quoted(name)},
+    scope={_quoted(law.scope)},
     parameters=(
 {table}
     ),
-    summary={law.summary!r},
+    summary={_quoted(law.summary)},
     reference="found on a log by jaxswarm diagnose --discover",
     torque=torque,
 {facts})
 '''
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
 
 
 def register_from(path: Path) -> tuple[str, ...]:

@@ -89,6 +89,7 @@ def run(codes: Codes, constants: jax.Array, variables: jax.Array) -> jax.Array:
     Returns:
         (T,), of the precision of ``variables``.
     """
+    variables = jnp.asarray(variables)
     constants = jnp.append(constants, 2.0).astype(variables.dtype)
     stack = (jnp.zeros_like(variables[0]),) * DEPTH
 
