@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import as_term, candidate_of
@@ -105,10 +105,11 @@ def discover(
 def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
     """Joints that no law explains: those whose structure was found, then those only far from the noise."""
     final = diagnosis.final
-    found = find_unexplained(final, diagnosis.background, seed)
+    remains = remainders(final)
+    found = material(find_unexplained(final, diagnosis.background, seed), remains)
     told = [_Open(u.joint, u.depends_on, u.share) for u in sorted(found, key=lambda u: -u.share)]
     known = {one.joint for one in told}
-    far = [r for r in remainders(final) if not r.near and r.joint not in known]
+    far = [r for r in remains if not r.near and r.joint not in known]
     return told + [_Open(r.joint, (), 0.0) for r in sorted(far, key=lambda r: -r.over_noise)]
 
 
