@@ -27,14 +27,12 @@ from jaxswarm.simulate import make_plant
 LAWS = {
     "magnet": lambda q, dq: 6.0 * np.sin(q[:, 1]) * np.exp(-((q[:, 1] / 0.25) ** 2)),
     "product": lambda q, dq: 1.5 * q[:, 1] * dq[:, 1],
-    "wave": lambda q, dq: 2.0 * np.sin(4 * q[:, 1] * dq[:, 1]),
     "partner": lambda q, dq: 2.0 * np.sin(2 * q[:, 0]) * np.tanh(dq[:, 1] / 0.01),
     "two": lambda q, dq: 1.5 * q[:, 1] * dq[:, 1] + 3 * np.exp(-(((q[:, 1] - 0.3) / 0.1) ** 2)),
 }
 FIELDS = {
     "magnet": {"q"},
     "product": {"q", "dq"},
-    "wave": {"q", "dq"},
     "partner": {"q_other", "direction"},
     "two": {"q", "dq"},
 }

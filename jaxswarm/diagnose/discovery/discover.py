@@ -188,14 +188,21 @@ def _alternatives(
     problem: Joint, one: Point, points: Sequence[Point]
 ) -> tuple[tuple[Point, Term], ...]:
     """Formulas of another form that fit alike, the shortest first."""
-    own = {skeleton(p) for p in one.formula.programs}
     told = []
     for point in points:
-        same = {skeleton(p) for p in point.formula.programs} == own
         near = abs(alike(point, one)) < _TIE or point.error < _NEAR * one.error
-        if not same and near and len(told) < _TOLD:
+        if near and not _extends(point, one) and len(told) < _TOLD:
             told.append((point, as_term(problem, point.formula)))
     return tuple(told)
+
+
+def _extends(point: Point, one: Point) -> bool:
+    """Whether a formula is the other one, or the other one with further factors or terms."""
+    terms = [skeleton(p) for p in point.formula.programs]
+    return all(
+        any(all(own.count(f) >= inner.count(f) for f in inner) for own in terms)
+        for inner in (skeleton(p) for p in one.formula.programs)
+    )
 
 
 def _known_shapes(one: Point) -> tuple[str, ...]:
