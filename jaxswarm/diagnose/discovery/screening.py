@@ -17,7 +17,6 @@ from jaxswarm.diagnose.discovery.grammar import MOST_CONSTANTS
 from jaxswarm.diagnose.discovery.machine import LENGTHS, Codes, encode, length_for, run
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import Joint, Stage, share_of
-from jaxswarm.effects.formula_text import infix
 from jaxswarm.swarm import Space, de, minimize
 
 # Points of the constants at which a program is looked at, by their number; and the half width of the cube in
@@ -172,8 +171,3 @@ def _refined(
 
 def _inside(p, value: float) -> float:
     return float(np.clip(value, p.lower, p.upper))
-
-
-def told(trial: Trial) -> str:
-    """A trial as one line, for the one who watches."""
-    return infix(trial.piece.program)
