@@ -22,8 +22,8 @@ from jaxswarm.diagnose.discovery.stand_ins import Discovery, without_stand_ins
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.step import find_term
-from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.diagnose.selection.survives import harmful, survives
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
@@ -181,6 +181,10 @@ def _prove(
     if after is None:
         return "the refit did not confirm the best formula"
     why = survives(final, after, problem.joint, other)
+    if why is None:
+        # Nothing more is added after it, so that no joint may lose by it.
+        harm = harmful(final, [Step(term, item, (), (), final, after, ())], after, other)
+        why = harm and harm[1]
     return f"the best formula {why}" if why else (term, item, after)
 
 

@@ -6,6 +6,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.discovery.front import Point
+from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit
@@ -70,6 +71,7 @@ def without_stand_ins(
     if gone:
         steps = chain(steps)
         before = steps[-1].after if steps else diagnosis.declared
+    after = with_motion_noise(after, seed)
     added = find_term(after, found.added)
     return (
         replace(
