@@ -32,6 +32,8 @@ from jaxswarm.logs.motion import Motion
 _PROVED, _TOLD = 5, 3
 # A formula reaches at least this part of what a smooth function of one or two variables explains.
 _OF_SMOOTH = 0.8
+# Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
+_MOST_LEFT = 0.5
 # Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
 _TIE, _NEAR = 2.0, 1.2
 
@@ -171,6 +173,8 @@ def _prove(
 ) -> tuple[Term, Score, Estimate] | str:
     """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
     final = diagnosis.final
+    if one.error > _MOST_LEFT:
+        return "the best formula leaves most of the error in regions of the motion it was not fitted to"
     candidate, term = candidate_of(problem, one.formula)
     item = score(candidate, diagnosis.background, max(m.interval for m in final.motions))
     if not passes(item, tried + diagnosis.asked, diagnosis.rules):
