@@ -12,12 +12,14 @@ from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
+from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
@@ -61,6 +63,7 @@ def compare_files(
         InputError: On anything that cannot be used; nothing is written then.
     """
     options = options or Options()
+    budget = given_budget(options.budget)
     model = load_model(model_path)
     robot = load_robot(robot_spec)
     if (robot.joints, robot.kinds) != (model.robot.joints, model.robot.kinds):
@@ -77,10 +80,13 @@ def compare_files(
     refuse_missing_channels(model.terms, read)
     refuse_resting_joints(read[: len(paths)], robot)
     motions = [part for parts in prepared[: len(paths)] for part in parts]
+    refuse_weak(motions, 10 * robot.num_joints, options.accept)
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
-    found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
+    found = compare(
+        model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
+    )
     result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
     result["model"] = Path(model_path).name
     result["findings"] = findings(read)
@@ -89,7 +95,7 @@ def compare_files(
     result["logs"] = described(read[: len(paths)])
     result["validation_logs"] = described(read[len(paths) :])
     write_report(diagnosis, left, result, unseen, out, progress)
-    journal.close()
+    journal.close(done=found.spent is None)
     return result
 
 
@@ -161,5 +167,6 @@ def _as_diagnosis(found: Comparison) -> Diagnosis:
         rest = with_changes(found.before, found.changes[:k] + found.changes[k + 1 :])
         steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
     return Diagnosis(
-        found.before, found.after, tuple(steps), found.last, found.background, found.asked
-    )
+        found.before, found.after, tuple(steps), found.last, found.background, found.asked,
+        spent=found.spent,
+    )  # fmt: skip

@@ -16,7 +16,7 @@ from jaxswarm.swarm import find_optimizer
 
 @dataclass(frozen=True)
 class Options:
-    """How to identify; the fields are the options of the command line."""
+    """How to identify or diagnose; the fields are the options of the command line."""
 
     optimizer: str = "least_squares"
     runs: int = 10
@@ -30,6 +30,7 @@ class Options:
     prior: str | None = None
     prior_weight: float = PULL
     accept: tuple[str, ...] = ()
+    budget: float | None = None
     discover: bool = False
 
 

@@ -200,3 +200,11 @@ def test_the_found_cutoff_is_near_the_one_that_estimates_acceleration_best():
     for j in range(2):
         best = min(error(f, j) for f in np.geomspace(2.0, 90.0, 30))
         assert error(found.cutoff[j], j) < 1.3 * best
+
+
+def test_a_velocity_that_belongs_to_another_motion_leaves_the_system_solvable():
+    rng = np.random.default_rng(0)
+    q = 5e4 * rng.normal(size=(400, 1))
+    dq = np.cos(0.05 * np.arange(400))[:, None]
+    found = find_cutoffs(q, 100.0, dq, np.array([1e12]))
+    assert np.isfinite(found.cutoff).all() and np.isfinite(found.noise).all()

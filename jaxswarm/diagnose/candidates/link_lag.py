@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
@@ -11,6 +10,7 @@ from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
@@ -47,7 +47,8 @@ def lag_torque(
 
     shape = (len(k), len(motion.t))
     own = [np.broadcast_to(x[:, :, sensed.joint], shape) for x in (torque, by_q, by_dq, by_ddq)]
-    e, v, a = (np.asarray(x) for x in jax.vmap(lag)(*own, k, d, gap))
+    lags = jax.vmap(lag)(*filled(own, axis=1), k, d, gap)
+    e, v, a = (np.asarray(x)[:, : len(motion.t)] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < _MOST_LAG)
     e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
@@ -60,7 +61,7 @@ def gears(
     law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
-    inertia = jnp.asarray(sensed.inertia(pi))
+    inertia = np.asarray(sensed.inertia(pi))
     found = [law.gear(option, inertia) for option in options]
     return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
 

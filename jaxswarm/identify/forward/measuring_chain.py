@@ -7,12 +7,14 @@ The order in which a torque comes about fixes the order here: the links move beh
 
 from collections.abc import Sequence
 from functools import singledispatch
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import (
     BodyChange,
     ExternalTorque,
@@ -24,7 +26,9 @@ from jaxswarm.effects.measurement import shift
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.identify.forward.placement import placement_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -48,6 +52,15 @@ def moves_links(terms: tuple[Term, ...]) -> bool:
     return any(t.law.changes_rigid_columns for t in terms)
 
 
+class _Body(NamedTuple):
+    """A rigid body on its way: the arm in its gravity, motion of the links, parameters and their columns."""
+
+    arm: Robot
+    moved: tuple[np.ndarray, ...]
+    pi: np.ndarray
+    columns: np.ndarray
+
+
 def assemble(
     robot: Robot,
     terms: tuple[Term, ...],
@@ -56,6 +69,7 @@ def assemble(
     pi: np.ndarray,
     rigid: Rigid | None = None,
     decimate: bool = False,
+    log: int | None = None,
 ) -> np.ndarray:
     """Columns of a log for given nonlinear and rigid parameters, shape (T, n, p).
 
@@ -67,6 +81,7 @@ def assemble(
         pi: Rigid parameters (10 n,) that load-dependent terms and transmissions go by.
         rigid: Rigid columns of the plain motion in nominal gravity, where known.
         decimate: Whether to return the columns through the decimator, (T', n, p).
+        log: Number of the log: columns of what happened in another one are zero; None: all happened here.
 
     Returns:
         Standard parameters first, then the linear parameters of the terms in their order.
@@ -79,6 +94,7 @@ def assemble(
         full = rigid_columns(arm, *moved)
         static = None
     else:
+        arm, moved = robot, (motion.q, motion.dq, motion.ddq)
         full, static = rigid.full, rigid.static
         kept = rigid.low if decimate and not measured else None
     load = None
@@ -86,14 +102,56 @@ def assemble(
         if static is None:
             static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
         load = load_of(full, static, pi)
+    body = _Body(arm, moved, pi, full)
+    if any(t.law.distortion for t in measured):
+        load = load._replace(whole=_whole_torque(terms, motion, width, load, body))
 
     parts = [kept if kept is not None else low(full)]
     if measured:
         parts = [low(report(terms, motion, full))]
     for term in terms:
         if term.columns(robot.joints):
-            parts.append(low(report(terms, motion, own_columns(term, motion, width, load))))
+            block = _supplied(term, motion, width, load, body)
+            here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
+            parts.append(low(report(terms, motion, block if here else 0.0 * block)))
     return np.concatenate(parts, axis=2)
+
+
+def _whole_torque(
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: Sequence[float],
+    load: Load,
+    body: _Body,
+) -> np.ndarray:
+    """Torque (T, n) that drives distort: of the rigid body and of all terms by the values they have."""
+    whole = load.full.copy()
+    for term in terms:
+        if not (isinstance(term.law, MeasurementLaw) and term.law.distortion):
+            names = term.linear_names(motion.joints)
+            values = np.array([term.values.get(name, 0.0) for name in names])
+            whole += _supplied(term, motion, width, load, body) @ values
+    return whole
+
+
+def _supplied(
+    term: Term, motion: Motion, width: Sequence[float], load: Load | None, body: _Body
+) -> np.ndarray:
+    """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
+    law = term.law
+    if isinstance(law, BodyChange) and law.placement is not None:
+        return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
+    if isinstance(law, BodyChange) and law.window:
+        weight = np.asarray(law.weight(term.values, motion.t))
+        return weight[:, None, None] * (body.columns[:, :, -10:] @ body_basis(law))
+    return own_columns(term, motion, width, load)
+
+
+def body_basis(law: BodyChange) -> np.ndarray:
+    """Inertial parameters of the last link by each parameter of a body, (10, 10)."""
+    names = law.candidate_names(())
+    unit = [{name: float(name == one) for name in names} for one in names]
+    return np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
 
 
 def own_columns(
@@ -113,9 +171,16 @@ def law_block(
 
 @law_block.register(TransmissionLaw)
 @law_block.register(BodyChange)
-@law_block.register(MeasurementLaw)
 def _(law, term, motion, width, load):
     return np.zeros((*motion.q.shape, 0))  # they change the columns of others
+
+
+@law_block.register
+def _(law: MeasurementLaw, term, motion, width, load):
+    block = np.zeros((*motion.q.shape, len(law.linear)))
+    if law.distortion is not None:
+        block[:, term.joint] = distortion_columns(law, load.whole[:, term.joint])
+    return block
 
 
 @law_block.register
@@ -134,11 +199,11 @@ def _(law: ExternalTorque, term, motion, width, load):
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
     """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
     measured = of_kind(terms, MeasurementLaw)
+    size, block = len(block), filled(block) if measured else block
     for term in sorted(measured, key=lambda t: t.joint is None):
         own = (slice(None), slice(None) if term.joint is None else term.joint)
-        block = block.copy()
         block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
-    return block
+    return block[:size]
 
 
 def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
@@ -152,15 +217,16 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
 
 def lateness(terms: tuple[Term, ...]) -> float:
     """Time [s] by which the terms say the clock of the torque lags."""
-    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
-    return sum(t.values[t.law.parameters[0].name] for t in clocks)
+    return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
 
 
 def late(series: Sample, seconds: float, motion: Motion) -> Sample:
     """What a law sees, so much later: its torque is then what a late clock reports of it."""
     if not seconds:
         return series
-    return Sample(*(np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in series))
+    held = filled(series)
+    later = (np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in held)
+    return Sample(*(x[: len(motion.t)] for x in later))
 
 
 def term_block(

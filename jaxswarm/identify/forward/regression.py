@@ -95,7 +95,7 @@ def build_regression(
     columns, torque, moving, clock, log, shift, used = [], [], [], [], [], [], []
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
-        columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True))
+        columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True, log=k))
         low = motion.decimator
         if slope_terms(terms):
             slopes = lag_slopes(tilted(robot, terms), terms, motion, pi, rigid)
