@@ -22,8 +22,8 @@ _NEAR = 0.3
 _NEEDED = 0.2
 # A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
 _INSIDE = 0.95
-# Damping ratio of a link on its transmission: soft joints of the practice logs have 0.04 to 0.6, one that stood in
-# for a delay on a clean joint of a world 1.1, and raised the error of other motion thirty times.
+# Damping ratio of a link on its transmission: soft joints of the practice logs have 0.04 to 0.6, one that stood
+# in for a delay on a clean joint of a world 1.1, and raised the error of other motion thirty times.
 _MOST_DAMPING = 1.0
 
 
