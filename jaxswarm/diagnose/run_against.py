@@ -9,6 +9,7 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
@@ -16,6 +17,7 @@ from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import proven
+from jaxswarm.drawing import Drawing
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
@@ -79,15 +81,17 @@ def compare_files(
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
-    found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
-    result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
-    result["model"] = Path(model_path).name
-    result["findings"] = findings(read)
-    given = {"robot": robot.name, **vars(options)}
-    result["provenance"] = provenance([*paths, *further, model_path], given)
-    result["logs"] = described(read[: len(paths)])
-    result["validation_logs"] = described(read[len(paths) :])
-    write_report(diagnosis, left, result, unseen, out, progress)
+    with Drawing() as drawing:
+        found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
+        result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
+        order_pictures(drawing, diagnosis, unseen)
+        result["model"] = Path(model_path).name
+        result["findings"] = findings(read)
+        given = {"robot": robot.name, **vars(options)}
+        result["provenance"] = provenance([*paths, *further, model_path], given)
+        result["logs"] = described(read[: len(paths)])
+        result["validation_logs"] = described(read[len(paths) :])
+        write_report(diagnosis, left, result, drawing, out, progress)
     journal.close()
     return result
 

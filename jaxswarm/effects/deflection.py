@@ -21,6 +21,7 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 # Steps of the integrator within one sample: keeps a stiff contact accurate.
 SUBSTEPS = 4
@@ -93,8 +94,12 @@ def deflection(
 
 
 def contact_stiffness(
-    inertia: jax.Array, frequency: jax.Array | float
+    inertia: jax.Array | np.ndarray, frequency: jax.Array | float
 ) -> tuple[jax.Array, jax.Array]:
-    """Stiffness and damping of a closed gear, on which a link of inertia (T,) swings at a frequency [Hz]."""
-    m, w = jnp.median(jnp.abs(inertia)) + 1e-9, 2 * jnp.pi * frequency
+    """Stiffness and damping of a closed gear, on which a link of inertia (T,) swings at a frequency [Hz].
+
+    Arrays of NumPy give numbers of NumPy.
+    """
+    arrays = np if isinstance(inertia, np.ndarray) else jnp
+    m, w = arrays.median(arrays.abs(inertia)) + 1e-9, 2 * np.pi * frequency
     return m * w**2, 2 * _CONTACT_DAMPING * m * w

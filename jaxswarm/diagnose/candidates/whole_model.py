@@ -1,14 +1,14 @@
 """Candidates that change the whole model: its gravity, what it carries, how its torque is written down."""
 
 from dataclasses import replace
+from functools import partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import rigid_columns
 
@@ -26,10 +26,8 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
             output = output[:, term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
         ends = 2 * output[[0, -1]] - output[[1, -2]]
-        longer = jnp.asarray(np.concatenate([ends[:1], output, ends[1:]]))
-        jacobian = jax.jacfwd(lambda p: law.report(p, longer, step))(
-            {name: jnp.asarray(value, float) for name, value in neutral.items()}
-        )
+        longer = np.concatenate([ends[:1], output, ends[1:]])
+        jacobian = _report_slopes(law, _numbers(neutral), longer, step)
         return np.stack([np.asarray(jacobian[p.name])[1:-1] for p in law.parameters], axis=-1)
 
     low = stand.low(slopes)
@@ -40,10 +38,36 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
 
+# Whole programs: each operation by itself would be traced, lowered and loaded on its own.
+@partial(jax.jit, static_argnames="law")
+def _report_slopes(law: MeasurementLaw, values: dict, x: jax.Array, step: float) -> dict:
+    return jax.jacfwd(lambda p: law.report(p, x, step))(values)
+
+
+@partial(jax.jit, static_argnames="law")
+def _excess_slopes(law: MeasurementLaw, values: dict) -> dict:
+    return jax.jacfwd(law.excess)(values)
+
+
+@partial(jax.jit, static_argnames="law")
+def _gravity_slopes(law: BodyChange, values: dict, gravity: jax.Array) -> dict:
+    return jax.jacfwd(lambda p: law.gravity(p, gravity))(values)
+
+
+@partial(jax.jit, static_argnames="law")
+def _body(law: BodyChange, values: dict) -> jax.Array:
+    return law.body(values)
+
+
+def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
+    """Values that are data of a program, and no constants of it."""
+    return {name: np.float64(value) for name, value in values.items()}
+
+
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
     law = term.law
-    slopes = jax.jacfwd(law.excess)({n: jnp.asarray(x, float) for n, x in law.neutral().items()})
+    slopes = _excess_slopes(law, _numbers(law.neutral()))
     by_position = stand.sensed(term.joint)[k].at(stand.pi)[1]
     return np.stack([-by_position * float(slopes[p.name]) for p in law.parameters], axis=2)
 
@@ -56,7 +80,7 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
     else:
         names = [p.name for p in law.parameters]
         unit = [{name: float(name == one) for name in names} for one in names]
-        bodies = np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
+        bodies = np.stack([np.asarray(_body(law, p)) for p in unit], axis=1)
         last = slice(-10, None)
         columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
@@ -64,8 +88,8 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
 
 def _directions(stand: Linearization, term: Term) -> np.ndarray:
     """Change of gravity by each parameter, (p, 3)."""
-    start = {n: jnp.asarray(x, float) for n, x in term.law.neutral().items()}
-    slopes = jax.jacfwd(lambda p: term.law.gravity(p, jnp.asarray(stand.arm.gravity)))(start)
+    gravity = np.asarray(stand.arm.gravity, float)
+    slopes = _gravity_slopes(term.law, _numbers(term.law.neutral()), gravity)
     return np.stack([np.asarray(slopes[p.name]) for p in term.law.parameters])
 
 
@@ -102,7 +126,7 @@ def _by_gravity(stand: Linearization, directions: np.ndarray) -> list[np.ndarray
         return memory.gravity[places][1]
 
     def columns(gravity):
-        arm = stand.arm.replace(gravity=jnp.asarray(gravity))
+        arm = stand.arm.replace(gravity=np.asarray(gravity))
 
         def rows(k):
             q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])

@@ -10,7 +10,6 @@ the lag. :func:`lag_slopes` gives the missing part of the derivative,
 from functools import partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from scipy import ndimage
 
@@ -63,8 +62,8 @@ def flank_compression(
 
 def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
     """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
-    values = {n: jnp.asarray(x) for n, x in _values(term).items()}
-    return term.law.gear(values, jnp.asarray(inertia))
+    values = {n: np.float64(x) for n, x in _values(term).items()}
+    return term.law.gear(values, np.asarray(inertia))
 
 
 def link_motion(

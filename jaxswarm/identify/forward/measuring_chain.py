@@ -6,10 +6,9 @@ The order in which a torque comes about fixes the order here: the links move beh
 """
 
 from collections.abc import Sequence
-from functools import singledispatch
+from functools import partial, singledispatch
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
@@ -33,9 +32,14 @@ def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
     """The robot in the gravity its terms say."""
     for term in of_kind(terms, BodyChange):
         if term.law.gravity is not None:
-            gravity = term.law.gravity(term.values, jnp.asarray(robot.gravity))
-            robot = robot.replace(gravity=gravity)
+            values = {name: np.float64(value) for name, value in term.values.items()}
+            robot = robot.replace(gravity=_gravity(term.law, values, robot.gravity))
     return robot
+
+
+@partial(jax.jit, static_argnames="law")
+def _gravity(law: BodyChange, values: dict, gravity: jax.Array) -> jax.Array:
+    return law.gravity(values, gravity)
 
 
 def uses_load(terms: tuple[Term, ...]) -> bool:
