@@ -8,6 +8,7 @@ model column pass the same decimating low-pass below it (:class:`Decimator`): th
 M. Gautier, "Dynamic identification of robots with power model", ICRA 1997.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,6 +147,23 @@ class Decimator:
     def kept(self, length: int) -> np.ndarray:
         """Return the indices of the samples kept of a signal of the given length."""
         return np.arange(self.margin, length - self.margin, self.factor)
+
+    def blocks(self, length: int, samples: int) -> Iterator[slice]:
+        """Stretches of about so many samples of a signal, that overlap as the filter needs.
+
+        What :meth:`apply` gives of each in turn is what it gives of the whole.
+
+        >>> low = Decimator(np.ones(5) / 5, 3)
+        >>> x = np.arange(50.0) ** 2
+        >>> parts = [low.apply(x[part]) for part in low.blocks(50, 16)]
+        >>> len(parts), bool(np.array_equal(np.concatenate(parts), low.apply(x)))
+        (4, True)
+        """
+        taps = len(self.taps)
+        rows, each = (length - taps) // self.factor + 1, max(1, (samples - taps) // self.factor + 1)
+        for first in range(0, rows, each):
+            last = min(first + each, rows) - 1
+            yield slice(first * self.factor, last * self.factor + taps)
 
     def apply(self, x: np.ndarray) -> np.ndarray:
         """Filter and decimate along the first axis: (T, ...) -> (len(kept(T)), ...)."""

@@ -9,10 +9,9 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.columns import Load, rigid_columns, term_columns
+from jaxswarm.identify.forward.columns import load_along, rigid_columns, term_columns
 from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.identify.forward.measuring_chain import (
-    assemble,
     moves_links,
     report,
     report_own,
@@ -20,6 +19,7 @@ from jaxswarm.identify.forward.measuring_chain import (
 )
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
+from jaxswarm.identify.forward.torque_along import torque_along
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9
@@ -40,15 +40,13 @@ class Linearization:
         for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
             own = model.during(k)
             if plain:
-                moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
+                moved, load = (motion.q, motion.dq, motion.ddq), rigid.load(self.pi)
             else:
                 moved = link_motion(self.arm, model.terms, motion, self.pi, rigid)
-                full = rigid_columns(self.arm, *moved)
-                static = rigid_columns(self.arm, moved[0], moved[1], np.zeros_like(moved[2]))
-            self.loads.append(Load(full @ self.pi, static @ self.pi))
+                load = load_along(self.arm, moved, self.pi)
+            self.loads.append(load)
             self.outputs.append(
-                assemble(own.robot, own.terms, motion, own.width, self.pi, rigid)
-                @ linear_values(own)
+                torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
             )
             self.moved.append(moved)
 

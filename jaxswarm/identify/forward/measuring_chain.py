@@ -5,7 +5,7 @@ The order in which a torque comes about fixes the order here: the links move beh
 (:class:`TorqueLaw`, :class:`ExternalTorque`), and the drives write them down (:class:`MeasurementLaw`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial, singledispatch
 
 import jax
@@ -22,7 +22,14 @@ from jaxswarm.effects.kinds import (
 from jaxswarm.effects.measurement import shift
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
+from jaxswarm.identify.forward.columns import (
+    Load,
+    Rigid,
+    load_along,
+    low_columns,
+    rigid_columns,
+    term_columns,
+)
 from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -77,27 +84,47 @@ def assemble(
     """
     low = motion.decimator.apply if decimate else np.asarray
     measured = of_kind(terms, MeasurementLaw)
-    if moves_links(terms) or rigid is None:
-        arm, kept = tilted(robot, terms), None
-        moved = link_motion(arm, terms, motion, pi, rigid)
-        full = rigid_columns(arm, *moved)
-        static = None
-    else:
-        full, static = rigid.full, rigid.static
-        kept = rigid.low if decimate and not measured else None
     load = None
-    if uses_load(terms):
-        if static is None:
-            static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
-        load = load_of(full, static, pi)
-
-    parts = [kept if kept is not None else low(full)]
-    if measured:
-        parts = [low(report(terms, motion, full))]
+    if moves_links(terms) or rigid is None:
+        arm = tilted(robot, terms)
+        moved = link_motion(arm, terms, motion, pi, rigid)
+        if decimate and not measured:
+            parts = [low_columns(arm, *moved, motion.decimator)]
+        else:
+            parts = [low(report(terms, motion, rigid_columns(arm, *moved)))]
+        if uses_load(terms):
+            load = load_along(arm, moved, pi)
+    else:
+        kept = decimate and not measured
+        parts = [rigid.low if kept else low(report(terms, motion, rigid.full))]
+        if uses_load(terms):
+            load = rigid.load(pi)
     for term in terms:
         if term.columns(robot.joints):
-            parts.append(low(report(terms, motion, own_columns(term, motion, width, load))))
+            parts.append(_block(terms, term, motion, width, load, low))
     return np.concatenate(parts, axis=2)
+
+
+def _block(
+    terms: tuple[Term, ...],
+    term: Term,
+    motion: Motion,
+    width: Sequence[float],
+    load: Load | None,
+    low: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
+    if not isinstance(term.law, TorqueLaw):
+        return low(report(terms, motion, own_columns(term, motion, width, load)))
+    own = low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
+    return placed(own, term.joint, motion.q.shape[1])
+
+
+def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
+    """Columns (T, k) of one joint as those of all, (T, n, k)."""
+    block = np.zeros((len(own), joints, own.shape[1]))
+    block[:, joint] = own
+    return block
 
 
 def own_columns(
@@ -124,10 +151,7 @@ def _(law, term, motion, width, load):
 
 @law_block.register
 def _(law: TorqueLaw, term, motion, width, load):
-    own = term_columns(term, motion, width, load)
-    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
-    block[:, term.joint] = own
-    return block
+    return placed(term_columns(term, motion, width, load), term.joint, motion.q.shape[1])
 
 
 @law_block.register
@@ -149,9 +173,7 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
     """Columns (T, k) that act on one joint as its drive reports them."""
     if not of_kind(terms, MeasurementLaw):
         return own
-    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
-    block[:, joint] = own
-    return report(terms, motion, block)[:, joint]
+    return report(terms, motion, placed(own, joint, motion.q.shape[1]))[:, joint]
 
 
 def lateness(terms: tuple[Term, ...]) -> float:
@@ -177,8 +199,8 @@ def term_block(
     rigid: Rigid,
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
-    load = load_of(rigid.full, rigid.static, pi) if term.law.uses_load else None
-    return motion.decimator.apply(report(terms, motion, own_columns(term, motion, width, load)))
+    load = rigid.load(pi) if term.law.uses_load else None
+    return _block(terms, term, motion, width, load, motion.decimator.apply)
 
 
 _shift = jax.jit(shift)
