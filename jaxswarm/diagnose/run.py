@@ -8,6 +8,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.insufficient import all_rest, resting_joints, too_short, undecidable
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
+from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
@@ -86,6 +87,7 @@ def diagnose_files(
         page = {"diagnosis.json": outputs.to_json(result), "report.html": render(result, {})}
         outputs.write_results(out, page)
         return result
+    refuse_too_large(motions)
     other = [part for parts in prepared[len(paths) :] for part in parts]
     journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
     with Drawing() as drawing:

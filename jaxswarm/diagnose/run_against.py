@@ -9,6 +9,7 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
@@ -79,6 +80,7 @@ def compare_files(
     refuse_resting_joints(read[: len(paths)], robot)
     motions = [part for parts in prepared[: len(paths)] for part in parts]
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
+    refuse_too_large(motions)
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
     with Drawing() as drawing:

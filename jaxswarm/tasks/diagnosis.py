@@ -6,6 +6,7 @@ from pathlib import Path
 from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
 from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
+from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.result import place
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
 from jaxswarm.diagnose.run import conclude
@@ -79,6 +80,7 @@ def diagnose(
         result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
         result["findings"] = findings(read)
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
+    refuse_too_large(motions)
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress)
     unseen = []
     if validation is not None:
@@ -97,6 +99,7 @@ def _against(
     unseen = []
     if validation is not None:
         _, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
+    refuse_too_large(motions)
     found = changes_since(model, motions, seed=seed, progress=progress)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
     result["findings"] = findings(read)
