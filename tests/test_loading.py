@@ -15,7 +15,7 @@ def loaded(code: str, *modules: str) -> set[str]:
     return set(done.stderr.split())
 
 
-@pytest.mark.parametrize("words", ["'--help'", "'diagnose', '--help'", "'--version'"])
+@pytest.mark.parametrize("words", ["'--help'", "'diagnose', '--help'", "'predict', '--help'"])
 def test_help_loads_no_numbers(words):
     code = f"""
 import sys
