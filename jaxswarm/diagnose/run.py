@@ -7,6 +7,7 @@ from pathlib import Path
 from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.insufficient import all_rest, resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
@@ -136,7 +137,7 @@ def conclude(
     """What remains after the loop, and everything as ``diagnosis.json`` has it."""
     progress("looking at what remains")
     left = find_unexplained(diagnosis.final, diagnosis.background, seed)
-    left = proven(diagnosis.final, left, unseen)
+    left = proven(diagnosis.final, material(left, remainders(diagnosis.final)), unseen)
     return to_result(diagnosis, left, unseen), left
 
 

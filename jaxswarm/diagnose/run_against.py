@@ -8,6 +8,7 @@ import numpy as np
 
 from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
+from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures
@@ -102,7 +103,8 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     """The comparison as ``diagnosis.json`` has it, as a diagnosis for the pictures, and what remains."""
     progress("looking at what remains")
     diagnosis = _as_diagnosis(found)
-    left = proven(found.after, find_unexplained(found.after, found.background, seed), unseen)
+    left = find_unexplained(found.after, found.background, seed)
+    left = proven(found.after, material(left, remainders(found.after)), unseen)
     result = to_result(diagnosis, left, unseen)
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):

@@ -13,6 +13,7 @@ from scipy import interpolate
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
 from jaxswarm.logs.clock import with_sample_times
+from jaxswarm.logs.encoder import between_counts
 from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.sampling import usual_period
@@ -76,6 +77,8 @@ class Motion:
         skew: Time by which the motion was moved against the torque [s].
         torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
             (n,): that of the sample-to-sample noise, taken as white; None without torque.
+        model_noise: What the doubt of the motion makes of a model's torque on every decimated row,
+            (T', n) [N m or N]; None: not known yet.
     """
 
     source: str
@@ -96,6 +99,7 @@ class Motion:
     asked: Filtering = Filtering()
     position_noise: np.ndarray | None = None
     velocity_ratio: np.ndarray | None = None
+    model_noise: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:
@@ -145,7 +149,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         )
     log = with_sample_times(log)
     full_clock, rate = _uniform(log)
-    q = _resample(log.t, log.q, full_clock, cubic=True)
+    q = _resample(log.t, between_counts(log.t, log.q), full_clock, cubic=True)
     logged = None
     if log.dq is not None and filtering.use_logged_velocity is not False:
         logged = _resample(log.t, log.dq, full_clock, cubic=False)

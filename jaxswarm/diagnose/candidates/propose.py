@@ -16,6 +16,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.contact import external_candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.refine import refined
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.candidates.transmission import lagging_candidate
 from jaxswarm.diagnose.candidates.whole_model import body_candidate, measurement_candidate
@@ -47,8 +48,12 @@ def propose_all(stand: Linearization, terms: tuple[Term, ...], key: jax.Array) -
                 done[term] = propose(term.law, stand, term)
         found = finish()
     for term, values in zip(searched, found, strict=True):
-        columns = tuple(stand.law(replace(term, values=v)) for v in values)
-        placed = replace(term, values=values[0])
+        best = [
+            refined(stand, term, fold, v, stand.memory.least)
+            for fold, v in zip(stand.background.folds, values, strict=True)
+        ]
+        placed = replace(term, values=best[0][0])
+        columns = tuple(own for _, own in best)
         done[term] = Candidate(placed, columns, len(term.law.parameters))
     return [done[t] for t in terms if done[t] is not None]
 

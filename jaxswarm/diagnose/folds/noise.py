@@ -1,14 +1,20 @@
-r"""The noise in the compared band: what no model can go below.
+r"""The noise in the compared band: what no model can go below, row by row.
 
-Two things make it. The torque's own sensor noise is told by its sample-to-sample differences. And the motion
-is known only as well as its encoders tell: its noise goes through smoothing and derivatives into
-:math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction. What comes
-out of the model is found by drawing that noise once and sending it the same way.
+Three things make it. The torque's own sensor noise is told by its sample-to-sample differences. The motion is
+known only as well as its encoders tell: its noise goes through smoothing and derivatives into
+:math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
+out of the model is found by drawing that noise and sending it the same way. And where a joint starts, stops or
+sticks, motion and torque are sharper than any smoothing or sampling shows: such errors are short, so that they
+have as much power per hertz above the compared band as in it, and are read off there.
+
+On clean logs of another simulator (11 worlds, some with 15-bit encoders, stick-slip or 50 Hz sampling) the
+residual is 0.4 to 1.4 times this noise on 44 of 47 joints, and up to 15 times one that is the same in all rows.
 """
 
 from dataclasses import replace
 
 import numpy as np
+from scipy import ndimage, signal
 
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import model_torque
@@ -18,39 +24,74 @@ from jaxswarm.logs.smoothing import smooth
 
 # Without any measured noise, this share of a joint's torque counts as it: what a sensor of 10 bits tells.
 _LEAST_NOISE = 1e-3
+# Draws of the motion's noise, and the decimated rows over which their power is averaged.
+_DRAWS, _ROWS = 2, 7
+# Where the band begins that tells what is sharp, over the torque's cutoff; and the time [s] over which its
+# power is averaged, in any case a period of the cutoff.
+_ABOVE, _WINDOW = 1.5, 0.25
+# Without this share of the working rate above the band, it tells nothing.
+_LEAST_SHARE = 0.05
 
 
 def noise_of(found: Estimate) -> np.ndarray:
-    """Standard deviation of the noise below the torque cutoff [N m or N], (n,): the least of the logs."""
+    """Standard deviation of the noise below the torque cutoff [N m or N], (n,), over all rows."""
+    return np.sqrt((row_noise(found) ** 2).mean(axis=0))
+
+
+def row_noise(found: Estimate) -> np.ndarray:
+    """The same of every row, (T', n)."""
     measured = np.min([m.torque_noise for m in found.motions], axis=0)
     size = np.sqrt((found.regression.torque**2).mean(axis=0))
-    return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
+    sensor = np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
+    if any(m.model_noise is None for m in found.motions):
+        return np.broadcast_to(sensor, found.regression.torque.shape)
+    return np.hypot(sensor, np.concatenate([m.model_noise for m in found.motions]))
 
 
 def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
-    """The same fit, the noise of its logs' torque raised by what that of the motion makes of the model."""
-    motions = tuple(
-        replace(m, torque_noise=np.hypot(m.torque_noise, _motion_noise(found, m, seed)))
-        for m in found.motions
-    )
+    """The same fit, with what the doubt of its logs' motion makes of the model, row by row."""
+    motions = tuple(replace(m, model_noise=_model_noise(found, m, seed)) for m in found.motions)
     return replace(found, motions=motions)
 
 
-def _motion_noise(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
-    """RMS torque (n,) that the noise of a log's positions makes of a model below the torque cutoff."""
+def _model_noise(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
+    """Standard deviation (T', n) of what a log's motion makes of the model below the torque cutoff."""
+    sensor = np.zeros(motion.q.shape[1]) if motion.torque_noise is None else motion.torque_noise
+    sharp = np.sqrt(np.maximum(_sharp_power(found, motion) - sensor**2, 0.0))
+    return np.maximum(sharp, np.sqrt(_drawn_power(found, motion, seed)))
+
+
+def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
+    """Power (T', n) that the white noise of a log's positions makes of the model's torque."""
+    rows = len(motion.decimator.kept(len(motion.t)))
     if motion.position_noise is None:
-        return np.zeros(motion.q.shape[1])
+        return np.zeros((rows, motion.q.shape[1]))
     rng = np.random.default_rng(seed)
-    noise = motion.position_noise * rng.normal(size=motion.q.shape)
-    ratio, speed = motion.velocity_ratio, None
-    if ratio is not None:
-        speed = motion.position_noise / np.sqrt(ratio) * rng.normal(size=motion.q.shape)
-    torques = []
-    for share in (0.0, 1.0):
-        given = None if speed is None else motion.dq + share * speed
-        q = smooth(
-            motion.q + share * noise, motion.rate, np.array(motion.motion_cutoff), given, ratio
-        )
+    ratio = motion.velocity_ratio
+    speed = None if ratio is None else motion.position_noise / np.sqrt(ratio)
+
+    def torque(share: float) -> np.ndarray:
+        q = motion.q + share * motion.position_noise * rng.normal(size=motion.q.shape)
+        dq = None if speed is None else motion.dq + share * speed * rng.normal(size=q.shape)
+        q = smooth(q, motion.rate, np.array(motion.motion_cutoff), dq, ratio)
         dq, ddq = derivatives(q, motion.rate, 2)
-        torques.append(model_torque(found.model, replace(motion, q=q, dq=dq, ddq=ddq)))
-    return np.sqrt((motion.decimator.apply(torques[1] - torques[0]) ** 2).mean(axis=0))
+        return model_torque(found.model, replace(motion, q=q, dq=dq, ddq=ddq))
+
+    plain = torque(0.0)
+    power = [motion.decimator.apply(torque(1.0) - plain) ** 2 for _ in range(_DRAWS)]
+    return ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
+
+
+def _sharp_power(found: Estimate, motion: Motion) -> np.ndarray:
+    """Power (T', n) below the torque cutoff of what leaves as much of it per hertz above."""
+    rate, begin = motion.rate, _ABOVE * motion.torque_cutoff
+    kept = motion.decimator.kept(len(motion.t))
+    if 0.5 * rate - begin < _LEAST_SHARE * rate:
+        return np.zeros((len(kept), motion.q.shape[1]))
+    residual = motion.tau - model_torque(found.model, motion)
+    above = signal.sosfiltfilt(
+        signal.butter(4, begin, "high", fs=rate, output="sos"), residual, axis=0
+    )
+    span = max(_WINDOW, 1.0 / motion.torque_cutoff)
+    power = ndimage.uniform_filter1d(above**2, max(3, int(span * rate)), axis=0)
+    return power[kept] * motion.torque_cutoff / (0.5 * rate - begin)

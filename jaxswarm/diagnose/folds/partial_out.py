@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import linalg
 
-from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.folds.noise import noise_of, row_noise
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
@@ -125,7 +125,7 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
             absorbs nothing.
     """
     regression, solution = found.regression, found.fit
-    weight = robust_weight(solution.residual)
+    weight = row_weight(found)
     if regression.used is not None:
         weight = weight * regression.used[:, None]
     columns = regression.columns[:, :, solution.base.kept]
@@ -173,6 +173,13 @@ def width_slopes(found: Estimate) -> np.ndarray:
         Place(model.terms, model.width),
         moving,
     )
+
+
+def row_weight(found: Estimate) -> np.ndarray:
+    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
+    doubt = row_noise(found)
+    relative = doubt.min(axis=0) / doubt
+    return relative * robust_weight(found.fit.residual * relative)
 
 
 def robust_weight(residual: np.ndarray) -> np.ndarray:

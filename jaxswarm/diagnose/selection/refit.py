@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.decision.score import Score
-from jaxswarm.diagnose.folds.partial_out import robust_weight
+from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
@@ -39,7 +39,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     )
     linear = term.law.linear
     physical = all(fitted.values[p.name] >= p.lower for p in linear)
-    weight = robust_weight(current.fit.residual)
+    weight = row_weight(current)
 
     def cost(one: Estimate) -> float:
         return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())

@@ -11,13 +11,13 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.competing import choose, is_special_case
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.remainder import NEAR
 from jaxswarm.diagnose.decision.score import Rules, Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, robust_weight
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
@@ -120,7 +120,11 @@ def reconsider(
         pick, current = instead
         others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
         added = find_term(current, pick.candidate.term)
-        told = () if same else tuple(near)
+        told = tuple(
+            s
+            for s in (chosen, *near)
+            if s is not pick and not is_special_case(pick.candidate, s.candidate, background)
+        )
         done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
         changed = True
     return (chain(done) if changed else done), current, changed
@@ -165,5 +169,5 @@ def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
 
 def _cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:
     """Squared error of a joint, or of several, in units of the noise; rare large residuals bounded."""
-    weight = robust_weight(weights.fit.residual)
+    weight = row_weight(weights)
     return float(np.square((found.fit.residual * weight)[:, joint]).sum())

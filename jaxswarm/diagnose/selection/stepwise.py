@@ -103,12 +103,13 @@ def diagnose(
     """
     rules = rules or Rules()
     progress("fitting the declared model")
-    start = with_motion_noise(estimate(robot, declared, motions, bounded=False), seed)
+    start = estimate(robot, declared, motions, bounded=False)
     search = _Search(start, start, rules, seed, Memory(journal, rules.share), other, progress)
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
     for number in range(1, most + 2):
         error = _error(search.current)
         progress(f"round {number}: scoring candidates, {error:.3g} % error so far")
+        search.current = with_motion_noise(search.current, seed)
         background = cross_fit(search.current)
         stand = Linearization(search.current, background, search.memory)
         eligible = eligible_terms(search.current.model, search.current.motions)
