@@ -28,7 +28,11 @@ except SystemExit:
     assert loaded(code, "jax", "numpy", "scipy", "matplotlib") == set()
 
 
-@pytest.mark.parametrize("command", ["identify.run", "identify.predict", "diagnose.run"])
-def test_commands_load_no_library_for_pictures_or_statistics(command):
+@pytest.mark.parametrize("command", ["identify.run", "identify.predict"])
+def test_identification_loads_no_library_for_pictures_statistics_or_simulation(command):
     code = f"import jaxswarm.{command}"
     assert loaded(code, "jax", "matplotlib", "scipy.stats", "jaxswarm.simulate") == {"jax"}
+
+
+def test_a_diagnosis_loads_no_library_for_pictures():
+    assert loaded("import jaxswarm.diagnose.run", "jax", "matplotlib") == {"jax"}
