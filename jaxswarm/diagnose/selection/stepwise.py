@@ -21,10 +21,10 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import add_everyday
-from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
-from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
-from jaxswarm.diagnose.selection.survives import stands_in, survives
+from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
+from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
@@ -126,10 +126,28 @@ def diagnose(
             else _choose_again(search, background)
         ):
             break
+    background = _take_back_harm(search, background)
     return Diagnosis(
         search.declared, search.current, tuple(search.steps), tuple(scores), background,
         search.asked, search.withdrawn, tuple(search.refused), ended, rules,
     )  # fmt: skip
+
+
+def _take_back_harm(search: _Search, background: CrossFit) -> CrossFit:
+    """Take back, one after the other, what in the end raises a joint's error on other motion."""
+    while search.steps:
+        found = harmful(search.declared, search.steps, search.current, search.other)
+        if found is None:
+            break
+        step, why = found
+        own = step.added.identity
+        search.refused.append((step.added, why))
+        search.steps = [s for s in search.steps if s is not step]
+        kept = tuple(t for t in search.current.model.terms if t.identity != own)
+        search.current = with_motion_noise(refit(search.current, kept), search.seed)
+        search.steps = chain(search.steps) if search.steps else []
+        background = cross_fit(search.current)
+    return background
 
 
 def _allow_for_skew(search: _Search, stand: Linearization, eligible: Sequence[Term]) -> bool:

@@ -18,6 +18,7 @@ from jaxswarm.diagnose.decision.unexplained import (
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -26,6 +27,8 @@ from jaxswarm.logs.motion import Motion, shift_motion
 # An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
 # the effect's own joint: half of what a fifth of the squared error (the least share asked for) is worth.
 HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
+# While more is missing, a joint's error may grow by so much.
+HARM_ON_THE_WAY = 1.5
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25
 
@@ -50,6 +53,10 @@ def survives(
 ) -> str | None:
     """Why an addition does not survive; None if it does, or if there is no other motion to ask.
 
+    The error of its own joint has to fall, and that of all joints, in units of their noise. Where more is
+    missing, one that is true may raise a joint's error until the rest is found; what does so in the end
+    is taken back by :func:`harmful`.
+
     Args:
         before, after: The fits without and with it.
         joint: Where it acts, or shows most.
@@ -58,12 +65,50 @@ def survives(
     noise = noise_of(before)
     names = before.model.robot.joints
     for one, two, where in _errors(before, after, other):
-        worse = (two > HARM * one) & (two > ABOVE_NOISE * noise)
+        worse = (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
         if worse.any():
             j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
             return f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
         if two[joint] > GAIN * one[joint]:
             return f"does not lower the error of {names[joint]} {where}"
+        if _total(two, noise) > _total(one, noise):
+            return f"does not lower the error of all joints {where}"
+    return None
+
+
+def _total(error: np.ndarray, noise: np.ndarray) -> float:
+    """Squared errors (n,) in units of the noise; what is within the noise counts as it."""
+    return float((np.maximum(error / noise, ABOVE_NOISE) ** 2).sum())
+
+
+def harmful(
+    declared: Estimate, steps: Sequence[Step], final: Estimate, other: Sequence[Motion] = ()
+) -> tuple[Step, str] | None:
+    """The addition that in the end raises a joint's error on other motion most, and where; None if none.
+
+    Args:
+        declared: The fit of the declared model.
+        steps: What was added.
+        final: The fit with all of it.
+        other: Logs that are not fitted.
+    """
+    noise = noise_of(final)
+    names = final.model.robot.joints
+    for one, two, where in _errors(declared, final, other):
+        worse = (two > HARM * one) & (two > ABOVE_NOISE * noise)
+        if not worse.any():
+            continue
+        j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
+        raised = []
+        for step in steps:
+            if step.added.law.recurring:
+                continue
+            rises = [b[j] - a[j] for a, b, _ in _errors(step.before, step.after, other)]
+            raised.append((max(rises, default=0.0), step))
+        rise, step = max(raised, key=lambda item: item[0], default=(0.0, None))
+        if step is not None and rise > 0.0:
+            told = f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
+            return step, told
     return None
 
 
