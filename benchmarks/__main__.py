@@ -3,8 +3,8 @@
     python -m benchmarks                         list them
     python -m benchmarks --compare A B           ratios of two result files (JSON lines)
 
-A benchmark is a module of this folder that can be run. Its docstring says what it measures and how to
-call it, ``NEEDS`` (packages that it imports beyond the core, or ``data``) and ``TAKES`` the rest; they
+A benchmark is a module or a package of this folder that can be run. Its docstring says what it measures and
+how to call it, ``NEEDS`` (packages that it imports beyond the core, or ``data``) and ``TAKES`` the rest; they
 are read without importing it.
 """
 
@@ -35,13 +35,15 @@ class Benchmark(NamedTuple):
 
 
 def benchmarks(folder: Path = FOLDER) -> list[Benchmark]:
-    """Read the modules of a folder that can be run, in the order of their names."""
-    return [one for path in sorted(folder.glob("*.py")) if (one := _read(path)) is not None]
+    """Read the modules and packages of a folder that can be run, in the order of their names."""
+    files = [*folder.glob("*.py"), *folder.glob("*/__main__.py")]
+    return [one for path in sorted(files) if (one := _read(path, folder)) is not None]
 
 
-def _read(path: Path) -> Benchmark | None:
+def _read(path: Path, folder: Path) -> Benchmark | None:
     text = path.read_text(encoding="utf-8")
-    if path.name.startswith("__") or '__name__ == "__main__"' not in text:
+    name = path.stem if path.parent == folder else path.parent.name
+    if name.startswith("__") or '__name__ == "__main__"' not in text:
         return None
     tree = ast.parse(text)
     stated: dict[str, Any] = {"NEEDS": (), "TAKES": "not stated"}
@@ -49,9 +51,9 @@ def _read(path: Path) -> Benchmark | None:
         if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", None) in stated:
             stated[node.targets[0].id] = ast.literal_eval(node.value)
     lines = [line.strip() for line in (ast.get_docstring(tree) or "").splitlines()] or [""]
-    called = f"python -m benchmarks.{path.stem}"
+    called = f"python -m benchmarks.{name}"
     call = next((line[line.index(called) :] for line in lines if called in line), called)
-    return Benchmark(path.stem, lines[0], call, tuple(stated["NEEDS"]), stated["TAKES"])
+    return Benchmark(name, lines[0], call, tuple(stated["NEEDS"]), stated["TAKES"])
 
 
 def listing(found: list[Benchmark]) -> str:

@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from benchmarks.dynamics_two_link import rk4
-from jaxswarm.identify.simulation_error.output_error import plant_with
+from jaxswarm.identify.simulation_error.experiment import plant_with
 from jaxswarm.robot import Robot, in_blocks
 from jaxswarm.robot.spatial import settle
 from jaxswarm.simulate import make_plant, open_loop, polynomial_sincos, rest

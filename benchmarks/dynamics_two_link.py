@@ -15,12 +15,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.identify.physical.export import export_mjcf
-from jaxswarm.identify.simulation_error.output_error import (
-    Experiment,
-    OutputProblem,
-    output_fitness,
-    plant_with,
-)
+from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, plant_with
+from jaxswarm.identify.simulation_error.output_error import output_fitness
 from jaxswarm.robot import Joint, Robot, build_robot, in_blocks
 from jaxswarm.robot.placements import body_parameters
 from jaxswarm.robot.spatial import settle

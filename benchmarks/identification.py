@@ -19,7 +19,7 @@ import tempfile
 import time
 from pathlib import Path
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: see jaxswarm.cli
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: see jaxswarm.runtime
 
 import jax
 import numpy as np

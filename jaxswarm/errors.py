@@ -27,6 +27,21 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
+# Characters of a message that are shown; what a file holds may be quoted in it and be of any length.
+_LONGEST = 1600
+
+
+def shown_message(text: str) -> str:
+    """A message fit for a terminal: printable, and with its middle left out where it is too long.
+
+    >>> len(shown_message("x" * 10**6)) < 2000
+    True
+    """
+    text = printable(text)
+    half = _LONGEST // 2
+    return text if len(text) <= _LONGEST else f"{text[:half]} ... {text[-half:]}"
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return a sentence that offers the known names closest to ``name``, or lists all of them.
 

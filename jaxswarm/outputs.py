@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
+from jaxswarm import unfinished
 from jaxswarm.errors import InputError, Notice, printable
 
 MANIFEST = ".jaxswarm.json"
-_PART = ".jaxswarm-part-"
 # What neither a shell nor any file system takes as it is: separators, wild cards, quotes, control characters.
 _UNSAFE = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|$\[\]]')
 
@@ -121,12 +121,14 @@ def write_files(folder: Path, files: dict[str, Content]) -> list[Path]:
             created.append(missing)
             missing = missing.parent
         folder.mkdir(parents=True, exist_ok=True)
-        _sweep(folder)
+        unfinished.sweep(folder, _machine())
         for name, content in files.items():
             target = folder / name
             if target.is_dir():
                 raise InputError(f"--out {folder}: {target} is a folder; move it away")
-            handle, temporary = tempfile.mkstemp(dir=folder, prefix=_mark(), suffix=target.suffix)
+            handle, temporary = tempfile.mkstemp(
+                dir=folder, prefix=unfinished.mark(_machine()), suffix=target.suffix
+            )
             os.close(handle)
             parts.append((Path(temporary), target))
             _write(parts[-1][0], content)
@@ -208,7 +210,7 @@ def _manifest(folder: Path) -> list[dict[str, str]]:
         sets = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sets"]
         # A name with a separator could lead out of the folder.
         return [{n: str(d) for n, d in one.items() if n == Path(n).name} for one in sets]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return []
 
 
@@ -220,30 +222,8 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _mark() -> str:
-    """Prefix of unfinished files: the machine and the process they belong to."""
-    return f"{_PART}{file_name(platform.node())}-{os.getpid()}-"
-
-
-def _sweep(folder: Path) -> None:
-    """Remove unfinished files of processes of this machine that are no more."""
-    machine = _mark().removesuffix(f"{os.getpid()}-")
-    for path in folder.glob(f"{_PART}*"):
-        process = path.name.removeprefix(machine).split("-")[0]
-        if path.name.startswith(machine) and process.isdigit() and not _alive(int(process)):
-            path.unlink(missing_ok=True)
-
-
-def _alive(process: int) -> bool:
-    if os.name == "nt":  # there, signal 0 ends a process
-        return True
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass  # it lives, but is another user's
-    return True
+def _machine() -> str:
+    return file_name(platform.node())
 
 
 def _plain(x):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jaxswarm import console, terminal
 from jaxswarm.claim import claim
-from jaxswarm.errors import InputError, printable
+from jaxswarm.errors import InputError, shown_message
 
 
 def run(command: Callable[[], None]) -> None:
@@ -26,7 +26,7 @@ def run(command: Callable[[], None]) -> None:
             finally:
                 sys.stdout.flush()
     except InputError as error:
-        print(f"error: {printable(str(error))}", file=sys.stderr)
+        print(f"error: {shown_message(str(error))}", file=sys.stderr)
         raise SystemExit(2) from None
     except OSError as error:
         raise SystemExit(_say_unprinted(error)) from None

@@ -85,7 +85,13 @@ def test_every_registered_effect_is_of_one_of_the_five_kinds():
 
 def test_names_in_facts_are_registered():
     for effect in REGISTRY.values():
-        assert set(effect.contains) | set(effect.exclusive_with) <= set(REGISTRY), effect.name
+        told = {*effect.contains, *effect.exclusive_with, *filter(None, [effect.extends])}
+        assert told <= set(REGISTRY), effect.name
         known = {p.name for p in effect.parameters}
         assert set(effect.identity) <= known, effect.name
         assert {p.hidden_by for p in effect.parameters} - {""} <= known, effect.name
+
+
+def test_every_effect_says_what_it_means_and_what_to_do():
+    for effect in REGISTRY.values():
+        assert len(effect.meaning) > 40 and effect.meaning.endswith("."), effect.name

@@ -165,3 +165,9 @@ def test_control_characters_of_columns_never_reach_the_terminal(log, tmp_path):
     log.write_text("\n".join(lines))
     code, out, err = identify(log, tmp_path / "out")
     assert code == 0 and not {"\x1b", "\x07"} & set(out + err)
+
+
+def test_a_message_that_quotes_a_huge_text_stays_short(tmp_path):
+    code, out, err = run("robots", "show", "x" * 100_000)
+    assert code == 2 and out == "" and len(err) < 2000
+    assert "unknown robot" in err and err.rstrip().endswith("ur10e.")

@@ -18,6 +18,7 @@ from benchmarks.worlds.laws import IN_BODY, INSIDE, LAWS, OUTSIDE, STRUCTURAL, E
 from benchmarks.worlds.motion import FAMILIES, Motion, reference
 from benchmarks.worlds.place import place_effect
 from benchmarks.worlds.plan import CLEAN, ROUND, plan
+from benchmarks.worlds.reading import said
 from benchmarks.worlds.record import measured_torque
 from benchmarks.worlds.rigid import Absorber, declared_columns, rms
 from benchmarks.worlds.simulate import simulate
@@ -149,6 +150,40 @@ def test_a_structure_does_what_it_says():
     friction = ARM.viscous * run.dq + ARM.coulomb * np.tanh(run.dq / ARM.width)
     rest = run.tau - np.array(rows) - ARM.rotor * run.ddq - friction
     assert rms(rest).max() < 1e-3 * rms(run.tau).max()
+
+
+@pytest.mark.parametrize("kind", ["encoder_eccentricity", "gear_coupling_error"])
+def test_a_wrong_encoder_says_a_motion_and_its_derivatives(kind):
+    effect = _effect(kind)
+    run = _run(effect)
+    inner = slice(100, -100)
+    for x, slope in ((run.q, run.dq), (run.dq, run.ddq)):
+        told = plain.low_pass(np.gradient(x, run.t, axis=0), 1000.0, 20.0)[inner]
+        assert rms(told - plain.low_pass(slope, 1000.0, 20.0)[inner]).max() < 0.02 * rms(told).max()
+    true = said((replace(effect, params={k: -v for k, v in effect.params.items()}),), *_said(run))
+    motor = replace(run, q=true[0], dq=true[1], ddq=true[2])
+    left = run.tau - declared_torque(ARM, motor)
+    apart = run.tau - declared_torque(ARM, run)
+    j = effect.joint
+    assert rms(left[500:])[j] < 0.3 * rms(apart[500:])[j]
+
+
+def _said(run):
+    return run.q, run.dq, run.ddq
+
+
+def test_drives_bend_and_filter_the_measured_torque_alone():
+    run = _run()
+    bend = Effect("torque_constant_saturation", 1, params={"c": 0.01})
+    band = Effect("torque_dead_band", 1, params={"d": 0.5})
+    tau = run.tau[:, 1]
+    told = [measured_torque(run, (e,))[:, 1] for e in (bend, band)]
+    np.testing.assert_allclose(told[0], tau * (1.0 - 0.01 * np.abs(tau)), rtol=1e-12)
+    np.testing.assert_allclose(told[1], tau + 0.5 * np.sign(tau), rtol=1e-12)
+    slow = measured_torque(run, (Effect("torque_lag", params={"tc": 0.02}),))[:, 1]
+    rate = np.gradient(slow, run.t)
+    rest = plain.low_pass((slow + 0.02 * rate - tau)[:, None], 1000.0, 10.0)[500:-500]
+    assert rms(rest).max() < 0.02 * rms(tau[:, None]).max()
 
 
 def test_softness_moves_the_torque_by_what_the_link_lags():

@@ -115,7 +115,7 @@ LAWS = {**_INSIDE_LAWS, **OUTSIDE_LAWS}
 # Effects that are not a torque on a joint: at most one of them in a world, so that what they do to the
 # torque is what remains when everything else is subtracted.
 STRUCTURAL = tuple(k for k, law in LAWS.items() if law.torque is None and k != "contact")
-GLOBAL = ("time_delay", "base_tilt", "contact")
+GLOBAL = ("time_delay", "torque_lag", "base_tilt", "contact")
 # Kept in MuJoCo's mass matrix: a torque that lags behind the acceleration would not be stable.
 IN_BODY = ("rotor_inertia",)
 # Ramp of a touch [s].

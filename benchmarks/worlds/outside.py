@@ -12,6 +12,17 @@ def _compensator(p, s, j, o):
     return 0.0, p["k"] * (1.0 - p["free"] / length) * p["r"] * p["d"] * np.sin(turn)
 
 
+def _eccentric(rng, slide):
+    once, twice = rng.uniform(0, 2 * np.pi, 2)
+    part = rng.uniform(0.2, 1.0)
+    return {
+        "s1": 0.01 * np.cos(once),
+        "c1": 0.01 * np.sin(once),
+        "s2": 0.01 * part * np.cos(twice),
+        "c2": 0.01 * part * np.sin(twice),
+    }
+
+
 OUTSIDE_LAWS = {
     "encoder_offset": Law(None, lambda r, w: {"dq0": 0.0}, outside=True),
     "cubic_spring": Law(
@@ -63,5 +74,13 @@ OUTSIDE_LAWS = {
         ("k",),
         outside=True,
         pair=True,
+    ),
+    # Those of the torque's channel and of encoders, after all others: worlds drawn before stay as they were.
+    "torque_constant_saturation": Law(None, lambda r, w: {"c": r.choice([-1, 1])}, outside=True),
+    "torque_dead_band": Law(None, lambda r, w: {"d": r.choice([-1, 1])}, outside=True),
+    "torque_lag": Law(None, lambda r, w: {"tc": 1e-3}, outside=True),
+    "encoder_eccentricity": Law(None, _eccentric, ("s1", "c1", "s2", "c2"), outside=True),
+    "gear_coupling_error": Law(
+        None, lambda r, w: {"c": 0.01 * r.choice([-1, 1])}, ("c",), outside=True, pair=True
     ),
 }

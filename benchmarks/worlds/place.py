@@ -51,6 +51,8 @@ def place_effect(rng, arm: Arm, kind: str) -> Effect:
         joint, slide = None, False
     else:
         joint = int(rng.integers(n))
+        if kind == "encoder_eccentricity" and not arm.sliding.all():  # a matter of turning joints
+            joint = int(rng.choice(np.flatnonzero(~arm.sliding)))
         slide = bool(arm.sliding[joint])
     params = {k: float(v) for k, v in LAWS[kind].draw(rng, slide).items()}
     other = None
@@ -63,6 +65,10 @@ def place_effect(rng, arm: Arm, kind: str) -> Effect:
         params = {"gx": 0.1 * np.cos(angle), "gy": 0.1 * np.sin(angle)}
     if kind == "encoder_offset":
         params["dq0"] = float(rng.choice([-1, 1])) * (1e-3 if slide else 1e-2)
+    if kind == "torque_constant_saturation":
+        params["c"] *= 0.01 / float(joint_scales(arm)[1][joint])
+    if kind == "torque_dead_band":
+        params["d"] *= 0.01 * float(joint_scales(arm)[1][joint])
     if kind == "joint_elasticity":
         params["k"] = 1e5 * float(arm.mass[joint:].sum())
     if kind == "contact":

@@ -72,15 +72,26 @@ def quantum(logging: Logging, arm: Arm) -> np.ndarray:
 
 
 def measured_torque(run: Run, effects: tuple[Effect, ...]) -> np.ndarray:
-    """The motor torque through gains and the delay of its clock, without noise, (T, n)."""
-    tau = run.tau
+    """The motor torque through drives that bend, gains, a filter and the delay of its clock, without noise."""
+    tau = run.tau.copy()
+    for e in find(effects, "torque_constant_saturation"):
+        tau[:, e.joint] *= 1.0 - e.params["c"] * np.abs(tau[:, e.joint])
+    for e in find(effects, "torque_dead_band"):
+        tau[:, e.joint] += e.params["d"] * np.sign(tau[:, e.joint])
+    for e in find(effects, "drive_gain"):
+        tau[:, e.joint] *= e.params["gain"]
+    for e in find(effects, "torque_lag"):
+        tau = filtered(tau, e.params["tc"] / (run.t[1] - run.t[0]))
     for e in find(effects, "time_delay"):
         late = run.t - e.params["seconds"]
         tau = np.column_stack([np.interp(late, run.t, column) for column in tau.T])
-    gain = np.ones(tau.shape[1])
-    for e in find(effects, "drive_gain"):
-        gain[e.joint] *= e.params["gain"]
-    return tau * gain
+    return tau
+
+
+def filtered(tau: np.ndarray, samples: float) -> np.ndarray:
+    """A first-order low-pass along time, settled at its begin; its time constant in samples."""
+    pole = np.exp(-1.0 / samples)
+    return signal.lfilter([1 - pole], [1, -pole], tau, axis=0, zi=pole * tau[:1])[0]
 
 
 def record(
@@ -99,8 +110,7 @@ def record(
     """
     tau = measured_torque(run, effects)
     if logging.lag > 0:
-        pole = np.exp(-1.0 / (logging.lag * control.rate))
-        tau = signal.lfilter([1 - pole], [1, -pole], tau, axis=0, zi=pole * tau[:1])[0]
+        tau = filtered(tau, logging.lag * control.rate)
     every = control.rate // logging.rate
     rows = np.arange(0, len(run.t), every)
     shift = np.zeros(len(rows))

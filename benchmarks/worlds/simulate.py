@@ -16,6 +16,7 @@ from benchmarks.worlds.arm import GRAVITY, Arm, mjcf
 from benchmarks.worlds.control import Control, make_controller
 from benchmarks.worlds.laws import IN_BODY, Effect, is_torque, torque_of
 from benchmarks.worlds.motion import Motion, reference
+from benchmarks.worlds.reading import said
 
 RUN_IN = 1.0
 # Longest step [s]; a tick has at least two.
@@ -82,9 +83,6 @@ def simulate(
     law = make_controller(control, arm, ref)
     stage = _Stage(arm, effects, h, compliance)
     stage.start(ref[0][0], ref[1][0])
-    offset = np.zeros(n)
-    for e in find(effects, "encoder_offset"):
-        offset[e.joint] = e.params["dq0"]
     kept = np.flatnonzero(t >= -1e-9)
     run = Run(
         t[kept],
@@ -92,17 +90,19 @@ def simulate(
         np.zeros((len(effects), len(kept), n)),
     )
     lost = np.where(arm.sliding, _LOST[1], _LOST[0])
-    first = kept[0]
+    first, still = kept[0], np.zeros(n)
     for k in range(len(t)):
         q, dq = stage.q[stage.motor], stage.v[stage.motor]
-        measured = np.round((q + offset) / quantum) * quantum
-        if k % 64 == 0 and not (np.abs(q - ref[0][k]) < lost + np.abs(offset)).all():
+        seen, speed, _ = said(effects, q, dq, still)
+        measured = np.round(seen / quantum) * quantum
+        if k % 64 == 0 and not (np.abs(q - ref[0][k]) < lost + np.abs(seen - q)).all():
             raise DivergedError
-        tau = law(k, measured, dq)
+        tau = law(k, measured, speed)
         ddq = stage.step(tau, t[k])
         if k >= first:
             i = k - first
-            run.q[i], run.dq[i], run.ddq[i], run.tau[i] = q + offset, dq, ddq, tau
+            run.q[i], run.dq[i], run.ddq[i] = said(effects, q, dq, ddq)
+            run.tau[i] = tau
             run.parts[:, i] = stage.parts
             for row, e in enumerate(effects):
                 if e.kind in IN_BODY:

@@ -15,6 +15,7 @@ from benchmarks.worlds.arm import GRAVITY, Arm
 from benchmarks.worlds.families import joint_scales
 from benchmarks.worlds.laws import Effect, scaled, torque_of
 from benchmarks.worlds.plain import Plain, best_cutoff, prepare
+from benchmarks.worlds.reading import said
 from benchmarks.worlds.record import measured_torque
 from benchmarks.worlds.rigid import ROWS, Absorber, declared_columns, inverse_dynamics, rms
 from benchmarks.worlds.simulate import Run
@@ -30,6 +31,10 @@ _LIMITS = {
     "seconds": (0.002, 0.03),
     "tilt": 1.5,
     "dq0": (0.15, 0.02),
+    "waves": 0.1,
+    "ratio": 0.3,
+    "tc": (0.002, 0.03),
+    "bend": 0.4,
     "hertz": (6.0, 60.0),
 }
 
@@ -96,6 +101,13 @@ def _grown(effect: Effect, factor: float, ground: Ground) -> Effect:
         return replace(
             effect, params={"seconds": float(np.clip(1e-3 * factor, *_LIMITS["seconds"]))}
         )
+    if kind == "torque_lag":
+        return replace(effect, params={"tc": float(np.clip(1e-3 * factor, *_LIMITS["tc"]))})
+    if kind in ("torque_constant_saturation", "torque_dead_band"):
+        return _bent(effect, factor, ground.run)
+    if kind in ("encoder_eccentricity", "gear_coupling_error"):
+        most = _LIMITS["waves" if kind == "encoder_eccentricity" else "ratio"]
+        return scaled(effect, min(factor, most / max(abs(x) for x in p.values())))
     if kind == "base_tilt":
         factor = min(factor, _LIMITS["tilt"] / np.hypot(p["gx"], p["gy"]))
         return replace(effect, params={k: v * factor for k, v in p.items()})
@@ -114,6 +126,13 @@ def _grown(effect: Effect, factor: float, ground: Ground) -> Effect:
     return scaled(effect, factor)
 
 
+def _bent(effect: Effect, factor: float, run: Run) -> Effect:
+    """A distortion grown up to where it takes a large part of the joint's largest torque."""
+    (name, value), largest = *effect.params.items(), float(np.abs(run.tau[:, effect.joint]).max())
+    most = _LIMITS["bend"] * (largest if effect.kind == "torque_dead_band" else 1.0 / largest)
+    return replace(effect, params={name: float(np.sign(value) * min(abs(value) * factor, most))})
+
+
 def _change(effect: Effect, ground: Ground) -> np.ndarray | None:
     """Torque of the first guess of an effect along the ground's run, (T, n); None: cannot be said."""
     arm, run, j = ground.arm, ground.run, effect.joint
@@ -122,6 +141,12 @@ def _change(effect: Effect, ground: Ground) -> np.ndarray | None:
         change[:, j] = 0.01 * run.tau[:, j]
     elif effect.kind == "time_delay":
         change = measured_torque(run, (replace(effect, params={"seconds": 1e-3}),)) - run.tau
+    elif effect.kind in ("torque_lag", "torque_constant_saturation", "torque_dead_band"):
+        change = measured_torque(run, (effect,)) - run.tau
+    elif effect.kind in ("encoder_eccentricity", "gear_coupling_error"):
+        there = said((effect,), run.q, run.dq, run.ddq)
+        true = [2 * x - y for x, y in zip((run.q, run.dq, run.ddq), there, strict=True)]
+        change = inverse_dynamics(arm, *true) - inverse_dynamics(arm, run.q, run.dq, run.ddq)
     elif effect.kind == "base_tilt":
         gravity = GRAVITY + [effect.params["gx"], effect.params["gy"], 0.0]
         still = np.zeros_like(run.q)

@@ -1,18 +1,20 @@
 """Commands in groups, one file each; what a command needs is imported when it runs, so help is quick."""
 
-from collections.abc import Callable
-
 import typer
 
-from jaxswarm.commands import data, models, system
+from jaxswarm.commands import (
+    data,
+    experiments,
+    identification,
+    lists,
+    loop,
+    models,
+    robots,
+    system,
+)
 
 
-def register(app: typer.Typer, start: Callable[[], None]) -> None:
-    """Add the commands.
-
-    Args:
-        app: The command line.
-        start: Called at the beginning of each command: precision, threads, cache.
-    """
-    for group in (models, data, system):
-        group.register(app, start)
+def register(app: typer.Typer) -> None:
+    """Add the commands, in the order in which help lists them."""
+    for group in (loop, identification, models, data, experiments, lists, robots, system):
+        group.register(app)

@@ -1,6 +1,5 @@
 """Commands on data: ``inspect`` and ``fetch``."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -8,9 +7,10 @@ import typer
 
 from jaxswarm import console
 from jaxswarm.commands.options import Json, show
+from jaxswarm.runtime import start
 
 
-def register(app: typer.Typer, start: Callable[[], None]) -> None:
+def register(app: typer.Typer) -> None:
     """Add the commands of this group."""
 
     @app.command(epilog="Example: jaxswarm inspect arm.csv --robot arm.urdf --out seen")

@@ -1,6 +1,5 @@
 """Commands on identified models: ``export``, ``simulate``, ``compare``."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -8,10 +7,11 @@ import typer
 
 from jaxswarm.commands.options import Json, ModelFile, numbers, show
 from jaxswarm.errors import InputError
+from jaxswarm.runtime import start
 from jaxswarm.work import work
 
 
-def register(app: typer.Typer, start: Callable[[], None]) -> None:
+def register(app: typer.Typer) -> None:
     """Add the commands of this group."""
 
     @app.command(epilog="Example: jaxswarm export out/model.json --format urdf --out arm.urdf")

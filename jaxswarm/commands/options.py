@@ -1,6 +1,7 @@
 """Options that several commands share, and how a result is shown."""
 
 import os
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,44 @@ if TYPE_CHECKING:
     from jaxswarm.tables import Result
 
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
+_LOGS = typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")
+Logs = Annotated[list[Path], _LOGS]
+LogsOrNone = Annotated[list[Path] | None, _LOGS]
+Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]
+Validation = Annotated[Path | None, typer.Option("--validation", help="Log to score on.")]
+# Seeds are 64-bit integers with a sign wherever random numbers are made.
+LARGEST_SEED = 2**63 - 1
+# Runs and steps are counted in 32 bits on devices.
+MOST = 2**31 - 1
+Seed = Annotated[
+    int, typer.Option(min=0, max=LARGEST_SEED, help="Draws whatever is drawn; repeats exactly.")
+]
+
+
+def finite(number: float | None) -> float | None:
+    """The number, which has to be one."""
+    if number is not None and not isfinite(number):
+        raise typer.BadParameter(f"{number} is no finite number.")
+    return number
+
+
+MotionCutoff = Annotated[
+    float | None,
+    typer.Option(
+        min=0.01, callback=finite, help="Low-pass of the motion [Hz]; found from the data."
+    ),
+]
+TorqueCutoff = Annotated[
+    float | None,
+    typer.Option(min=0.01, callback=finite, help="Low-pass shared by torque and model [Hz]."),
+]
+
+
+Accept = Annotated[
+    list[str] | None,
+    typer.Option(help="Fit a log in spite of this finding about it; may be repeated."),
+]
+
 ModelFile = Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")]
 
 _PIPED = 200

@@ -1,14 +1,13 @@
 """The command ``doctor``: what a bug report needs."""
 
-from collections.abc import Callable
-
 import typer
 
 from jaxswarm import console
 from jaxswarm.commands.options import Json, show
+from jaxswarm.runtime import start
 
 
-def register(app: typer.Typer, start: Callable[[], None]) -> None:
+def register(app: typer.Typer) -> None:
     """Add the command."""
 
     @app.command(epilog="Example: jaxswarm doctor --json > doctor.json")

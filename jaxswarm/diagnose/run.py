@@ -6,19 +6,21 @@ from pathlib import Path
 
 from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
-from jaxswarm.diagnose.decision.insufficient import all_rest, resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
+from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.drawing import Drawing
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.check_log import without_relation
+from jaxswarm.identify.checks.weak import WEAK, all_rest, resting_joints, too_short
 from jaxswarm.identify.forward.model import save_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
@@ -53,7 +55,7 @@ def diagnose_files(
         declare: List of declared effects.
         out: Folder for ``diagnosis.json``, ``model.json``, ``report.html`` and pictures.
         validation: Logs to score on; none: blocks of time held out in turn.
-        options: Frequencies and seed.
+        options: Frequencies, seed and budget.
         progress: Called with one line per stage.
 
     Returns:
@@ -63,6 +65,7 @@ def diagnose_files(
         InputError: On anything that cannot be used; nothing is written then.
     """
     options = options or Options()
+    budget = given_budget(options.budget)
     robot = load_robot(robot_spec)
     terms = parse_terms(declare, robot.joints)
     refuse_undeclarable(terms)
@@ -77,7 +80,8 @@ def diagnose_files(
     motions = [part for parts in prepared[: len(paths)] for part in parts]
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
-    short = too_short(motions, columns)
+    weak = WEAK not in options.accept
+    short = too_short(motions, columns) if weak else []
     rests = all_rest(motions)
     if not rests and "no_relation" not in options.accept:
         rests = without_relation(robot, motions)
@@ -93,14 +97,9 @@ def diagnose_files(
     journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
     with Drawing() as drawing:
         diagnosis = diagnose(
-            robot,
-            terms,
-            motions,
-            seed=options.seed,
-            progress=progress,
-            journal=journal,
-            other=other,
-        )
+            robot, terms, motions, seed=options.seed, progress=progress, journal=journal,
+            other=other, budget=budget,
+        )  # fmt: skip
         band = diagnosis.final.model.filtering
         unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
         order_pictures(drawing, diagnosis, unseen)
@@ -108,7 +107,7 @@ def diagnose_files(
         result["reasons"] += reasons
         _tell_source(result, logs, scored, [*paths, *further], declare, options)
         write_report(diagnosis, left, result, drawing, out, progress)
-    journal.close()
+    journal.close(done=diagnosis.spent is None)
     return result
 
 

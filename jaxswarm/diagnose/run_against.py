@@ -14,6 +14,7 @@ from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
+from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -21,6 +22,7 @@ from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.drawing import Drawing
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
@@ -64,6 +66,7 @@ def compare_files(
         InputError: On anything that cannot be used; nothing is written then.
     """
     options = options or Options()
+    budget = given_budget(options.budget)
     model = load_model(model_path)
     robot = load_robot(robot_spec)
     if (robot.joints, robot.kinds) != (model.robot.joints, model.robot.kinds):
@@ -80,12 +83,15 @@ def compare_files(
     refuse_missing_channels(model.terms, read)
     refuse_resting_joints(read[: len(paths)], robot)
     motions = [part for parts in prepared[: len(paths)] for part in parts]
+    refuse_weak(motions, 10 * robot.num_joints, options.accept)
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
     refuse_too_large(motions)
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
     with Drawing() as drawing:
-        found = compare(model, motions, seed=options.seed, progress=progress, journal=journal)
+        found = compare(
+            model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
+        )
         result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
         order_pictures(drawing, diagnosis, unseen)
         result["model"] = Path(model_path).name
@@ -95,7 +101,7 @@ def compare_files(
         result["logs"] = described(read[: len(paths)])
         result["validation_logs"] = described(read[len(paths) :])
         write_report(diagnosis, left, result, drawing, out, progress)
-    journal.close()
+    journal.close(done=found.spent is None)
     return result
 
 
@@ -167,5 +173,6 @@ def _as_diagnosis(found: Comparison) -> Diagnosis:
         rest = with_changes(found.before, found.changes[:k] + found.changes[k + 1 :])
         steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
     return Diagnosis(
-        found.before, found.after, tuple(steps), found.last, found.background, found.asked
-    )
+        found.before, found.after, tuple(steps), found.last, found.background, found.asked,
+        spent=found.spent,
+    )  # fmt: skip

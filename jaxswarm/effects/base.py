@@ -10,7 +10,7 @@ Registering an effect with :func:`register` makes it known everywhere.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from jaxswarm.effects.parameter import Parameter
@@ -49,9 +49,14 @@ class Effect:
         reference: Where it comes from.
         meaning: What it means on a real arm and what to do about it, in one sentence or two.
         contains: Names of effects of the same joint that it makes redundant.
+        extends: Name of an effect of the same place beside which alone it is asked: what it adds to that
+            one has to be worth as much as any other effect.
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
+        rests: Time [s] that its joint has to stand still between motions for it to show.
         min_joints: Least number of joints at which it can be told from the rigid parameters.
+        turning: Whether only a joint that turns can have it.
+        carried: Whether only a joint on another link can have it.
         everyday: Whether every drive has it: missing on several joints, it is added to all at once.
         recurring: Whether it is an event of one log with a begin and an end, of which there may be
             several, and not a property of the robot, of which every stretch of a log is evidence.
@@ -59,6 +64,8 @@ class Effect:
             one fit to whole logs cannot hold it.
         shown_against: Horizontal axis of its picture, one of :data:`AXES`.
         grid_size: Points of the first look at its nonlinear parameters; None: the usual number.
+        probe: Values to which the slope of a candidate is drawn, for parameters whose derivative at
+            neutral is that of another effect; the refit has to tell them from neutral.
         stepwise: Whether the torque has small steps along its nonlinear parameters.
         export: How file formats for robots hold it.
         identity: Parameters by which two terms in one place are told apart, once they are known.
@@ -74,14 +81,19 @@ class Effect:
     reference: str
     meaning: str = ""
     contains: tuple[str, ...] = ()
+    extends: str = ""
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
+    rests: float = 0.0
     min_joints: int = 1
+    turning: bool = False
+    carried: bool = False
     everyday: bool = False
     recurring: bool = False
     reference_only: bool = False
     shown_against: str = "velocity"
     grid_size: int | None = None
+    probe: Mapping[str, float] = field(default_factory=dict, hash=False)
     stepwise: bool = False
     export: tuple[Export, ...] = ()
     identity: tuple[str, ...] = ()
@@ -108,6 +120,11 @@ class Effect:
     def positive(self) -> bool:
         """Whether physics wants the coefficient of a candidate's single column positive."""
         return len(self.linear) == 1 and self.linear[0].lower >= 0
+
+    @property
+    def in_one_log(self) -> bool:
+        """Whether it happened in one log, told by its number, and is nothing of the robot's."""
+        return any(p.name == "log" for p in self.parameters)
 
     @property
     def changes_rigid_columns(self) -> bool:

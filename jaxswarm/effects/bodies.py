@@ -53,17 +53,31 @@ def with_free_base(effects: str) -> str:
 
 _MOMENT = "kg m"
 _INERTIA = "kg m^2"
-_PAYLOAD = (
-    Parameter("m", "kg", 0.0, 1e3, False, 1.0, "mass", neutral=0.0),
-    *(
-        Parameter(f"mc{a}", _MOMENT, -1e3, 1e3, False, 0.0, f"first moment along {a}")
-        for a in "xyz"
-    ),
-    *(
-        Parameter(f"I{a}", _INERTIA, -1e3, 1e3, False, 0.0, f"inertia {a} about the last joint")
-        for a in ("xx", "xy", "yy", "xz", "yz", "zz")
-    ),
-)
+
+
+def body_table(least: float = 0.0, linear: bool = False) -> tuple[Parameter, ...]:
+    """The ten inertial parameters of a body on the last link, of at least a mass [kg]."""
+    return (
+        Parameter("m", "kg", least, 1e3, linear, 1.0, "mass", neutral=0.0),
+        *(
+            Parameter(f"mc{a}", _MOMENT, -1e3, 1e3, linear, 0.0, f"first moment along {a}")
+            for a in "xyz"
+        ),
+        *(
+            Parameter(
+                f"I{a}", _INERTIA, -1e3, 1e3, linear, 0.0, f"inertia {a} about the last joint"
+            )
+            for a in ("xx", "xy", "yy", "xz", "yz", "zz")
+        ),
+    )
+
+
+def body_of(p) -> jnp.ndarray:
+    """The ten inertial parameters in their standard order, (10,)."""
+    return jnp.stack([jnp.asarray(p[one.name], float) for one in _PAYLOAD])
+
+
+_PAYLOAD = body_table()
 
 register(
     BodyChange(
@@ -76,7 +90,7 @@ register(
             "The last link carries another body than before: a tool, a work piece, or a wrong "
             "payload setting of the controller; compare the mass with what is mounted."
         ),
-        body=lambda p: jnp.stack([jnp.asarray(p[one.name], float) for one in _PAYLOAD]),
+        body=body_of,
         reference_only=True,
         derived=lambda p: (
             {f"c{a}": (p[f"mc{a}"] / p["m"], "m") for a in "xyz"} if p["m"] > 0 else {}

@@ -25,6 +25,10 @@ register(
         ),
         summary="k q + kc q_other + tau0: cable over two joints",
         reference="Khalil, Dombre 2002, ch. 9",
+        meaning=(
+            "A cable or a hose runs over both joints and pulls when either moves; look at how it is "
+            "led and give it slack, or compensate it in both joints."
+        ),
         torque=lambda p, s: p["kc"] * s.q_other + p["k"] * s.q + p["tau0"],
         derived=lambda p: (
             {"c": (p["kc"] / p["k"], "1"), "q0": (-p["tau0"] / p["k"], "rad")} if p["k"] else {}

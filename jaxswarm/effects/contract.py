@@ -12,6 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.distortion import distortion_columns
+from jaxswarm.effects.draws import draw_parameters, draw_series
 from jaxswarm.effects.kinds import (
     BodyChange,
     ExternalTorque,
@@ -19,15 +21,12 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
-from jaxswarm.effects.sample import Sample, make_sample
+from jaxswarm.effects.misreading import misreading
 from jaxswarm.effects.series import law_columns, law_torque, states
 
 __all__ = ["check_effect", "check_unit", "draw_parameters", "draw_series"]
 
 _UNITS = {"1", "N", "m", "s", "rad", "kg", "K", "A", "V", "W", "Hz"}
-_WIDTH = 0.05
-# A table may leave a coefficient almost unbounded; a law is tried with values up to this.
-_LARGE = 100.0
 
 
 def check_effect(law: Effect, *, num_draws: int = 8, seed: int = 0) -> None:
@@ -88,8 +87,11 @@ def _(law: MeasurementLaw, rng, num_draws):
     one, two = rng.normal(size=(2, 64, 3))
     same = np.allclose(law.report(law.neutral(), one, 0.01), one, rtol=0, atol=1e-12)
     _require(same, law, "changes the torque where its parameters are neutral")
-    true = law.excess is None or float(law.excess(law.neutral())) == 0.0
-    _require(true, law, "moves a position where its parameters are neutral")
+    if law.excess is not None:
+        moved = misreading(law, law.neutral(), tuple(rng.normal(size=(3, 8, 2))))
+        _require(not np.any(moved), law, "moves a position where its parameters are neutral")
+    if law.distortion is not None:
+        _check_distortion(law, rng)
     for _ in range(num_draws):
         values = draw_parameters(law, rng)
         apart = law.report(values, one, 0.01) + 2.0 * law.report(values, two, 0.01)
@@ -104,6 +106,13 @@ def _(law: BodyChange, rng, num_draws):
         same = np.allclose(law.gravity(law.neutral(), level), level)
         _require(same, law, "changes gravity where its parameters are neutral")
         return
+    if law.placement is not None:
+        still = np.asarray(law.placement({p.name: 0.0 for p in law.linear}))
+        _require(still.shape == (2, 2) and not still.any(), law, "moves a joint by nothing")
+        return
+    if law.window:
+        along = np.asarray(law.weight({"start": 0.5, "end": 1.5}, np.linspace(0.0, 2.0, 64)))
+        _require(along[0] == along[-1] == 0.0 and along.max() == 1.0, law, "has no window")
     nothing = np.asarray(law.body(law.neutral()))
     _require(
         nothing.shape == (10,) and not nothing.any(), law, "is no body of ten zeros if neutral"
@@ -162,40 +171,15 @@ def check_unit(unit: str, names: list[str] | None = None) -> None:
         raise AssertionError(f"unit {unit!r} cannot be read: {bad or rest or 'form'}")
 
 
-def draw_parameters(law: Effect, rng: np.random.Generator) -> dict[str, float]:
-    """Draw a value of every parameter between its bounds, each on its own scale."""
-    values = {}
-    for p in law.parameters:
-        low, high = max(p.lower, -_LARGE), min(p.upper, _LARGE)
-        if p.scale == "log":
-            values[p.name] = float(np.exp(rng.uniform(np.log(p.lower), np.log(p.upper))))
-        else:
-            values[p.name] = float(rng.uniform(low, high))
-    return values
-
-
-def draw_series(rng: np.random.Generator, length: int = 64) -> Sample:
-    """A smooth motion of a joint and its partner that stops in the middle, Sample of (T,) arrays."""
-    t = np.linspace(0.0, 2.0, length)
-    waves = rng.normal(size=(2, 3, 1)), rng.uniform(1.0, 6.0, (2, 3, 1))
-    moving = np.where((t > 0.9) & (t < 1.1), 0.0, 1.0)
-    dq, other = (waves[0] * np.sin(waves[1] * t)).sum(axis=1) * moving
-    ddq, ddq_other = (waves[0] * waves[1] * np.cos(waves[1] * t)).sum(axis=1)
-    fields = {
-        "t": t,
-        "q": np.cumsum(dq) * t[1],
-        "dq": dq,
-        "ddq": ddq,
-        "direction": np.tanh(dq / _WIDTH),
-        "load": rng.normal(0.0, 20.0, length),
-        "static_load": rng.normal(0.0, 20.0, length),
-        "temperature": rng.uniform(10.0, 60.0, length),
-        "q_other": np.cumsum(other) * t[1],
-        "dq_other": other,
-        "ddq_other": ddq_other,
-        "direction_sum": np.tanh((dq + other) / _WIDTH),
-    }
-    return make_sample(**fields)
+def _check_distortion(law, rng):
+    torque = np.concatenate([[0.0], rng.normal(0.0, 20.0, 63)])
+    values = draw_parameters(law, rng)
+    off = np.asarray(law.distortion({p.name: 0.0 for p in law.linear}, torque))
+    _require(not off.any(), law, "distorts a torque where all its linear parameters are zero")
+    along = np.asarray(law.distortion(values, torque))
+    weights = np.array([values[p.name] for p in law.linear])
+    same = np.allclose(distortion_columns(law, torque) @ weights, along)
+    _require(same, law, "is not linear in its linear parameters")
 
 
 def _check_linear(law, torque, columns, values, series):

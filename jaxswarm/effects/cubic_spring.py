@@ -23,6 +23,10 @@ register(
         ),
         summary="k3 (q - q0)^3: hardening spring",
         reference="Kovacic, Brennan 2011, The Duffing Equation, eq. 2.1",
+        meaning=(
+            "Something resists the more the further it is bent: a rubber stop, a dress pack, a cable "
+            "bundle; look at what is stretched or squeezed at the ends of the motion."
+        ),
         torque=lambda p, s: p["k3"] * (s.q - p["q0"]) ** 3,
         shown_against="position",
         # A smooth torque of one valley: points lie 0.2 rad apart.

@@ -22,7 +22,11 @@ register(
         parameters=(Parameter("dq0", "rad", -0.5, 0.5, False, 0.0, "measured less true position"),),
         summary="measured position = position + dq0: wrong zero of an encoder",
         reference="Hollerbach, Khalil, Gautier 2016, Springer Handbook of Robotics, ch. 6",
-        excess=lambda p: p["dq0"],
+        meaning=(
+            "The zero of the encoder is off, as after an exchange of motor, belt or battery: the arm "
+            "stands elsewhere than it says; set the zero anew by its marks."
+        ),
+        excess=lambda p, q, q_other: p["dq0"] + 0.0 * q,
         min_joints=2,
         shown_against="position",
     )

@@ -9,20 +9,10 @@ Reference: M. Basseville, I. V. Nikiforov, "Detection of Abrupt Changes" (1993),
 regression coefficient at an unknown time).
 """
 
-import jax.numpy as jnp
-
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
-
-# Time [s] that the jump takes: below what the filtered torque shows, and some samples of any log.
-_RAMP = 0.05
-
-
-def _jumping(p, s):
-    u = jnp.clip((s.t - p["t0"]) / _RAMP + 0.5, 0.0, 1.0)
-    return p["fc"] * u * u * (3.0 - 2.0 * u) * s.direction
-
+from jaxswarm.effects.ramp import ramp
 
 register(
     TorqueLaw(
@@ -34,7 +24,11 @@ register(
         ),
         summary="fc sign(dq) from the time t0 on: damage, lubrication",
         reference="Basseville, Nikiforov 1993, Detection of Abrupt Changes, sec. 2.4",
-        torque=_jumping,
+        meaning=(
+            "Friction jumped in the middle of the log: a bearing or seal that gives, a brake that "
+            "drags, grease that arrives; ask what happened at that time and record again."
+        ),
+        torque=lambda p, s: p["fc"] * ramp(s.t, p["t0"]) * s.direction,
         shown_against="time",
         uses_direction=True,
         # Points lie 8 % apart: what a jump explains falls off in proportion to how far it is missed.

@@ -34,6 +34,10 @@ register(
         ),
         summary="a sin(2(q - q0)) / sqrt(1 + b cos(q - q0)): spring on a lever",
         reference="Arakelian 2016, Advanced Robotics 30(2)",
+        meaning=(
+            "A spring or gas cylinder on a lever carries a part of the weight; declare it if the arm "
+            "has one, and if its torque fell look at spring, preload or gas pressure."
+        ),
         torque=_lever,
         shown_against="position",
         # Twelve angles, of which the double angle needs that many, and twelve levers.

@@ -10,10 +10,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.deflection import contact_stiffness
+from jaxswarm.effects.measurement_law import MeasurementLaw as MeasurementLaw
+from jaxswarm.effects.ramp import ramp
 from jaxswarm.effects.sample import Sample
 
 
@@ -111,10 +114,16 @@ class BodyChange(Effect):
         gravity: ``gravity(p, gravity) -> gravity`` [m/s^2], (3,).
         body: ``body(p) -> (10,)``: inertial parameters added to the last link, its ten parameters in
             their standard order.
+        placement: ``placement(p) -> (2, 2)``: shift [m] of a joint in its parent along two directions across
+            its own axis, and turns [rad] about them, the first of which lies across its parent's axis too.
+        window: Whether the body is carried between the times ``start`` and ``end`` [s] of one log only, told
+            by the parameter ``log`` from zero; then its inertial parameters are linear.
     """
 
     gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
     body: Callable[[Mapping], jax.Array] | None = None
+    placement: Callable[[Mapping], jax.Array] | None = None
+    window: bool = False
 
     @property
     def changes_rigid_columns(self) -> bool:
@@ -122,22 +131,33 @@ class BodyChange(Effect):
         return self.gravity is not None
 
     def free(self, values: Mapping[str, float]) -> tuple:
-        """A body is found in one linear step."""
-        return () if self.body is not None else super().free(values)
+        """A body is found in one linear step, but for when it was carried."""
+        return () if self.body is not None and not self.window else super().free(values)
 
     def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
-        """All parameters."""
-        return [p.name for p in self.parameters]
+        """All parameters of the body or the gravity."""
+        return [p.name for p in (self.linear or self.parameters)]
+
+    def weight(self, p: Mapping, t: jax.Array) -> jax.Array:
+        """How much of the body is carried at times t: all of it, but outside of its window."""
+        if not self.window:
+            return jnp.ones_like(t)
+        return ramp(t, p["start"]) * (1.0 - ramp(t, p["end"]))
 
     def check(self) -> None:
-        """Refuse a change of nothing, of both, or of a single joint."""
+        """Refuse a change of nothing, of several things, or of a single joint's gravity or body."""
         super().check()
-        if self.scope != "global" or (self.gravity is None) == (self.body is None) or self.linear:
+        told = [x for x in (self.gravity, self.body, self.placement) if x is not None]
+        linear = self.window or self.placement is not None
+        scope = "global" if self.placement is None else "joint"
+        if self.scope != scope or len(told) != 1 or bool(self.linear) != linear:
             raise ValueError(
-                f"effect {self.name!r} is a change of the body: it needs scope 'global', exactly one of "
-                "gravity and body, and no linear parameter"
+                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body and "
+                "placement, scope 'global' ('joint' for a placement), and linear parameters for a body "
+                "in a window and for a placement only"
             )
-        if self.body is not None and not (self.reference_only and len(self.parameters) == 10):
+        own = len(self.linear or self.parameters)
+        if self.body is not None and not (self.reference_only and own == 10):
             raise ValueError(
                 f"effect {self.name!r} adds to the last link, which every fit finds as a whole: it needs "
                 "reference_only=True and ten inertial parameters"
@@ -190,54 +210,3 @@ class ExternalTorque(Effect):
                 f"effect {self.name!r} is an external torque: it needs scope 'global' and the nonlinear "
                 "parameters log, start and end"
             )
-
-
-@dataclass(frozen=True)
-class MeasurementLaw(Effect):
-    """How the drives and their clock write down a torque, or an encoder a position.
-
-    Attributes:
-        report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
-            x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
-            arm sees (T, n, ...), one of a joint that joint's (T, ...).
-        clock: Whether its one parameter is the time [s] by which the torque's clock lags.
-        excess: ``excess(p)``: what the encoder of its joint says too much [rad or m], zero for neutral
-            parameters; None: encoders are true.
-    """
-
-    report: Callable[[Mapping, jax.Array, float], jax.Array] = lambda p, x, step: x
-    clock: bool = False
-    excess: Callable[[Mapping], jax.Array] | None = None
-
-    @property
-    def changes_rigid_columns(self) -> bool:
-        """The links stand otherwise than their encoders say."""
-        return self.excess is not None
-
-    @property
-    def shows_on_own_joint(self) -> bool:
-        """The zero of a joint turns the weight of all links beyond; its own torque takes that up."""
-        return self.excess is None
-
-    def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
-        """All parameters."""
-        return [p.name for p in self.parameters]
-
-    def credible(self, change: float, interval: float) -> bool:
-        """Less than half a sample is no delay: a torque sampled and held is late by that much already."""
-        if not self.clock:
-            return True
-        return abs(change) > 0.5 * interval and abs(change) < self.parameters[0].upper
-
-    def check(self) -> None:
-        """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
-        super().check()
-        if self.scope == "pair" or self.linear:
-            raise ValueError(
-                f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
-                "linear parameter"
-            )
-        if self.excess is not None and self.scope != "joint":
-            raise ValueError(f"effect {self.name!r} is of an encoder: its scope is 'joint'")
-        if self.clock and (self.scope != "global" or len(self.parameters) != 1):
-            raise ValueError(f"effect {self.name!r} is a clock: one parameter, scope 'global'")

@@ -36,6 +36,10 @@ register(
         ),
         summary="(a sin(n q) + b cos(n q)) sign(dq), on top of Coulomb",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control 134(5)",
+        meaning=(
+            "The joint rubs harder in some places of its turn: a worn spot, an eccentric gear, a bent "
+            "shaft; look there, or compensate by the position."
+        ),
         torque=_varying,
         shown_against="position",
         uses_direction=True,

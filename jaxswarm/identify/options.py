@@ -14,7 +14,7 @@ from jaxswarm.robot.load import load_robot
 
 @dataclass(frozen=True)
 class Options:
-    """How to identify; the fields are the options of the command line."""
+    """How to identify or diagnose; the fields are the options of the command line."""
 
     optimizer: str = "least_squares"
     runs: int = 10
@@ -28,6 +28,7 @@ class Options:
     prior: str | None = None
     prior_weight: float = PULL
     accept: tuple[str, ...] = ()
+    budget: float | None = None
 
 
 # Simulation and swarms are loaded for those who ask for them.

@@ -14,6 +14,7 @@ from jaxswarm.drawing import Drawing
 from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
+from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.options import Options, check_options, refined
@@ -167,6 +168,7 @@ def identify_files(
         validated = logs[len(paths) :]
         logs = logs[: len(paths)]
         refuse_resting_joints(logs, robot)
+        refuse_weak([m for parts in motions for m in parts], 10 * robot.num_joints, options.accept)
         refuse_missing_channels(terms, [*logs, *validated])
         progress("fitting")
         found = estimate(robot, terms, [part for parts in motions for part in parts])

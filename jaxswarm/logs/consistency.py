@@ -23,6 +23,9 @@ _CLEAR = 10.0
 # A derivative explains less than this share of the change, or scales it by more than the tolerance.
 _EXPLAINED = 0.5
 _TOLERANCE = 0.1
+# A constant error of a velocity is told by stretches of a log, if it is beyond so many standard errors and
+# more than a part of the joint's top speed.
+_STRETCHES, _SURE, _MATERIAL = 20, 8.0, 2e-3
 # Windows that a verdict needs.
 _LEAST_WINDOWS = 20
 
@@ -40,6 +43,9 @@ def drop_contradictions(log: Log) -> Log:
         if wrong:
             notes.append(_note("velocity", "position", [log.joints[k] for k in wrong]))
             dq = None
+        else:
+            dq, told = _without_bias(log)
+            notes += told
     if ddq is not None:
         speeds = {k: velocity(log.t, log.q[:, k]) if dq is None else dq[:, k] for k in moving}
         wrong = [k for k in moving if _contradicts(log, speeds[k], ddq[:, k])]
@@ -47,6 +53,29 @@ def drop_contradictions(log: Log) -> Log:
             notes.append(_note("acceleration", "velocity", [log.joints[k] for k in wrong]))
             ddq = None
     return replace(log, dq=dq, ddq=ddq, notes=(*log.notes, *notes))
+
+
+def _without_bias(log: Log) -> tuple[np.ndarray, list[str]]:
+    """The velocities (T, n) without a constant by which they contradict the positions, and notes on it.
+
+    Over a stretch of a log the mean velocity is the change of the position over its time. Smoothing believes
+    the position at low frequencies, so that a constant would not be seen in the middle of a log; at its ends,
+    where a velocity is half of what is known, it would bend the motion.
+    """
+    ends = np.linspace(0, len(log.t) - 1, _STRETCHES + 1).astype(int)
+    if len(log.t) < 2 * _STRETCHES:
+        return log.dq, []
+    time = np.diff(log.t)[:, None]
+    way = np.concatenate([0.0 * log.dq[:1], np.cumsum(0.5 * (log.dq[1:] + log.dq[:-1]) * time, 0)])
+    apart = np.diff((way - log.q)[ends], axis=0) / np.diff(log.t[ends])[:, None]
+    bias, doubt = apart.mean(axis=0), apart.std(axis=0, ddof=1) / np.sqrt(_STRETCHES)
+    clear = (np.abs(bias) > _SURE * doubt) & (np.abs(bias) > _MATERIAL * np.abs(log.dq).max(axis=0))
+    notes = [
+        f"The logged velocity of {log.joints[k]} is {bias[k]:.3g} rad/s (m/s) too large throughout: this is "
+        "taken off. Zero its sensor at rest."
+        for k in np.flatnonzero(clear)
+    ]
+    return log.dq - np.where(clear, bias, 0.0), notes
 
 
 def refuse_dead_torque(log: Log) -> None:

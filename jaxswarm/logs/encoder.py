@@ -12,8 +12,9 @@ import numpy as np
 
 # Samples on one count from which on the instants of the steps tell more than the counts.
 _LONG = 4
-# Changes may differ from whole counts by this part of one: rounding of a text file.
-_WHOLE = 0.02
+# Changes may differ from whole counts by this part of one: rounding of a text file. Its step is found on the
+# smallest changes first, up to so many counts.
+_WHOLE, _GROWING = 0.1, (3, 10, 30, 100, 300, 1000)
 
 
 def between_counts(t: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -39,11 +40,10 @@ def _joint(t: np.ndarray, q: np.ndarray) -> np.ndarray:
     # A joint that never rests on a count has none to interpolate between.
     if len(moved) < 2 or np.diff(moved).max() < _LONG:
         return q
-    step = np.abs(change[moved]).min()
-    counts = change[moved] / step
-    if np.abs(counts - np.round(counts)).max() > _WHOLE * max(1.0, np.abs(counts).max() ** 0.5):
+    step = _step(np.abs(change[moved]))
+    if step is None:
         return q
-    counts = np.round(counts).astype(int)
+    counts = np.round(change[moved] / step).astype(int)
     out = q.copy()
     for k in np.flatnonzero(np.diff(moved) >= _LONG):
         first, last = moved[k] + 1, moved[k + 1]
@@ -56,6 +56,17 @@ def _joint(t: np.ndarray, q: np.ndarray) -> np.ndarray:
             # It turned round within the count: by how much nobody saw, by half of it on the average.
             out[first : last + 1] += 4.0 * (q[first] - begin[1]) * x * (1.0 - x)
     return out
+
+
+def _step(change: np.ndarray) -> float | None:
+    """The step that changes (m,) are multiples of, from the smallest on; None: they are of none."""
+    step = change.min()
+    for most in _GROWING:
+        small = change < most * step
+        counts = np.round(change[small] / step)
+        step = change[small].sum() / counts.sum()
+    counts = change / step
+    return None if np.abs(counts - np.round(counts)).max() > _WHOLE else float(step)
 
 
 def _edge(

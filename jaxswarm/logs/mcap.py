@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.bounds import refuse_large
+from jaxswarm.logs.mcap_size import unpacked_size
 from jaxswarm.logs.table import Table
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -37,10 +39,15 @@ def read_mcap(path: Path, joints: tuple[str, ...]) -> Table:
             f"{path}: reading MCAP and rosbag recordings needs rosbags. Install it: pip install "
             "'jaxswarm[formats]'."
         ) from None
+    parts = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+    refuse_large(path, sum(unpacked_size(part) for part in parts))
+    taken = 0
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         connections = [c for c in reader.connections if c.msgtype == _JOINT_STATE]
         topics: dict[str, list] = {connection.topic: [] for connection in connections}
         for connection, stamp, raw in reader.messages(connections) if connections else ():
+            taken += len(raw)  # what other formats unpack to is seen only on the way
+            refuse_large(path, taken)
             topics[connection.topic].append((stamp, reader.deserialize(raw, connection.msgtype)))
         others = sorted({connection.topic for connection in reader.connections})
     if not topics:

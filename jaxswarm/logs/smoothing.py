@@ -37,6 +37,9 @@ WHOLE_BAND = 0.475
 # Cutoffs tried, from this share of the rate (below it the system loses its digits), and the samples that
 # are looked at: likelihoods are sharp long before that many.
 _TRIED, _LEAST, _BLOCK, _BLOCKS = 20, 0.008, 8000, 3
+# Weight of the velocity beside the position at most, where both are per sample: beyond, the system loses its
+# digits. Encoders and velocity channels of arms make a hundred.
+_STRONGEST = 1e9
 # Above this rate [Hz] samples are averaged before cutoffs are looked for.
 _ENOUGH = 300.0
 
@@ -156,7 +159,7 @@ def _solve(
     bands[-1] += 1.0
     right = x.copy()
     if rho > 0.0:
-        strength = rho * rate * rate
+        strength = min(rho * rate * rate, _STRONGEST)
         bands += _gram(_SLOPE, length, strength, 7)
         right += _transposed(_SLOPE, velocity[3:-3] / rate, length) * strength
         for row, columns, stencil in _ends(length):

@@ -36,17 +36,23 @@ def describe_mjcf(path: str | Path) -> Description:
         raise InputError(
             f"{path}: reading MJCF needs the package mujoco: pip install 'jaxswarm[mjcf]'."
         ) from error
+    # Left to itself MuJoCo prints its warnings and writes them to a file of the current folder.
+    warned: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warned.append)
     try:
         model = mujoco.MjModel.from_xml_path(str(path))
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: MuJoCo refuses it ({reason}): correct the file.") from error
+    finally:
+        mujoco.set_mju_user_warning(before)
     names = [
         model.joint(j).name or f"{model.body(model.jnt_bodyid[j]).name or 'body'}_joint{j}"
         for j in range(model.njnt)
     ]
     couplings, notes = _couplings(mujoco, model, names)
-    notes += _left_out(mujoco, model, names)
+    notes += [*_left_out(mujoco, model, names), *(f"MuJoCo warns: {text}" for text in warned)]
     joints: list[Joint] = []
     for body in range(1, model.nbody):
         joints += _of_body(mujoco, model, body, names, couplings)

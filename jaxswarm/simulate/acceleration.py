@@ -14,6 +14,7 @@ import jax.numpy as jnp
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.kinematics import SinCos
 from jaxswarm.robot.mass import equations_of_motion, solve_symmetric
+from jaxswarm.simulate.encoders import said_motion, true_motion
 from jaxswarm.simulate.forces import effect_torques, transmission_torque
 from jaxswarm.simulate.plant import Plant
 
@@ -55,9 +56,10 @@ class Drive(NamedTuple):
 
 
 def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
-    """Return the state with links at q, dq (n,), motors beside them and memories empty."""
+    """Return the state where encoders say q, dq (n,), with links beside motors and memories empty."""
     q = jnp.asarray(q)
     dq = jnp.zeros_like(q) if dq is None else jnp.asarray(dq, q.dtype)
+    q, dq = true_motion(plant, q, dq)
     motor_q, motor_dq = (x[:0] for x in (q, dq))
     if plant.soft:  # one by one: an index array would be a gather
         motor_q, motor_dq = (jnp.stack([x[j] for j in plant.soft]) for x in (q, dq))
@@ -65,18 +67,18 @@ def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
     return State(q, dq, motor_q, motor_dq, memory)
 
 
-def motor_side(plant: Plant, state: State) -> tuple[list, list]:
-    """Return positions and velocities (n entries each) where the encoders are."""
+def motor_side(plant: Plant, state: State) -> tuple[list, ...]:
+    """Return positions and velocities (n entries each) as the encoders on the motors say them."""
     q, dq = list(state.q), list(state.dq)
     for k, joint in enumerate(plant.soft):
         q[joint], dq[joint] = state.motor_q[k], state.motor_dq[k]
-    return q, dq
+    return tuple(said_motion(plant, q, dq))
 
 
 def accelerations(plant: Plant, state: State, drive: Drive, t, sincos: SinCos) -> tuple[list, list]:
     """Return link accelerations (n entries) and motor accelerations of soft joints (s entries)."""
     n, soft = plant.robot.num_joints, plant.soft
-    mass, bias = equations_of_motion(plant.robot, state.q, state.dq, sincos=sincos)
+    mass, bias = equations_of_motion(plant.robot_at(t), state.q, state.dq, sincos=sincos)
     motor_q, motor_dq = motor_side(plant, state)
     row = list(range(n))  # row of each joint's motor
     for k, joint in enumerate(soft):

@@ -19,6 +19,9 @@ def measured_torque(plant: Plant, motion: Trajectory) -> jax.Array:
         if acting.joint is None:
             tau = acting.law.report(acting.values, tau, step)
         else:
-            own = acting.law.report(acting.values, tau[:, acting.joint], step)
+            own = tau[:, acting.joint]
+            if acting.law.distortion is not None:
+                own = own + acting.law.distortion(acting.values, own)
+            own = acting.law.report(acting.values, own, step)
             tau = tau.at[:, acting.joint].set(own)
     return tau

@@ -6,8 +6,8 @@ transmission passes
     s = k z + d (dtheta - dq),   z = dead zone of (theta - q), ``gap`` to either side.
 
 Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
-ripple and rotor inertia see motor position and velocity, the rigid body sees the links. A
-:class:`BodyChange` changes the robot itself, a :class:`MeasurementLaw` what is measured.
+ripple and rotor inertia see motor position and velocity as the encoders say them, the rigid body sees the
+links. A :class:`BodyChange` changes the robot itself, a :class:`MeasurementLaw` what is measured.
 """
 
 import dataclasses
@@ -27,6 +27,7 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
+from jaxswarm.effects.placement import moved_joint
 from jaxswarm.effects.term import of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
@@ -92,6 +93,14 @@ class Plant:
             if a.law.motor_inertia and a.joint == joint:
                 return a.values[a.law.motor_inertia]
         return None
+
+    def robot_at(self, t: Any) -> Robot:
+        """Return the robot with what its last link carries at a time [s]."""
+        robot = self.robot
+        for a in of_kind(self.acting, BodyChange):
+            body = a.law.weight(a.values, jnp.asarray(t, float)) * a.law.body(a.values)
+            robot = robot.replace(parameters=jnp.asarray(robot.parameters).at[-1].add(body))
+        return robot
 
     def replace(self, **changes) -> "Plant":
         """Return a copy with fields replaced."""
@@ -165,30 +174,9 @@ def put_on(law: Effect, plant: Plant, acting: Acting) -> Plant:
 
 @put_on.register(TorqueLaw)
 @put_on.register(TransmissionLaw)
+@put_on.register(MeasurementLaw)
 def _(law, plant, acting):
     return plant.replace(acting=(*plant.acting, acting))
-
-
-@put_on.register
-def _(law: MeasurementLaw, plant, acting):
-    plant = plant.replace(acting=(*plant.acting, acting))
-    if law.excess is None:
-        return plant
-    # What the encoder says is the coordinate: the arm is mounted so that it stands where it says zero.
-    return plant.replace(robot=_mounted(plant.robot, acting.joint, -law.excess(acting.values)))
-
-
-def _mounted(robot: Robot, joint: int, by: jax.Array | float) -> Robot:
-    """Return the robot that stands at zero as the given one with a joint at ``by`` [rad or m]."""
-    axis, rotation = jnp.asarray(robot.axis[joint]), jnp.asarray(robot.rotation[joint])
-    if robot.kinds[joint] == "prismatic":
-        moved = jnp.asarray(robot.translation).at[joint].add(rotation @ axis * by)
-        return robot.replace(translation=_known(moved))
-    cross = jnp.cross(axis[:, None], jnp.eye(3), axis=0)
-    turn = jnp.eye(3) + jnp.sin(by) * cross + (1.0 - jnp.cos(by)) * cross @ cross
-    return robot.replace(
-        rotation=_known(jnp.asarray(robot.rotation).at[joint].set(rotation @ turn))
-    )
 
 
 @put_on.register
@@ -197,6 +185,12 @@ def _(law: BodyChange, plant, acting):
     if law.gravity is not None:
         gravity = law.gravity(acting.values, jnp.asarray(robot.gravity))
         return plant.replace(robot=robot.replace(gravity=_known(gravity)))
+    if law.placement is not None:
+        placed = moved_joint(robot, acting.joint, law.placement(acting.values))
+        rotation, translation = (_known(x) for x in (placed.rotation, placed.translation))
+        return plant.replace(robot=robot.replace(rotation=rotation, translation=translation))
+    if law.window:
+        return plant.replace(acting=(*plant.acting, acting))
     parameters = jnp.asarray(robot.parameters).at[-1].add(law.body(acting.values))
     return plant.replace(robot=robot.replace(parameters=_known(parameters)))
 

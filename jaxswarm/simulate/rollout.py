@@ -18,8 +18,9 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.robot.kinematics import SinCos
-from jaxswarm.simulate.acceleration import Drive, State, accelerations, motor_side
+from jaxswarm.simulate.acceleration import Drive, State, accelerations
 from jaxswarm.simulate.controllers import Controller, Reference
+from jaxswarm.simulate.encoders import said_motion
 from jaxswarm.simulate.loops import Loop, closed_loop, open_loop, packed
 from jaxswarm.simulate.plant import Plant
 from jaxswarm.simulate.stability import check_step
@@ -170,9 +171,11 @@ def _record(plant: Plant, state: State, loop: Loop, dt, sincos) -> Trajectory:
     def sample(state, tau, push, warmth, t):
         drive = Drive(tuple(tau), tuple(push), tuple(warmth))
         ddq, motor_ddq = accelerations(plant, state, drive, t, sincos)
-        q, dq = motor_side(plant, state)
+        q, dq = list(state.q), list(state.dq)
         for k, joint in enumerate(plant.soft):
+            q[joint], dq[joint] = state.motor_q[k], state.motor_dq[k]
             ddq[joint] = motor_ddq[k]
+        q, dq, ddq = said_motion(plant, q, dq, ddq)
         like = q[0]
         parts = (q, dq, ddq, state.q, state.dq)
         return [jnp.stack([jnp.broadcast_to(x, like.shape) for x in part]) for part in parts]

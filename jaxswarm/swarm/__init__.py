@@ -29,10 +29,10 @@ from jaxswarm.swarm.optimizers.freeze import freeze as freeze
 from jaxswarm.swarm.optimizers.ga import ga as ga
 from jaxswarm.swarm.optimizers.ga import textbook_ga as textbook_ga
 from jaxswarm.swarm.optimizers.islands import islands as islands
-from jaxswarm.swarm.optimizers.pso import gpso as gpso
 from jaxswarm.swarm.optimizers.pso import pso as pso
-from jaxswarm.swarm.optimizers.pso import spso as spso
-from jaxswarm.swarm.optimizers.pso import spso2011 as spso2011
+from jaxswarm.swarm.optimizers.published import gpso as gpso
+from jaxswarm.swarm.optimizers.published import spso as spso
+from jaxswarm.swarm.optimizers.published import spso2011 as spso2011
 from jaxswarm.swarm.optimizers.random_search import random_search as random_search
 from jaxswarm.swarm.optimizers.registry import OPTIMIZERS as OPTIMIZERS
 from jaxswarm.swarm.optimizers.registry import find_optimizer as find_optimizer

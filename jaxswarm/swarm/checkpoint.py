@@ -10,7 +10,7 @@ is all there is.
 import dataclasses
 import json
 import os
-import zipfile
+import platform
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,6 @@ __all__ = ["minimize_resumable", "restore", "save"]
 
 FORMAT = 2
 HEADER = "__header__"
-UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 
 def save(path: str | os.PathLike, tree: Any, **header: Any) -> None:
@@ -45,7 +44,9 @@ def save(path: str | os.PathLike, tree: Any, **header: Any) -> None:
     path = Path(path)
     arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(tree).items()}
     text = json.dumps({"format": FORMAT, **header}, sort_keys=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    mark = f".{path.name}.{platform.node() or 'here'}-"
+    _sweep(path.parent, mark)
+    part = path.with_name(f"{mark}{os.getpid()}.part")
     try:
         with open(part, "wb") as file:
             np.savez(file, **{HEADER: np.array(text)}, **arrays)
@@ -59,6 +60,20 @@ def save(path: str | os.PathLike, tree: Any, **header: Any) -> None:
         os.fsync(folder)  # the rename itself must reach the disk
     finally:
         os.close(folder)
+
+
+def _sweep(folder: Path, mark: str) -> None:
+    """Remove unfinished files of this checkpoint whose process, on this machine, is no more."""
+    for name in os.listdir(folder) if os.name != "nt" else ():  # there, signal 0 ends a process
+        process = name.removeprefix(mark).removesuffix(".part")
+        if name != f"{mark}{process}.part" or not process.isdigit():
+            continue
+        try:
+            os.kill(int(process), 0)
+        except (ProcessLookupError, OverflowError):
+            (folder / name).unlink(missing_ok=True)
+        except OSError:
+            pass  # it lives, but is another user's
 
 
 def restore(path: str | os.PathLike, like: Any, **header: Any) -> Any:
@@ -76,8 +91,8 @@ def restore(path: str | os.PathLike, like: Any, **header: Any) -> Any:
     try:
         with np.load(path, allow_pickle=False) as file:
             stored = {name: file[name] for name in file.files}
-        found = json.loads(str(stored.pop(HEADER)))
-    except UNREADABLE as error:
+        found = dict(json.loads(str(stored.pop(HEADER))))
+    except Exception as error:  # parsers raise anything on damaged bytes
         raise InputError(f"{path} is no checkpoint of jaxswarm ({error}).") from error
     for name, expected in {"format": FORMAT, **header}.items():
         if found.get(name) != expected:
@@ -179,7 +194,7 @@ def _steps_done(path) -> int:
     try:
         with np.load(path, allow_pickle=False) as file:
             return int(json.loads(str(file[HEADER]))["steps"])
-    except UNREADABLE as error:
+    except Exception as error:  # as above
         raise InputError(f"{path} is no checkpoint of a search ({error}).") from error
 
 

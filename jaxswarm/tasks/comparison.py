@@ -13,6 +13,7 @@ from jaxswarm.identify.physical.physical_model import random_columns
 from jaxswarm.identify.report.summary import units
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import in_double
+from jaxswarm.tasks.report_check import check_report
 from jaxswarm.tasks.values import Value, values_of_model, values_of_report
 from jaxswarm.tasks.words import error_table, number
 
@@ -20,6 +21,8 @@ from jaxswarm.tasks.words import error_table, number
 _INTERVAL = 1.96
 # Without intervals values of two files differ if they are not the same to rounding.
 _ROUNDING = 1e-6
+# What every report holds.
+_PARTS = {"joints", "effects", "error"}
 
 
 @in_double
@@ -72,12 +75,14 @@ def _read(item: Any, which: str) -> tuple[str, Any]:
             item = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise InputError(f"{path}: no such file; pass a .json that a command wrote") from None
-        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise InputError(f"{path}: cannot be read as JSON ({error})") from None
         if isinstance(item, dict) and "format" in item and "terms" in item:
             return "a model", load_model(path)
         which = str(path)
-    if isinstance(item, Mapping) and {"joints", "effects", "error"} <= set(item):
+        if isinstance(item, dict) and _PARTS <= set(item):
+            check_report(item, which)
+    if isinstance(item, Mapping) and _PARTS <= set(item):
         if "verdict" in item:
             return "a diagnosis", item
         if "base_parameters" in item:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from jaxswarm.diagnose.decision.insufficient import resting_joints, too_short, undecidable
+from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
 from jaxswarm.diagnose.memory import refuse_too_large
@@ -11,18 +11,20 @@ from jaxswarm.diagnose.report.result import place
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
 from jaxswarm.diagnose.run import conclude
 from jaxswarm.diagnose.run_against import conclude_comparison
+from jaxswarm.diagnose.selection.budget import Budget, given_budget
 from jaxswarm.diagnose.selection.changes import compare as changes_since
 from jaxswarm.diagnose.selection.stepwise import diagnose as search
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import without_relation
+from jaxswarm.identify.checks.weak import WEAK, all_rest, refuse_weak, resting_joints, too_short
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.summary import units
-from jaxswarm.identify.run import findings, refuse_undeclarable
+from jaxswarm.identify.run import findings, refuse_resting_joints, refuse_undeclarable
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
-from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double
+from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double, refuse_shared
 from jaxswarm.tasks.words import effect_table, error_table
 
 
@@ -39,6 +41,7 @@ def diagnose(
     motion_cutoff: float | None = None,
     torque_cutoff: float | None = None,
     accept: Sequence[str] = (),
+    budget: float | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fitted:
     """Find the effect a declared model lacks, add it, and show the error before and after.
@@ -54,6 +57,7 @@ def diagnose(
         motion_cutoff: Low-pass of the positions [Hz]; None: found from the data; with ``declare`` only.
         torque_cutoff: Low-pass shared by torque and model [Hz], likewise.
         accept: Findings about the logs in spite of which they are fitted, by name.
+        budget: Time [s] after which no further round of the search begins; None: no limit.
         progress: Called with one line per stage.
 
     Returns:
@@ -62,45 +66,51 @@ def diagnose(
     Raises:
         InputError: On anything that cannot be used.
     """
-    robot = as_robot(robot)
+    robot, limit = as_robot(robot), given_budget(budget)
     if model is not None:
         if declare is not None or rules is not None or motion_cutoff or torque_cutoff:
             raise InputError("model excludes declare, rules and cutoffs: the model holds them")
-        return _against(logs, as_model(model), validation, seed, progress, accept)
+        return _against(logs, as_model(model), validation, seed, limit, progress, accept)
     terms = parse_terms(declare or "none", robot.joints)
     refuse_undeclarable(terms)
     filtering = Filtering(motion_cutoff, torque_cutoff)
     read, motions = prepared(logs, robot, filtering, terms, accept)
     reasons = resting_joints(motions, robot)
     columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
-    short = too_short(motions, columns)
-    lost = [] if "no_relation" in accept else without_relation(robot, motions)
+    short = [] if WEAK in accept else too_short(motions, columns)
+    lost = all_rest(motions)
+    if not lost and "no_relation" not in accept:
+        lost = without_relation(robot, motions)
     if short or lost:
         declared = [place(t, robot.joints) for t in terms]
         result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
         result["findings"] = findings(read)
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
     refuse_too_large(motions)
-    found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress)
+    found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
     unseen = []
     if validation is not None:
-        _, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
+        scored, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
+        refuse_shared(read, scored)
     result, left = conclude(found, unseen, seed, progress)
-    result["reasons"] = reasons
+    result["reasons"] += reasons
     result["findings"] = findings(read)
     shown = unseen[0] if unseen else found.final.motions[0]
     return _result(result, with_smooth_terms(found.final, left), shown)
 
 
 def _against(
-    logs: Logs, model: Model, validation, seed: int, progress, accept: Sequence[str]
+    logs: Logs, model: Model, validation, seed: int, budget: Budget, progress, accept
 ) -> Fitted:
     read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
+    refuse_resting_joints(read, model.robot)
+    refuse_weak(motions, 10 * model.robot.num_joints, accept)
     unseen = []
     if validation is not None:
-        _, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
+        scored, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
+        refuse_shared(read, scored)
     refuse_too_large(motions)
-    found = changes_since(model, motions, seed=seed, progress=progress)
+    found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
     result["findings"] = findings(read)
     shown = unseen[0] if unseen else motions[0]

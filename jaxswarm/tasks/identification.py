@@ -12,6 +12,7 @@ from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
+from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
 from jaxswarm.identify.report.report import report_of
@@ -26,7 +27,7 @@ from jaxswarm.logs import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
-from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
+from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double, refuse_shared
 from jaxswarm.tasks.words import effect_table, error_table, number
 
 
@@ -116,9 +117,11 @@ def identify(
     refuse_undeclarable(terms)
     read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms, accept)
     refuse_resting_joints(read, robot)
+    refuse_weak(motions, 10 * robot.num_joints, accept)
     unseen, scored = None, []
     if validation is not None:
         scored, unseen = prepared(validation, robot, motions[0].filtering, terms, accept)
+        refuse_shared(read, scored)
     progress("fitting")
     found = estimate(robot, terms, motions)
     progress("scoring")

@@ -65,3 +65,17 @@ def as_logs(logs: Logs | None, robot: Robot, *, require_torque: bool = True) -> 
         if require_torque and log.tau is None:
             raise InputError(f"{log.source}: has no torque; pass tau to log_from_arrays")
     return read
+
+
+def refuse_shared(fitted: Sequence[Log], scored: Sequence[Log]) -> None:
+    """Refuse to score on what was fitted.
+
+    Raises:
+        InputError: Naming the log that stands on both sides.
+    """
+    for one in fitted:
+        for other in scored:
+            if np.array_equal(one.t, other.t) and np.array_equal(one.q, other.q):
+                raise InputError(
+                    f"{other.source}: holds the motion that is fitted; it proves nothing, validate on another"
+                )

@@ -31,14 +31,19 @@ def _effect_values(effects: list[dict]) -> list[Value]:
         other = f":{effect['other']}" if effect.get("other") else ""
         place = effect["effect"] + ("" if effect["joint"] is None else f"@{effect['joint']}{other}")
         for name, row in effect["parameters"].items():
-            found.append(Value(place, name, row["value"], row.get("std_error"), row["unit"]))
+            found.append(Value(place, name, _known(row), row.get("std_error"), row["unit"]))
     return found
+
+
+def _known(row: Mapping) -> float:
+    """The value of a row; NaN, which JSON cannot say, where it has none."""
+    return np.nan if row["value"] is None else row["value"]
 
 
 def values_of_report(result: Mapping) -> list[Value]:
     """Base parameters of the rigid body, where there are some, and effects of a report."""
     rigid = [
-        Value("rigid_body", row["expression"], row["value"], row["std_error"], row["unit"])
+        Value("rigid_body", row["expression"], _known(row), row.get("std_error"), row["unit"])
         for row in result.get("base_parameters", ())
         if row["effect"] == "rigid_body"
     ]

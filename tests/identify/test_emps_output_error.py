@@ -4,12 +4,9 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.signal import butter, filtfilt
 
+from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem
 from jaxswarm.identify.simulation_error.levenberg_marquardt import refine_output
-from jaxswarm.identify.simulation_error.output_error import (
-    Experiment,
-    OutputProblem,
-    output_residual,
-)
+from jaxswarm.identify.simulation_error.output_error import output_residual
 from jaxswarm.robot import emps
 from jaxswarm.simulate import Acting, Cascade, Reference, make_plant
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
+from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem
 from jaxswarm.identify.simulation_error.instrumental import (
     didim,
     exogeneity_test,
@@ -13,7 +14,6 @@ from jaxswarm.identify.simulation_error.instrumental import (
     instrumental,
     simulated_columns,
 )
-from jaxswarm.identify.simulation_error.output_error import Experiment, OutputProblem
 from jaxswarm.robot import Joint, build_robot, regressor
 from jaxswarm.robot.placements import body_parameters, rotation_x
 from jaxswarm.simulate import PD, Acting, Reference, make_plant, rest, track

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.simulation_error.levenberg_marquardt import refine_output
-from jaxswarm.identify.simulation_error.output_error import (
+from jaxswarm.identify.simulation_error.experiment import (
     Experiment,
     OutputProblem,
     free_names,
-    output_fitness,
-    output_residual,
     start_names,
 )
+from jaxswarm.identify.simulation_error.levenberg_marquardt import refine_output
+from jaxswarm.identify.simulation_error.output_error import output_fitness, output_residual
 from jaxswarm.robot import Joint, build_robot
 from jaxswarm.robot.placements import body_parameters, rotation_x
 from jaxswarm.simulate import PD, Acting, Reference, make_plant, rest, simulate, track

@@ -38,7 +38,7 @@ def test_channels_that_belong_together_stay():
     found = prepared()
     assert found.dq is not None and found.ddq is not None
     assert not any("contradicts" in note for note in found.notes)
-    # A bias of the sensor is an effect to be found, not a contradiction; neither is coarse noise.
+    # A bias of the sensor is taken off and no contradiction; neither is coarse noise.
     assert prepared(dq=log.dq + [0.3, 0.0]).dq is not None
     rough = np.random.default_rng(1).normal(size=log.dq.shape)
     assert prepared(dq=log.dq + 0.5 * rough).dq is not None
@@ -94,3 +94,16 @@ def test_a_dead_torque_of_a_joint_at_rest_is_refused_too():
     q[:, 1], tau[:, 1] = 0.3, 0.0
     with pytest.raises(InputError, match="torque of joint2 is 0 in every sample"):
         prepared(q=q, tau=tau, dq=None, ddq=None)
+
+
+@pytest.mark.parametrize("bias", [0.05, -0.02])
+def test_a_constant_error_of_a_velocity_is_taken_off_and_told(bias):
+    log = made()
+    noise = 0.02 * np.random.default_rng(4).normal(size=log.dq.shape)
+    clean = prepared(dq=log.dq + noise)
+    wrong = prepared(dq=log.dq + noise + [bias, 0.0])
+    (note,) = set(wrong.notes) - set(clean.notes)
+    assert f"velocity of {JOINTS[0]} is" in note
+    assert float(note.split(" is ")[1].split()[0]) == pytest.approx(bias, abs=2e-3)
+    assert not any("velocity" in text for text in clean.notes)
+    np.testing.assert_allclose(wrong.dq, clean.dq, atol=2e-3)

@@ -225,3 +225,11 @@ def test_the_decimating_low_pass_is_the_one_of_scipy(cutoff):
 def test_reading_and_filtering_load_no_statistics():
     code = "import sys, jaxswarm.identify.predict; sys.exit('scipy.stats' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_a_velocity_that_belongs_to_another_motion_leaves_the_system_solvable():
+    rng = np.random.default_rng(0)
+    q = 5e4 * rng.normal(size=(400, 1))
+    dq = np.cos(0.05 * np.arange(400))[:, None]
+    found = find_cutoffs(q, 100.0, dq, np.array([1e12]))
+    assert np.isfinite(found.cutoff).all() and np.isfinite(found.noise).all()

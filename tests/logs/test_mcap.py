@@ -6,7 +6,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jaxswarm.errors import InputError
-from jaxswarm.logs import read_log
+from jaxswarm.logs import bounds, read_log
+from jaxswarm.logs.mcap_size import unpacked_size
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
 from rosbags.typesys import Stores, get_typestore  # noqa: E402
@@ -133,3 +134,49 @@ def test_changed_and_cut_bytes(tmp_path, recording, data):
         assert str(error).startswith(str(path))
     else:
         assert np.isfinite(log.q).all() and np.isfinite(log.tau).all()
+
+
+def packed(folder, count=40, blank=2**20):
+    """A recording whose other topic holds zeros, which pack well."""
+    plugin = rosbag2.StoragePlugin.MCAP
+    writer = rosbag2.Writer(folder, version=9, storage_plugin=plugin)
+    writer.set_compression(rosbag2.CompressionMode.STORAGE, rosbag2.CompressionFormat.ZSTD)
+    with writer:
+        joints = writer.add_connection("/joint_states", KIND, typestore=STORE)
+        camera = writer.add_connection("/camera", "std_msgs/msg/UInt8MultiArray", typestore=STORE)
+        for k, message in enumerate(states(count)):
+            writer.write(joints, START + k * 10_000_000, STORE.serialize_cdr(message, KIND))
+            writer.write(camera, START + k * 10_000_000, bytes(blank))
+    return next(folder.glob("*.mcap"))
+
+
+def test_what_chunks_unpack_to_is_known_before_and_refused(tmp_path, monkeypatch):
+    path = packed(tmp_path / "bag")
+    assert path.stat().st_size < 2**20
+    assert 40 * 2**20 < unpacked_size(path) < 45 * 2**20
+    assert len(read_log(path, JOINTS).t) == 40
+    monkeypatch.setattr(bounds, "LARGEST_LOG", 2**25)
+    for name in (path, path.parent):
+        with pytest.raises(InputError, match=r"at most 0\.0312 GiB are read"):
+            read_log(name, JOINTS)
+
+
+def test_a_chunk_that_lies_about_its_size_is_measured_by_its_frame(tmp_path):
+    path = packed(tmp_path / "bag")
+    data = bytearray(path.read_bytes())
+    frame = data.index(b"\x28\xb5\x2f\xfd")
+    name = data.rindex(b"zstd", 0, frame)
+    data[name - 16 : name - 8] = bytes(8)
+    path.write_bytes(bytes(data))
+    assert unpacked_size(path) > 40 * 2**20
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"\x89MCAP0\r\n", b"\x89MCAP0\r\n\x06" + b"\xff" * 40, bytes(99)]
+)
+def test_what_is_no_recording_unpacks_to_nothing_or_is_refused(tmp_path, content):
+    path = tmp_path / "log.mcap"
+    path.write_bytes(content)
+    assert unpacked_size(path) >= 0
+    with pytest.raises(InputError, match="log.mcap"):
+        read_log(path, JOINTS)

@@ -130,3 +130,12 @@ def test_damaged_files_and_a_missing_package_are_told(file, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(InputError, match=r"pip install 'jaxswarm\[mjcf\]'"):
         load_robot(file(ARM))
+
+
+def test_warnings_of_mujoco_are_notes_and_leave_no_file(file, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    path = file(ARM.replace('springref="0"', 'springref="nan"'))
+    (told,) = [n for n in describe_robot(path).notes if "MuJoCo warns" in n]
+    assert "NaN" in told
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+    assert capfd.readouterr() == ("", "")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from arms import slide, two_joint_arm
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 
 from jaxswarm.effects import REGISTRY, TorqueLaw, make_sample
 from jaxswarm.errors import InputError
@@ -180,14 +181,23 @@ def test_global_effects_change_the_robot():
     np.testing.assert_allclose((loaded.parameters - robot.parameters)[1, :2], [3.0, 0.6])
 
 
-@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
-def test_an_encoder_whose_zero_is_wrong_is_an_arm_that_stands_elsewhere(kind):
-    robot = two_joint_arm(kind)
-    wrong = make_plant(robot, [Acting("encoder_offset", 1, values={"dq0": 0.2})]).robot
-    q, dq, ddq = np.array([0.3, -0.5]), np.array([0.4, 0.9]), np.array([1.0, -2.0])
-    true = inverse_dynamics(robot, q - np.array([0.0, 0.2]), dq, ddq)
-    np.testing.assert_allclose(inverse_dynamics(wrong, q, dq, ddq), true, atol=1e-12)
-    assert np.abs(true - inverse_dynamics(robot, q, dq, ddq)).max() > 0.01
+def test_a_load_is_carried_within_its_window_only():
+    robot = two_joint_arm()
+    load = {"m": 3.0, "mcx": 0.6, "Izz": 0.2}
+    heavy = make_plant(robot, [Acting("payload", values=load)])
+    times = {"start": 1.0, "end": 2.0}
+    plant = make_plant(robot, [Acting("payload_change", values={**load, **times})])
+    state = rest(plant, jnp.array([0.3, -0.5]), jnp.array([1.0, 2.0]))
+    state = state._replace(q=tuple(state.q), dq=tuple(state.dq), motor_q=(), motor_dq=(), memory=())
+    drive = Drive((5.0, 1.0), (0.0, 0.0), (25.0, 25.0))
+
+    def at(plant, t):
+        return np.array(accelerations(plant, state, drive, t, polynomial_sincos)[0])
+
+    bare = make_plant(robot)
+    for t, same in ((0.9, bare), (1.5, heavy), (2.1, bare)):
+        np.testing.assert_allclose(at(plant, t), at(same, t), rtol=1e-9)
+    assert np.abs(at(heavy, 1.5) - at(bare, 1.5)).max() > 1.0
 
 
 def test_gain_and_delay_show_in_the_measured_torque_only():
@@ -198,6 +208,23 @@ def test_gain_and_delay_show_in_the_measured_torque_only():
     motion = simulate(plant, rest(plant, jnp.zeros(1)), force, dt=1e-3)
     logged = measured_torque(plant, motion)
     np.testing.assert_allclose(logged[2:], 1.1 * force[:-2], atol=1e-12)
+
+
+def test_drives_write_down_bent_and_filtered_torques():
+    bend = Acting("torque_constant_saturation", 0, values={"c": 0.1})
+    band = Acting("torque_dead_band", 0, values={"d": 0.5})
+    slow = Acting("torque_lag", values={"tc": 0.02, "seconds": 0.0})
+    force = 3.0 * jnp.sin(0.05 * jnp.arange(400.0))[:, None]
+    logged = []
+    for acting in (bend, band, slow):
+        plant = make_plant(slide(), [acting])
+        motion = simulate(plant, rest(plant, jnp.zeros(1)), force, dt=1e-3)
+        np.testing.assert_allclose(motion.tau, force)
+        logged.append(np.asarray(measured_torque(plant, motion)))
+    np.testing.assert_allclose(logged[0], force * (1.0 - 0.1 * np.abs(force)), atol=1e-12)
+    np.testing.assert_allclose(logged[1], force + 0.5 * np.sign(force), atol=1e-12)
+    told = lsim(([1.0], [0.02, 1.0]), np.asarray(force[:, 0]), np.asarray(motion.t))[1]
+    np.testing.assert_allclose(logged[2][200:, 0], told[200:], atol=1e-3)
 
 
 @pytest.mark.parametrize(

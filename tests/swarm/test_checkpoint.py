@@ -120,3 +120,37 @@ def test_kill_in_the_middle_of_a_write(tmp_path):
         step = int(loaded["a"][0])
         assert step >= 1
         assert bool((loaded["a"] == step).all()) and bool((loaded["b"] == -step).all())
+
+
+def test_damaged_checkpoints_are_refused_or_read_whole(tmp_path):
+    path, rng = tmp_path / "state.npz", np.random.default_rng(0)
+    tree = {"x": np.arange(4.0)}
+    save(path, tree)
+    good = path.read_bytes()
+    for _ in range(300):
+        data = bytearray(good)
+        for place in rng.integers(0, len(data), rng.integers(1, 4)):
+            data[place] = rng.integers(256)
+        path.write_bytes(
+            bytes(data[: rng.integers(1, len(data) + 1)] if rng.random() < 0.3 else data)
+        )
+        try:
+            assert restore(path, tree)["x"].shape == (4,)
+        except InputError as error:
+            assert str(path) in str(error)
+
+
+def test_unfinished_checkpoints_of_dead_processes_are_removed(tmp_path):
+    code = (
+        "import os, sys; import numpy as np; from jaxswarm.swarm import save\n"
+        "np.savez = lambda *a, **k: os._exit(9)\n"
+        "save(sys.argv[1], {'x': np.zeros(3)})"
+    )
+    path = tmp_path / "state.npz"
+    ended = subprocess.run([sys.executable, "-c", code, str(path)], check=False)
+    assert ended.returncode == 9
+    (orphan,) = tmp_path.iterdir()
+    foreign = tmp_path / ".state.npz.another.machine-1.part"
+    foreign.write_text("")
+    save(path, {"x": np.zeros(3)})
+    assert {p.name for p in tmp_path.iterdir()} == {"state.npz", foreign.name} and orphan.suffix

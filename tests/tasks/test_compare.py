@@ -7,6 +7,7 @@ import pytest
 
 from jaxswarm import compare, identify, log_from_arrays
 from jaxswarm.errors import InputError
+from jaxswarm.outputs import to_json
 
 
 def slide(friction=30.0, seed=0, length=800):
@@ -73,3 +74,55 @@ def test_what_does_not_belong_together_is_refused(results, tmp_path):
     (tmp_path / "odd.json").write_text(json.dumps({"a": 1}))
     with pytest.raises(InputError, match="odd.json: is no model.json"):
         compare(path, tmp_path / "odd.json")
+
+
+def _changed(content, keys, value):
+    """The content with one of its values exchanged, or taken away where the value is ``...``."""
+    inside = content
+    for key in keys[:-1]:
+        inside = inside[key]
+    if value is ...:
+        del inside[keys[-1]]
+    else:
+        inside[keys[-1]] = value
+    return content
+
+
+DAMAGED = [
+    (("base_parameters", 0, "effect"), ...),
+    (("base_parameters", 0, "value"), ...),
+    (("base_parameters", 0, "value"), "heavy"),
+    (("base_parameters", 0, "value"), 1e308),
+    (("base_parameters", 0, "expression"), [1]),
+    (("base_parameters", 0), None),
+    (("base_parameters",), 3),
+    (("effects",), {"a": 1}),
+    (("effects", 0, "parameters"), []),
+    (("error", "before", "rms"), 0.5),
+    (("error", "before", "relative"), ...),
+    (("error",), []),
+    (("joints",), "slide"),
+    (("torque_units",), None),
+]
+
+
+@pytest.mark.parametrize(("keys", "value"), DAMAGED)
+def test_a_damaged_result_is_refused_with_its_place(results, tmp_path, keys, value):
+    content = json.loads(to_json(results[0].content))
+    if keys[:2] == ("error", "before"):
+        content["error"]["before"] = {"rms": [0.1], "relative": [0.1], "relative_global": 0.1}
+    path, good = tmp_path / "damaged.json", tmp_path / "good.json"
+    good.write_text(to_json(results[0].content))
+    path.write_text(json.dumps(_changed(content, keys, value)))
+    with pytest.raises(InputError, match=f"damaged.json: .*{keys[0]}.*damaged") as caught:
+        compare(path, good)
+    assert len(str(caught.value)) < 300
+
+
+def test_a_value_that_is_none_is_no_difference(results, tmp_path):
+    content = json.loads(to_json(results[0].content))
+    content["base_parameters"][0]["value"] = None
+    paths = tmp_path / "a.json", tmp_path / "b.json"
+    for path in paths:
+        path.write_text(json.dumps(content))
+    assert not differing(compare(*paths))

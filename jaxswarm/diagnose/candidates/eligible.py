@@ -6,6 +6,7 @@ from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
@@ -25,23 +26,43 @@ def eligible_terms(
     moves = np.any([np.ptp(m.q, axis=0) > 1e-3 for m in motions], axis=0)
     eligible = []
     for law in REGISTRY.values():
-        if law.reference_only and not law.recurring and not against_model:
+        if law.reference_only and not law.in_one_log and not against_model:
             continue
+        if law.in_one_log and not law.recurring and against_model:
+            continue  # an earlier model says what is carried: a change lasts for the whole log
         if joints < law.min_joints and not against_model:
             continue  # the rigid parameters say the same
         if not all(name in m.channels for name in law.requires for m in motions):
             continue
+        fits = [
+            (not law.turning or kind == "revolute")
+            and (not law.carried or model.robot.parents[j] >= 0)
+            and (not law.rests or longest_rest(motions, j) >= law.rests)
+            for j, kind in enumerate(model.robot.kinds)
+        ]
         if law.scope == "global":
             places = [(None, None)]
         elif law.scope == "joint":
-            places = [(j, None) for j in range(joints) if moves[j]]
+            places = [(j, None) for j in range(joints) if moves[j] and fits[j]]
         else:
             places = [(j, o) for j in range(joints) for o in range(joints) if j != o and moves[o]]
         # Several events are possible; and an earlier model's friction may have changed.
         again = law.recurring or (against_model and isinstance(law, TorqueLaw))
         terms = [Term(law.name, *place) for place in places]
+        if law.extends:
+            held = {t.place for t in model.terms}
+            terms = [t for t in terms if (law.extends, t.joint, t.other) in held]
         eligible += [t for t in terms if again or not _is_settled(t, law, model.terms)]
     return tuple(eligible)
+
+
+def longest_rest(motions: tuple[Motion, ...], joint: int) -> float:
+    """Longest time [s] that a joint stands still between two of its motions, in any of the logs."""
+    longest = 0.0
+    for motion in motions:
+        t = motion.t[is_moving(motion.dq[:, joint])]
+        longest = max(longest, float(np.diff(t).max()) if len(t) > 1 else 0.0)
+    return longest
 
 
 def _is_settled(term: Term, law: Effect, present: tuple[Term, ...]) -> bool:

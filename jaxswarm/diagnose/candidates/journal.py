@@ -37,7 +37,7 @@ class Journal:
             content = json.loads((self.folder / FILE).read_text(encoding="utf-8"))
             if content["fingerprint"] == fingerprint:
                 self.rounds = content["rounds"]
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             pass  # no earlier attempt, or one that cannot be read: start anew
 
     def recall(self, number: int, term: Term) -> list[dict[str, float]] | None:
@@ -53,9 +53,10 @@ class Journal:
         text = json.dumps({"fingerprint": self.fingerprint, "rounds": self.rounds})
         outputs.write_files(self.folder, {FILE: text})
 
-    def close(self) -> None:
-        """The report is written: nothing is left to go on from."""
-        (self.folder / FILE).unlink(missing_ok=True)
+    def close(self, done: bool = True) -> None:
+        """The report is written; of a search that is done nothing is left to go on from."""
+        if done:
+            (self.folder / FILE).unlink(missing_ok=True)
 
 
 def fingerprint(robot: Robot, motions: Sequence[Motion], *options) -> str:

@@ -12,6 +12,7 @@ from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
@@ -47,8 +48,9 @@ def lag_torque(
     if own:
         joint, rows = 0, slice(sensed.joint, sensed.joint + 1)
     torque, by_q, by_dq, by_ddq = sensed.at(pis, rows)
-    felt = (x[:, joint] for x in (torque, by_q, by_dq, by_ddq))
-    e, v, a = (np.asarray(x) for x in _lags(*felt, k, d, gap, 1.0 / motion.rate, substeps))
+    felt = filled(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)))
+    lags = _lags(*felt, k, d, gap, 1.0 / motion.rate, substeps)
+    e, v, a = (np.asarray(x)[: len(motion.t)] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
     e, v, a = (np.where(alive, x, 0.0)[:, None] for x in (e, v, a))

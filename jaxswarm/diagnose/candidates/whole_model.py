@@ -8,9 +8,17 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.window import windowed_candidate
+from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
+from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.identify.forward.body import body_basis
 from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.identify.forward.link_lag import read_motion
+from jaxswarm.identify.forward.measuring_chain import report_own
+from jaxswarm.identify.forward.placement import placement_columns
 
 
 def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
@@ -19,6 +27,9 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     if law.excess is not None:
         columns = stand.stack(lambda k: stand.reported(k, _turned(stand, term, k)))
         return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+    if law.distortion is not None:
+        columns = stand.on_joint(stand.low(lambda k: _distorted(stand, term, k)), term.joint)
+        return Candidate(term, (columns,) * 3, columns.shape[2])
 
     def slopes(k):
         output, step = stand.outputs[k], 1.0 / stand.found.motions[k].rate
@@ -26,9 +37,9 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
             output = output[:, term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
         ends = 2 * output[[0, -1]] - output[[1, -2]]
-        longer = np.concatenate([ends[:1], output, ends[1:]])
-        jacobian = _report_slopes(law, _numbers(neutral), longer, step)
-        return np.stack([np.asarray(jacobian[p.name])[1:-1] for p in law.parameters], axis=-1)
+        longer = filled(np.concatenate([ends[:1], output, ends[1:]]))
+        slope, own = _report_slopes(law, _numbers(neutral), longer, step), slice(1, 1 + len(output))
+        return np.stack([np.asarray(slope[p.name])[own] for p in law.parameters], axis=-1)
 
     low = stand.low(slopes)
     if term.joint is None:
@@ -41,12 +52,15 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
 # Whole programs: each operation by itself would be traced, lowered and loaded on its own.
 @partial(jax.jit, static_argnames="law")
 def _report_slopes(law: MeasurementLaw, values: dict, x: jax.Array, step: float) -> dict:
-    return jax.jacfwd(lambda p: law.report(p, x, step))(values)
+    """How a torque is written down by each parameter: a derivative, or a difference to its probe."""
 
+    def slope(name):
+        to = law.probe.get(name)
+        if to is None:
+            return jax.jacfwd(lambda one: law.report({**values, name: one}, x, step))(values[name])
+        return (law.report({**values, name: to}, x, step) - x) / (to - values[name])
 
-@partial(jax.jit, static_argnames="law")
-def _excess_slopes(law: MeasurementLaw, values: dict) -> dict:
-    return jax.jacfwd(law.excess)(values)
+    return {p.name: slope(p.name) for p in law.parameters}
 
 
 @partial(jax.jit, static_argnames="law")
@@ -54,35 +68,49 @@ def _gravity_slopes(law: BodyChange, values: dict, gravity: jax.Array) -> dict:
     return jax.jacfwd(lambda p: law.gravity(p, gravity))(values)
 
 
-@partial(jax.jit, static_argnames="law")
-def _body(law: BodyChange, values: dict) -> jax.Array:
-    return law.body(values)
-
-
 def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
     """Values that are data of a program, and no constants of it."""
     return {name: np.float64(value) for name, value in values.items()}
 
 
+def _distorted(stand: Linearization, term: Term, k: int) -> np.ndarray:
+    """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
+    own = distortion_columns(term.law, stand.outputs[k][:, term.joint])
+    terms = stand.found.model.terms
+    return report_own(terms, stand.found.motions[k], own, term.joint)
+
+
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
-    law = term.law
-    slopes = _excess_slopes(law, _numbers(law.neutral()))
-    by_position = stand.sensed(term.joint)[k].at(stand.pi)[1]
-    return np.stack([-by_position * float(slopes[p.name]) for p in law.parameters], axis=2)
+    along = read_motion(term, stand.found.motions[k])
+    slopes = misreading_slopes(term.law, term.law.neutral(), along)
+    by = stand.sensed(term.joint)[k].at(stand.pi)[1:]
+    columns = [
+        -sum(x * np.asarray(e[p.name])[:, None] for x, e in zip(by, slopes, strict=True))
+        for p in term.law.parameters
+    ]
+    return np.stack(columns, axis=2)
 
 
 def body_candidate(stand: Linearization, term: Term) -> Candidate:
     """Another gravity or a body on the last link, to first order."""
     law, neutral = term.law, term.law.neutral()
+    if law.placement is not None:
+
+        def moved(k):
+            at = stand.arm, stand.moved[k], stand.pi
+            return stand.reported(k, placement_columns(law, term.joint, *at))
+
+        columns = stand.stack(moved)
+        return Candidate(term, (columns,) * 3, columns.shape[2])
     if law.gravity is not None:
         columns = stand.background.weigh(_gravity_columns(stand, term))
     else:
-        names = [p.name for p in law.parameters]
-        unit = [{name: float(name == one) for name in names} for one in names]
-        bodies = np.stack([np.asarray(_body(law, p)) for p in unit], axis=1)
+        bodies = body_basis(law)
         last = slice(-10, None)
         columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
+        if law.window:
+            return windowed_candidate(stand, term, columns)
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
 

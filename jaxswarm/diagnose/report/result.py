@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from jaxswarm.diagnose.decision.remainder import Remainder, remainders
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.score import Rules, Score
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
 from jaxswarm.diagnose.decision.verdict import (
     CANNOT,
@@ -17,7 +17,7 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment
-from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step
@@ -31,8 +31,6 @@ from jaxswarm.identify.report.summary import (
     with_intervals,
 )
 from jaxswarm.logs.motion import Motion
-
-_ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
 
 
 def place(term: Term, joints: tuple[str, ...]) -> dict:
@@ -102,14 +100,21 @@ def to_result(
         "proof": proof(final, validation),
         "residual_over_noise": [r.over_noise for r in remains],
         "discovered": [],
+        "budget": vars(diagnosis.spent) if diagnosis.spent else None,
         "reasons": [
             *([why] if why else []),
-            *([_ENDED] if diagnosis.ended else []),
+            *diagnosis.cut_short,
             *grown(errors.validation, joints, noise, HARM),
         ],
         "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
         "asked": diagnosis.asked,
-        "not_added": [_rejected(s, diagnosis, rules, joints) for s in _ranked(diagnosis.last)[:12]],
+        "not_added": [
+            {
+                **place(s.candidate.term, joints),
+                **refusal(s, rules, len(diagnosis.last), diagnosis.spent is not None),
+            }
+            for s in _ranked(diagnosis.last)[:12]
+        ],
         "effective_samples": diagnosis.background.effective,
         "sign_width": list(final.model.width),
         "filtering": {
@@ -221,31 +226,3 @@ def _undecided(step: Step, joints: tuple[str, ...]) -> list[dict]:
             }
         )
     return found
-
-
-def _rejected(item: Score, diagnosis: Diagnosis, rules: Rules, joints) -> dict:
-    reasons = []
-    if item.gain <= 0:
-        reasons.append("does not lower the error on unseen time")
-    elif item.share < rules.share:
-        reasons.append(
-            f"takes off {percent(item.share, 1)} of the error, less than {percent(rules.share, 0)}"
-        )
-    if item.gain > 0 and (
-        item.over_noise < rules.over_noise or item.over_torque < rules.over_torque
-    ):
-        reasons.append("too small to matter beside noise and torque")
-    if item.p_value * len(diagnosis.last) >= rules.significance:
-        reasons.append("may be chance, given how many candidates were asked")
-    if not item.allowed:
-        reasons.append("sign or size against physics")
-    if item.repeats < rules.repeat:
-        reasons.append(f"helps in only {percent(item.repeats, 0)} of the blocks")
-    if not reasons and not passes(item, len(diagnosis.last), rules):
-        reasons.append("no single event that explains more than everything that lasts")
-    return {
-        **place(item.candidate.term, joints),
-        "share_of_error": item.share,
-        "p_value": item.p_value,
-        "rejected_because": reasons or ["the refit did not confirm it"],
-    }

@@ -44,13 +44,16 @@ def evidence_sentence(result: dict) -> str:
         change += f" before, {percent(after['relative_global'])} after, on {after['on']}"
     added = _found(result)
     left = "; ".join(remaining(u) for u in result["unexplained"])
+    # A search that was cut short has not asked every law.
+    unknown = (
+        "that the budget left no time for" if result.get("budget") else "that no known law explains"
+    )
     sentences = {
         "nothing missing": f"Nothing is missing: no known effect lowers the error on unseen motion "
         f"beyond chance, and what is left is near the noise (error {change}).",
         "explained": f"{added} (error {change}).",
-        "partly explained": f"{added} (error {change}), and more is missing that no known law "
-        f"explains: {left}.",
-        "unexplained": f"Something is missing that no known law explains: {left} (error {change}).",
+        "partly explained": f"{added} (error {change}), and more is missing {unknown}: {left}.",
+        "unexplained": f"Something is missing {unknown}: {left} (error {change}).",
     }
     return sentences[result["verdict"]]
 

@@ -20,6 +20,7 @@ from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, Score, accepted
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes
 from jaxswarm.diagnose.selection.change_fit import crossed
 from jaxswarm.diagnose.selection.earlier_model import freeze
@@ -46,6 +47,7 @@ class Comparison:
         background: Folds of the final round.
         asked: Candidates asked in the first round.
         refused: Candidates that explain something with values that cannot be believed, and why.
+        spent: The budget that ended the search; None: it came to its own end.
     """
 
     before: Estimate
@@ -57,6 +59,7 @@ class Comparison:
     background: CrossFit
     asked: int
     refused: tuple[tuple[Term, str], ...] = ()
+    spent: Spent | None = None
 
 
 def compare(
@@ -67,6 +70,7 @@ def compare(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     journal: Journal | None = None,
+    budget: Budget | None = None,
 ) -> Comparison:
     """Find what changed since a model was identified.
 
@@ -77,6 +81,7 @@ def compare(
         seed: Seed of the searches.
         progress: Called with one line per stage.
         journal: Keeps the searches on disk, so that an interrupted comparison can go on.
+        budget: Time after which no further round begins; None: no limit.
     """
     rules = rules or Rules()
     # An event happened in the earlier log alone.
@@ -90,10 +95,16 @@ def compare(
     refused: list[tuple[Term, str]] = []
     changes: tuple[Change, ...] = ()
     asked, memory = 0, Memory(journal, rules.share)
+    budget, spent, scores = budget or Budget(), None, []
     for number in range(_MOST_STEPS + 1):
         progress(f"round {number + 1}: asking what changed")
         background = cross_fit(current, frozen=True)
         done = {t.identity for t in (*(c.term for c, _, _ in picked), *(t for t, _ in refused))}
+        if budget.spent:
+            spent = Spent(budget.seconds, number)
+            progress(spent.sentence)
+            scores = [s for s in scores if s.candidate.term.identity not in done]
+            break
         scores = _ask(current, background, held, seed, done, memory)
         asked = asked or len(scores)
         passed = accepted(scores, rules)
@@ -118,7 +129,7 @@ def compare(
         unseen.append(crossed(before, [c for c, _, _ in picked]))
     return Comparison(
         before, current, changes, tuple(stages), tuple(unseen), tuple(scores), background, asked,
-        tuple(refused),
+        tuple(refused), spent,
     )  # fmt: skip
 
 

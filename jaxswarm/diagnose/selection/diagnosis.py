@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 from jaxswarm.diagnose.decision.score import Rules, Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.budget import Spent
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
+
+_ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,7 @@ class Diagnosis:
         ended: Whether the search ended by its number of rounds, and more might be added.
         rules: Thresholds that decided.
         refused: What would have been added but did not survive on other motion, and why.
+        spent: The budget that ended the search; None: it came to its own end.
     """
 
     declared: Estimate
@@ -36,9 +40,15 @@ class Diagnosis:
     refused: tuple[tuple[Term, str], ...] = ()
     ended: bool = False
     rules: Rules = Rules()
+    spent: Spent | None = None
 
     @property
     def kept(self) -> tuple[Step, ...]:
         """The steps whose effect was not removed again by a later one."""
         gone = {t.identity for step in self.steps for t in step.removed}
         return tuple(step for step in self.steps if step.added.identity not in gone)
+
+    @property
+    def cut_short(self) -> list[str]:
+        """Why the search did not come to its own end, in a sentence; empty: it did."""
+        return [_ENDED] * self.ended + ([self.spent.sentence] if self.spent else [])

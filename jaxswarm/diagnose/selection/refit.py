@@ -39,6 +39,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     )
     linear = term.law.linear
     physical = all(fitted.values[p.name] >= p.lower for p in linear)
+    physical = physical and stands_for_itself(fitted, errors)
     weight = row_weight(current)
 
     def cost(one: Estimate) -> float:
@@ -55,6 +56,14 @@ def is_certain(term: Term, errors: dict[str, float]) -> bool:
     linear = term.law.linear
     return not linear or any(
         abs(term.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name]) for p in linear
+    )
+
+
+def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
+    """Whether a law whose candidate was told from another one only to second order is not that other one."""
+    neutral = term.law.neutral()
+    return all(
+        abs(term.values[name] - neutral[name]) > 2.0 * errors[name] for name in term.law.probe
     )
 
 

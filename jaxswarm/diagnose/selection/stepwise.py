@@ -18,6 +18,7 @@ from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Rules, Score, accepted, passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import add_everyday
@@ -60,6 +61,7 @@ class _Search:
     memory: Memory
     other: Sequence[Motion]
     progress: Callable[[str], None]
+    budget: Budget
     steps: list[Step] = field(default_factory=list)
     banned: set = field(default_factory=set)
     asked: int = 0
@@ -85,6 +87,7 @@ def diagnose(
     progress: Callable[[str], None] = lambda text: None,
     journal: Journal | None = None,
     other: Sequence[Motion] = (),
+    budget: Budget | None = None,
 ) -> Diagnosis:
     """Find what a declared model lacks.
 
@@ -97,6 +100,7 @@ def diagnose(
         progress: Called with one line per stage.
         journal: Keeps the searches on disk, so that an interrupted diagnosis can go on.
         other: Prepared logs of other motion, with torque: what is added has to survive on them.
+        budget: Time after which no further round begins; None: no limit.
 
     Returns:
         The :class:`Diagnosis`.
@@ -104,13 +108,22 @@ def diagnose(
     rules = rules or Rules()
     progress("fitting the declared model")
     start = estimate(robot, declared, motions, bounded=False)
-    search = _Search(start, start, rules, seed, Memory(journal, rules.share), other, progress)
+    budget = budget or Budget()
+    memory = Memory(journal, rules.share)
+    search = _Search(start, start, rules, seed, memory, other, progress, budget)
+    scores, spent, ended = [], None, False
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
     for number in range(1, most + 2):
         error = _error(search.current)
         progress(f"round {number}: scoring candidates, {error:.3g} % error so far")
         search.current = with_motion_noise(search.current, seed)
         background = cross_fit(search.current)
+        if budget.spent:
+            spent = Spent(budget.seconds, number - 1)
+            progress(spent.sentence)
+            held = {t.identity for t in search.current.model.terms}
+            scores = [s for s in scores if s.candidate.term.identity not in held]
+            break
         stand = Linearization(search.current, background, search.memory)
         eligible = eligible_terms(search.current.model, search.current.motions)
         eligible = [t for t in eligible if t.identity not in search.banned]
@@ -129,7 +142,7 @@ def diagnose(
     background = _take_back_harm(search, background)
     return Diagnosis(
         search.declared, search.current, tuple(search.steps), tuple(scores), background,
-        search.asked, search.withdrawn, tuple(search.refused), ended, rules,
+        search.asked, search.withdrawn, tuple(search.refused), ended, rules, spent,
     )  # fmt: skip
 
 
@@ -168,6 +181,8 @@ def _choose_again(search: _Search, background: CrossFit) -> bool:
     """Make every choice once more, with all effects in place; whether one changed."""
     if search.settled or not search.steps:
         return False
+    if search.budget.spent:
+        return True  # it would be another round, which does not begin
     search.settled = True
     former = search.steps
     search.steps, search.current, changed = choose_again(
@@ -200,7 +215,7 @@ def _add_best(
     if after is None:
         search.refuse(term)
         return True
-    why = None if term.law.recurring else survives(current, after, chosen.joint, search.other)
+    why = None if term.law.in_one_log else survives(current, after, chosen.joint, search.other)
     if why:
         search.refuse(term, why)
         return True
@@ -221,6 +236,8 @@ def _add_best(
 def _add_further_events(search: _Search, first: Term) -> None:
     """Add what else of an event's kind is in the logs, one after the other, with nothing else asked."""
     for _ in range(_MOST_EVENTS):
+        if search.budget.spent:
+            return
         current = search.current
         stand = Linearization(current, cross_fit(current), search.memory)
         told = score_terms(stand, [replace(first, values={})], search.seed)

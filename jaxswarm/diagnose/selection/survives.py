@@ -101,7 +101,7 @@ def harmful(
         j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
         raised = []
         for step in steps:
-            if step.added.law.recurring:
+            if step.added.law.in_one_log:
                 continue
             rises = [b[j] - a[j] for a, b, _ in _errors(step.before, step.after, other)]
             raised.append((max(rises, default=0.0), step))

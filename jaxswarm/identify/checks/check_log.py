@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.checks.channels import enough, unrelated, wrong_channels, wrong_unit
+from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough, samples_of
+from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.finding import Finding, with_findings
@@ -21,8 +23,12 @@ CHECKS = {
     "torque_sign": "friction that drives, torques of the wrong sign",
     "position_sign": "positions of the wrong sign",
     "swapped_channels": "columns of joints exchanged",
-    "encoder_scale": "positions in degrees",
+    "encoder_scale": "positions in degrees, or a multiple of what is logged",
+    "torque_scale": "a joint's torque that is a multiple of what is logged",
+    "time_scale": "time that is a multiple of what is logged",
+    "late_torque": "a joint's torque that is late or early against its motion",
     "torque_unit": "torques out of reach of any arm of that geometry",
+    WEAK: "motion that is too short or too little for what is asked",
     "no_relation": "torque that has nothing to do with the motion",
 }
 
@@ -65,13 +71,15 @@ def checked(
 
 def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     """What is wrong with the motions and torques of a log of this robot."""
-    if motions[0].tau is None:
+    if motions[0].tau is None or all_rest(motions):
         return []
     samples = samples_of(motions)
     if not enough(robot, samples):
         return []
     rough = Rough(robot, samples)
-    found = wrong_channels(robot, rough), wrong_unit(robot, samples), unrelated(rough)
+    found = [wrong_channels(robot, rough), wrong_unit(robot, samples), unrelated(rough)]
+    if not any(found):
+        found.append(late_torque(robot, rough))
     return [one for one in found if one is not None]
 
 

@@ -1,4 +1,4 @@
-"""What a log might be instead: other signs, an exchange of channels, another unit; each as a changed log."""
+"""What a log might be instead: other signs, scales or clocks, channels exchanged; each as a changed log."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -11,6 +11,9 @@ from jaxswarm.robot.model import Robot
 
 # Joints up to which every order of the torques and every pattern of signs is tried.
 _ALL_ORDERS, _ALL_SIGNS = 4, 8
+# Wrong scales: ratios of gears and units, and of a reading that is taken once for twice.
+_TORQUE_FACTORS = (1e-3, 0.01, 0.1, 0.5, 2.0, 10.0, 100.0, 1e3)
+_MOTION_FACTORS = (0.5, 2.0)
 _DEGREE = np.pi / 180.0
 
 
@@ -75,6 +78,45 @@ def degree_guesses(robot: Robot, far: np.ndarray) -> Iterator[Guess]:
             yield Guess("encoder_scale", text, joints, motion=_scaled(factor))
 
 
+def torque_scale_guesses(robot: Robot) -> Iterator[Guess]:
+    """A torque of one joint that is a multiple of what is logged.
+
+    Couplings tell it: what one link asks of two joints, by its weight or its inertia, has to be of the same
+    size on both. A joint that nothing couples to the others, such as the last one about an axis through its
+    center of mass, or a single slide, may have any scale.
+    """
+    n = robot.num_joints
+    for j in range(n):
+        for factor in _TORQUE_FACTORS:
+            text = f"the torque of {robot.joints[j]} is {_times(factor)} what is logged"
+            mixture = np.diag(np.where(np.arange(n) == j, factor, 1.0))
+            yield Guess("torque_scale", text, (j,), mixture)
+
+
+def motion_scale_guesses(robot: Robot) -> Iterator[Guess]:
+    """Positions of one joint, or time, that are a multiple of what is logged.
+
+    The same first moments make weights, which no clock changes, and inertial torques, which go with time
+    squared; without gravity, or on a single joint, time may have any scale. A position scales its joint's
+    turn in every other joint's torque; that of a slide without weight, or of a last joint about the axis
+    of a body that is round, changes nothing that can be seen.
+    """
+    n = robot.num_joints
+    for factor in _MOTION_FACTORS:
+        text = f"time is {_times(1.0 / factor)} as long as logged, or the robot has other lengths or gravity"
+        yield Guess("time_scale", text, tuple(range(n)), motion=_slower(factor))
+        for j in range(n):
+            text = f"the position of {robot.joints[j]} is {_times(factor)} what is logged"
+            one = np.where(np.arange(n) == j, factor, 1.0)
+            yield Guess("encoder_scale", text, (j,), motion=_scaled(one))
+
+
+def _times(factor: float) -> str:
+    if factor in (0.5, 2.0):
+        return "half" if factor == 0.5 else "twice"
+    return f"{factor:g} times"
+
+
 def _orders(n: int) -> Iterator[tuple[int, ...]]:
     """Orders of n channels other than their own: all of a few, exchanges of two of many."""
     same = tuple(range(n))
@@ -90,6 +132,13 @@ def _orders(n: int) -> Iterator[tuple[int, ...]]:
 def _scaled(factor: np.ndarray) -> Callable[[Samples], Samples]:
     def changed(s: Samples) -> Samples:
         return replace(s, q=factor * s.q, dq=factor * s.dq, ddq=factor * s.ddq)
+
+    return changed
+
+
+def _slower(factor: float) -> Callable[[Samples], Samples]:
+    def changed(s: Samples) -> Samples:
+        return replace(s, dq=factor * s.dq, ddq=factor**2 * s.ddq)
 
     return changed
 

@@ -23,12 +23,26 @@ _VISCOUS, _DRY, _OWN = 0, 1, 4
 
 @dataclass(frozen=True)
 class Samples:
-    """Motion [rad, m, s] and torque [N m or N] of a log on the compared clock, each (T, n)."""
+    """Motion [rad, m, s], torque [N m or N] and its derivative on the compared clock, each (T, n)."""
 
     q: np.ndarray
     dq: np.ndarray
     ddq: np.ndarray
     tau: np.ndarray
+    tau_rate: np.ndarray
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """By how much every joint's torque is late against its motion, all found at once, to first order.
+
+    Attributes:
+        seconds: Time [s], (n,).
+        gain: Logarithm of what is left with it over what is left without, (n,).
+    """
+
+    seconds: np.ndarray
+    gain: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -63,11 +77,20 @@ def samples_of(motions: Sequence[Motion]) -> Samples:
     def joined(parts) -> np.ndarray:
         return np.concatenate([part[::stride] for part in parts])
 
+    torques = [m.decimator.apply(m.tau) for m in motions]
+    steps = [
+        m.t[k[1]] - m.t[k[0]] if len(k) > 1 else 1.0 for m, k in zip(motions, kept, strict=True)
+    ]
+    rates = [
+        np.gradient(x, step, axis=0) if len(x) > 1 else 0.0 * x
+        for x, step in zip(torques, steps, strict=True)
+    ]
     return Samples(
         joined([m.q[k] for m, k in zip(motions, kept, strict=True)]),
         joined([m.dq[k] for m, k in zip(motions, kept, strict=True)]),
         joined([m.ddq[k] for m, k in zip(motions, kept, strict=True)]),
-        joined([m.decimator.apply(m.tau) for m in motions]),
+        joined(torques),
+        joined(rates),
     )
 
 
@@ -95,7 +118,8 @@ class Rough:
         for j in range(joints):
             own = np.zeros((len(laws), _OWN * joints))
             own[:, _OWN * j : _OWN * (j + 1)] = laws[:, j]
-            block = np.concatenate([rigid[:, j], own, samples.tau], axis=1)
+            late = samples.tau_rate[:, j : j + 1]
+            block = np.concatenate([rigid[:, j], own, samples.tau, late], axis=1)
             factor = triangular_factor(block)
             missing = block.shape[1] - len(factor)
             self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
@@ -108,37 +132,60 @@ class Rough:
             mixtures: Each (n, n): row j says which of the logged torques is taken for joint j.
             sigma: Standard deviation of every joint's residual [N m or N], (n,).
         """
-        joints = len(self._factors)
-        parameters = self._size + _OWN * joints
-        matrix = np.concatenate(
-            [f[:, :parameters] / s for f, s in zip(self._factors, sigma, strict=True)]
-        )
-        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        joints, (u, inverse) = len(self._factors), self._solved(sigma)
+        first = self._size + _OWN * joints
         taken = np.stack(mixtures, axis=2)
         right = np.concatenate(
             [
-                f[:, parameters:] @ taken[j] / s
+                f[:, first : first + joints] @ taken[j] / s
                 for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True))
             ]
         )
-        u, values, v = np.linalg.svd(matrix / scale, full_matrices=False)
-        seen = values > _DEPENDENT * values[0]
-        projected = u[:, seen].T @ right
-        theta = (v[seen].T @ (projected / values[seen, None])) / scale[:, None]
-        residual = (right - u[:, seen] @ projected).reshape(joints, -1, len(mixtures))
+        projected = u.T @ right
+        theta = inverse @ projected
+        residual = (right - u @ projected).reshape(joints, -1, len(mixtures))
         spread = np.stack([np.abs(m) @ self.spread for m in mixtures], axis=1)
-        freedom = max(self._rows - seen.sum() / joints, 1.0)
+        freedom = max(self._rows - u.shape[1] / joints, 1.0)
         left = np.linalg.norm(residual, axis=1) * sigma[:, None] / np.sqrt(freedom) / spread
         friction = theta[self._size :].reshape(joints, _OWN, -1)
         brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, _DRY]
         return [Tried(left[:, k], brake[:, k] / spread[:, k]) for k in range(len(mixtures))]
 
+    def _solved(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Orthonormal basis of the weighted columns, and what makes parameters of its coordinates."""
+        parameters = self._size + _OWN * len(self._factors)
+        matrix = np.concatenate(
+            [f[:, :parameters] / s for f, s in zip(self._factors, sigma, strict=True)]
+        )
+        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        u, values, v = np.linalg.svd(matrix / scale, full_matrices=False)
+        seen = values > _DEPENDENT * values[0]
+        return u[:, seen], v[seen].T / values[seen] / scale[:, None]
+
+    def lateness(self, sigma: np.ndarray) -> Lateness:
+        """By how much torques are late: what is left against their derivatives, freed of all columns.
+
+        Args:
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+        """
+        joints, (u, _) = len(self._factors), self._solved(sigma)
+        first = self._size + _OWN * joints
+        right = np.zeros((joints, len(self._factors[0]), joints + 1))
+        for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True)):
+            right[j, :, 0], right[j, :, 1 + j] = f[:, first + j] / s, f[:, -1] / s
+        flat = right.reshape(-1, joints + 1)
+        left = flat - u @ (u.T @ flat)
+        seconds = np.linalg.lstsq(left[:, 1:], -left[:, 0], rcond=None)[0]
+        after = left[:, 0] + left[:, 1:] @ seconds
+        size, was = (np.linalg.norm(x.reshape(joints, -1), axis=1) for x in (after, left[:, 0]))
+        return Lateness(seconds, np.log(np.maximum(size, 1e-12) / np.maximum(was, 1e-12)))
+
     def likely_order(self) -> tuple[int, ...]:
         """For each joint the torque that its own columns explain best, every torque once."""
-        parameters = self._factors[0].shape[1] - len(self._factors)
+        parameters = self._size + _OWN * len(self._factors)
         left = []
         for factor in self._factors:
-            matrix, torques = factor[:, :parameters], factor[:, parameters:]
+            matrix, torques = factor[:, :parameters], factor[:, parameters:-1]
             scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
             u, values, _ = np.linalg.svd(matrix / scale, full_matrices=False)
             u = u[:, values > _DEPENDENT * values[0]]

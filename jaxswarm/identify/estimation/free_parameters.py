@@ -20,6 +20,17 @@ class Place(NamedTuple):
     width: tuple[float, ...]
 
 
+def with_values(place: Place, linear: np.ndarray, joints: tuple[str, ...]) -> Place:
+    """The place with linear values (p,) in its terms, by which a distorted torque goes."""
+    terms, k = [], 0
+    for term in place.terms:
+        names = term.linear_names(joints)
+        own = dict(zip(names, map(float, linear[k : k + len(names)]), strict=True))
+        terms.append(replace(term, values={**term.values, **own}))
+        k += len(names)
+    return Place(tuple(terms), place.width)
+
+
 class FreeParameter(NamedTuple):
     """One nonlinear parameter of one term, or the width of some joints' signs.
 

@@ -11,7 +11,14 @@ import numpy as np
 
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term, parameter_bounds
-from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, read, tangents, write
+from jaxswarm.identify.estimation.free_parameters import (
+    FreeParameter,
+    Place,
+    read,
+    tangents,
+    with_values,
+    write,
+)
 from jaxswarm.identify.estimation.least_squares import (
     Fit,
     compress,
@@ -19,8 +26,9 @@ from jaxswarm.identify.estimation.least_squares import (
     triangular_factor,
     weighted_cost,
 )
+from jaxswarm.identify.forward.body import moves_links
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, term_block, uses_load
+from jaxswarm.identify.forward.measuring_chain import assemble, term_block, uses_load
 from jaxswarm.identify.forward.regression import Diverged, Regression, build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -53,10 +61,11 @@ class Problem:
         sizes = [len(t.columns(self.robot.joints)) for t in place.terms]
         ends = len(pi) + np.cumsum(sizes)
         parts = []
-        for motion, rigid in zip(self.motions, self.rigids, strict=True):
+        for number, (motion, rigid) in enumerate(zip(self.motions, self.rigids, strict=True)):
             given = (motion, place.width, pi, rigid)
             if moved is None:
-                parts.append(assemble(self.robot, place.terms, *given, decimate=True) @ theta)
+                columns = assemble(self.robot, place.terms, *given, decimate=True, log=number)
+                parts.append(columns @ theta)
                 continue
             parts.append(
                 sum(
@@ -110,12 +119,13 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
         before = _true_cost(regression, stand, sigma)
         for part in (1.0, 0.3, 0.1):
             trial = stand + part * step
-            there = _attempt(problem.build, place, trial[:rigid])
+            told = with_values(place, trial[rigid:], problem.robot.joints)
+            there = _attempt(problem.build, told, trial[:rigid])
             if there is not None and _true_cost(there, trial, sigma) < before:
                 break
         else:
             break
-        regression, stand = there, trial
+        place, regression, stand = told, there, trial
         solution = problem.solve(place.terms, regression)
         theta = solution.theta
     # What the linearization promises further on is not what the model does.

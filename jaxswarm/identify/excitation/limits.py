@@ -65,7 +65,7 @@ def read_limits(path: str | Path, joints: tuple[str, ...]) -> Limits:
         raise InputError(f"limits file {path} does not exist: correct the path.") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as text ({error}).") from None
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not valid TOML ({error}): correct the file.") from None
     try:
         return parse_limits(document, joints)

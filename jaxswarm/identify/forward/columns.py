@@ -17,6 +17,7 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import regressor, standard_parameter_names
@@ -160,10 +161,17 @@ def rigid_of(robot: Robot, motion: Motion) -> Rigid:
 
 
 class Load(NamedTuple):
-    """Rigid-body torque of a model along a log [N m or N], (T, n): whole, and without acceleration."""
+    """Torque of a model along a log [N m or N], (T, n).
+
+    Attributes:
+        full: Of the rigid body.
+        static: Of the rigid body without acceleration.
+        whole: Of the rigid body and of all effects that supply a torque; None where no law asks.
+    """
 
     full: np.ndarray
     static: np.ndarray
+    whole: np.ndarray | None = None
 
 
 def load_along(arm: Robot, moved: Sequence[np.ndarray], pi: np.ndarray) -> Load:
@@ -217,7 +225,7 @@ def term_columns(
     law = term.law
     nonlinear = {p.name: np.float64(term.values[p.name]) for p in law.nonlinear}
     series = joint_series(motion, width, load, term.joint, term.other)
-    return np.asarray(_law(law, nonlinear, series))
+    return np.asarray(_law(law, nonlinear, filled(series)))[: len(motion.t)]
 
 
 def column_names(robot: Robot, terms: tuple[Term, ...]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ the lag. :func:`lag_slopes` gives the missing part of the derivative,
 :math:`-(\tau_q\,\partial e + \tau_{\dot q}\,\partial\dot e + \tau_{\ddot q}\,\partial\ddot e)/\partial\pi`.
 """
 
+from collections.abc import Mapping
 from functools import partial
 
 import jax
@@ -15,8 +16,10 @@ from scipy import ndimage
 
 from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
+from jaxswarm.effects.misreading import misreading
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -25,9 +28,11 @@ from jaxswarm.robot.model import Robot
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
     """Lag of a link behind its motor along a log: e, de, dde, each (T,)."""
     torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
-    lag = deflection(by_ddq, by_dq, by_q, torque, *_transmission(term, by_ddq), 1.0 / motion.rate)
+    driven = filled((by_ddq, by_dq, by_q, torque))
+    lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate)
+    lag = (np.asarray(x)[: len(motion.t)] for x in lag)
     size = max(1, round(blur_of(term) * motion.rate))
-    return tuple(ndimage.uniform_filter1d(np.asarray(x), size, mode="nearest") for x in lag)
+    return tuple(ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
 
 
 def blur_of(term: Term) -> float:
@@ -60,7 +65,7 @@ def flank_compression(
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
 
-def _transmission(term: Term, inertia: jax.Array) -> tuple[jax.Array, ...]:
+def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
     """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
     values = {n: np.float64(x) for n, x in _values(term).items()}
     return term.law.gear(values, np.asarray(inertia))
@@ -77,12 +82,24 @@ def link_motion(
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
     for term in of_kind(terms, MeasurementLaw):
         if term.law.excess is not None:
-            q[:, term.joint] -= float(term.law.excess(_values(term)))
+            for x, e in zip((q, dq, ddq), excess_of(term, motion, _values(term)), strict=True):
+                x[:, term.joint] -= np.asarray(e)
     for term in of_kind(terms, TransmissionLaw):
         lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
+
+
+def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[jax.Array, ...]:
+    """What an encoder says too much along a log, and its two derivatives, each (T,)."""
+    return misreading(term.law, dict(values), read_motion(term, motion))
+
+
+def read_motion(term: Term, motion: Motion) -> tuple[np.ndarray, ...]:
+    """q, dq, ddq (T, 2) of what an encoder's error follows: its joint, and its partner or the joint again."""
+    places = [term.joint, term.joint if term.other is None else term.other]
+    return tuple(x[:, places] for x in (motion.q, motion.dq, motion.ddq))
 
 
 def lag_slopes(

@@ -6,12 +6,13 @@ The order in which a torque comes about fixes the order here: the links move beh
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial, singledispatch
+from functools import singledispatch
 
 import jax
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import (
     BodyChange,
     ExternalTorque,
@@ -22,41 +23,17 @@ from jaxswarm.effects.kinds import (
 from jaxswarm.effects.measurement import shift
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.columns import (
-    Load,
-    Rigid,
-    load_along,
-    low_columns,
-    rigid_columns,
-    term_columns,
-)
-from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.identify.forward.body import Body, body_along, body_basis
+from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
+from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.identify.forward.placement import placement_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
-
-
-def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
-    """The robot in the gravity its terms say."""
-    for term in of_kind(terms, BodyChange):
-        if term.law.gravity is not None:
-            values = {name: np.float64(value) for name, value in term.values.items()}
-            robot = robot.replace(gravity=_gravity(term.law, values, robot.gravity))
-    return robot
-
-
-@partial(jax.jit, static_argnames="law")
-def _gravity(law: BodyChange, values: dict, gravity: jax.Array) -> jax.Array:
-    return law.gravity(values, gravity)
 
 
 def uses_load(terms: tuple[Term, ...]) -> bool:
     """Whether a term's columns depend on the rigid torque."""
     return any(t.law.uses_load for t in terms)
-
-
-def moves_links(terms: tuple[Term, ...]) -> bool:
-    """Whether a term changes the rigid columns themselves."""
-    return any(t.law.changes_rigid_columns for t in terms)
 
 
 def assemble(
@@ -67,6 +44,7 @@ def assemble(
     pi: np.ndarray,
     rigid: Rigid | None = None,
     decimate: bool = False,
+    log: int | None = None,
 ) -> np.ndarray:
     """Columns of a log for given nonlinear and rigid parameters, shape (T, n, p).
 
@@ -78,44 +56,87 @@ def assemble(
         pi: Rigid parameters (10 n,) that load-dependent terms and transmissions go by.
         rigid: Rigid columns of the plain motion in nominal gravity, where known.
         decimate: Whether to return the columns through the decimator, (T', n, p).
+        log: Number of the log: columns of what happened in another one are zero; None: all happened here.
 
     Returns:
         Standard parameters first, then the linear parameters of the terms in their order.
     """
     low = motion.decimator.apply if decimate else np.asarray
-    measured = of_kind(terms, MeasurementLaw)
-    load = None
-    if moves_links(terms) or rigid is None:
-        arm = tilted(robot, terms)
-        moved = link_motion(arm, terms, motion, pi, rigid)
-        if decimate and not measured:
-            parts = [low_columns(arm, *moved, motion.decimator)]
-        else:
-            parts = [low(report(terms, motion, rigid_columns(arm, *moved)))]
-        if uses_load(terms):
-            load = load_along(arm, moved, pi)
+    body = body_along(robot, terms, motion, pi, rigid)
+    load = body.load() if uses_load(terms) else None
+    if distorted(terms):
+        names = [term.linear_names(motion.joints) for term in terms]
+        values = [
+            np.array([t.values.get(name, 0.0) for name in own])
+            for t, own in zip(terms, names, strict=True)
+        ]
+        load = load._replace(whole=true_torque(terms, values, body, width, load))
+    if decimate and not of_kind(terms, MeasurementLaw):
+        parts = [body.low]
     else:
-        kept = decimate and not measured
-        parts = [rigid.low if kept else low(report(terms, motion, rigid.full))]
-        if uses_load(terms):
-            load = rigid.load(pi)
+        parts = [low(report(terms, motion, body.columns))]
     for term in terms:
         if term.columns(robot.joints):
-            parts.append(_block(terms, term, motion, width, load, low))
+            block = _block(terms, term, body, width, load, low)
+            here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
+            parts.append(block if here else np.zeros_like(block))
     return np.concatenate(parts, axis=2)
+
+
+def distorted(terms: tuple[Term, ...]) -> bool:
+    """Whether drives write down something that follows from the true torque, and is not linear in it."""
+    return any(_distorts(t) for t in terms)
+
+
+def _distorts(term: Term) -> bool:
+    return isinstance(term.law, MeasurementLaw) and term.law.distortion is not None
+
+
+def true_torque(
+    terms: tuple[Term, ...],
+    values: Sequence[np.ndarray],
+    body: Body,
+    width: Sequence[float],
+    load: Load | None,
+) -> np.ndarray:
+    """Torque (T, n) that drives report: of the rigid body and of all terms but those that distort it.
+
+    Args:
+        terms: The model's.
+        values: Of each term's linear parameters, (k,).
+        body: The rigid body.
+        width: Width of the smooth sign.
+        load: Its load torque, where a term asks for it.
+    """
+    whole = body.torque(body.pi) if load is None else load.full.copy()
+    for term, own in zip(terms, values, strict=True):
+        if not len(own) or _distorts(term):
+            continue
+        if isinstance(term.law, TorqueLaw):
+            whole[:, term.joint] += term_columns(term, body.motion, width, load) @ own
+        elif isinstance(term.law, BodyChange) and term.law.window:
+            # The torque of a body, so that the columns of a long log need not stand in memory.
+            pi = np.zeros(len(body.pi))
+            pi[-10:] = body_basis(term.law) @ own
+            weight = np.asarray(term.law.weight(term.values, body.motion.t))
+            whole += weight[:, None] * body.torque(pi)
+        else:
+            whole += _supplied(term, body, width, load) @ own
+    return whole
 
 
 def _block(
     terms: tuple[Term, ...],
     term: Term,
-    motion: Motion,
+    body: Body,
     width: Sequence[float],
     load: Load | None,
     low: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
     """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
+    motion = body.motion
     if not isinstance(term.law, TorqueLaw):
-        return low(report(terms, motion, own_columns(term, motion, width, load)))
+        return low(report(terms, motion, _supplied(term, body, width, load)))
     own = low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
     return placed(own, term.joint, motion.q.shape[1])
 
@@ -125,6 +146,17 @@ def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
     block = np.zeros((len(own), joints, own.shape[1]))
     block[:, joint] = own
     return block
+
+
+def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None) -> np.ndarray:
+    """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
+    law = term.law
+    if isinstance(law, BodyChange) and law.placement is not None:
+        return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
+    if isinstance(law, BodyChange) and law.window:
+        weight = np.asarray(law.weight(term.values, body.motion.t))
+        return weight[:, None, None] * (body.columns[:, :, -10:] @ body_basis(law))
+    return own_columns(term, body.motion, width, load)
 
 
 def own_columns(
@@ -144,9 +176,16 @@ def law_block(
 
 @law_block.register(TransmissionLaw)
 @law_block.register(BodyChange)
-@law_block.register(MeasurementLaw)
 def _(law, term, motion, width, load):
     return np.zeros((*motion.q.shape, 0))  # they change the columns of others
+
+
+@law_block.register
+def _(law: MeasurementLaw, term, motion, width, load):
+    block = np.zeros((*motion.q.shape, len(law.linear)))
+    if law.distortion is not None:
+        block[:, term.joint] = distortion_columns(law, load.whole[:, term.joint])
+    return block
 
 
 @law_block.register
@@ -162,11 +201,11 @@ def _(law: ExternalTorque, term, motion, width, load):
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
     """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
     measured = of_kind(terms, MeasurementLaw)
+    size, block = len(block), filled(block) if measured else block
     for term in sorted(measured, key=lambda t: t.joint is None):
         own = (slice(None), slice(None) if term.joint is None else term.joint)
-        block = block.copy()
         block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
-    return block
+    return block[:size]
 
 
 def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
@@ -178,15 +217,16 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
 
 def lateness(terms: tuple[Term, ...]) -> float:
     """Time [s] by which the terms say the clock of the torque lags."""
-    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
-    return sum(t.values[t.law.parameters[0].name] for t in clocks)
+    return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
 
 
 def late(series: Sample, seconds: float, motion: Motion) -> Sample:
     """What a law sees, so much later: its torque is then what a late clock reports of it."""
     if not seconds:
         return series
-    return Sample(*(np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in series))
+    held = filled(series)
+    later = (np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in held)
+    return Sample(*(x[: len(motion.t)] for x in later))
 
 
 def term_block(
@@ -199,8 +239,9 @@ def term_block(
     rigid: Rigid,
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
-    load = rigid.load(pi) if term.law.uses_load else None
-    return _block(terms, term, motion, width, load, motion.decimator.apply)
+    body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
+    load = body.load() if term.law.uses_load else None
+    return _block(terms, term, body, width, load, motion.decimator.apply)
 
 
 _shift = jax.jit(shift)

@@ -44,7 +44,7 @@ class Model:
 
     def during(self, log: int | None) -> "Model":
         """The model in a log by its number, with what happened there alone; None: what always holds."""
-        kept = (t for t in self.terms if not t.law.recurring or t.values.get("log", 0) == log)
+        kept = (t for t in self.terms if not t.law.in_one_log or t.values.get("log", 0) == log)
         return replace(self, terms=tuple(kept))
 
     def __repr__(self) -> str:
@@ -140,7 +140,7 @@ def load_model(path: Path) -> Model:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; identify writes it as DIR/model.json") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: cannot be read as JSON ({error}); pass a model.json") from None
     if not isinstance(content, dict) or "format" not in content:
         raise InputError(f"{path}: is no jaxswarm model; pass a model.json written by identify")

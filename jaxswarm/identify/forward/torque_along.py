@@ -4,15 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.columns import Rigid, load_along, rigid_torque, term_columns
-from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.identify.forward.body import body_along
+from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import (
-    moves_links,
+    distorted,
     own_columns,
     report,
-    tilted,
+    true_torque,
     uses_load,
 )
 from jaxswarm.logs.motion import Motion
@@ -34,22 +33,17 @@ def torque_along(
         theta: Linear parameters, the rigid ones first; transmissions and loads go by those, (p,).
     """
     k = 10 * robot.num_joints
-    pi, load = theta[:k], None
-    if moves_links(terms) or rigid is None:
-        arm = tilted(robot, terms)
-        moved = link_motion(arm, terms, motion, pi, rigid)
-        torque = rigid_torque(arm, *moved, pi)
-        if uses_load(terms):
-            load = load_along(arm, moved, pi)
-    else:
-        torque = rigid.torque(pi)
-        if uses_load(terms):
-            load = rigid.load(pi)
-    for term in terms:
-        size = len(term.columns(robot.joints))
-        own, k = theta[k : k + size], k + size
-        if isinstance(term.law, TorqueLaw):
-            torque[:, term.joint] += term_columns(term, motion, width, load) @ own
-        elif size:
-            torque += own_columns(term, motion, width, load) @ own
+    body = body_along(robot, terms, motion, theta[:k], rigid)
+    load = body.load() if uses_load(terms) else None
+    ends = k + np.cumsum([len(t.columns(robot.joints)) for t in terms], dtype=int)
+    values = np.split(theta[k:], ends[:-1] - k) if terms else []
+    torque = true_torque(terms, values, body, width, load)
+    if distorted(terms):
+        load = load._replace(whole=torque)
+        beside = [
+            own_columns(term, motion, width, load) @ own
+            for term, own in zip(terms, values, strict=True)
+            if distorted((term,))
+        ]
+        torque = torque + sum(beside)
     return report(terms, motion, torque)

@@ -28,7 +28,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.simulation_error.output_error import Experiment, OutputProblem, plant_with
+from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, plant_with
 from jaxswarm.simulate.acceleration import rest
 from jaxswarm.simulate.controllers import Reference
 from jaxswarm.simulate.rollout import simulate, track

@@ -19,12 +19,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.simulation_error.output_error import (
-    Experiment,
-    OutputProblem,
-    output_residual,
-    start_names,
-)
+from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, start_names
+from jaxswarm.identify.simulation_error.output_error import output_residual
 
 _PERFECT = 1e-18  # value that only simulated data without noise reach
 

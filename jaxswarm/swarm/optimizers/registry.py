@@ -9,7 +9,8 @@ from jaxswarm.swarm.optimizers.clpso import clpso
 from jaxswarm.swarm.optimizers.cma_es import cma_es
 from jaxswarm.swarm.optimizers.de import de
 from jaxswarm.swarm.optimizers.ga import ga, textbook_ga
-from jaxswarm.swarm.optimizers.pso import gpso, pso, spso, spso2011
+from jaxswarm.swarm.optimizers.pso import pso
+from jaxswarm.swarm.optimizers.published import gpso, spso, spso2011
 from jaxswarm.swarm.optimizers.random_search import random_search
 from jaxswarm.swarm.optimizers.sepso import sepso
 from jaxswarm.swarm.optimizers.shade import lshade, shade

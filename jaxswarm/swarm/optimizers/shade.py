@@ -21,7 +21,6 @@ References:
     population size reduction", CEC 2014, doi 10.1109/CEC.2014.6900380.
 """
 
-import math
 from typing import Any, NamedTuple
 
 import jax
@@ -29,13 +28,12 @@ import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
 from jaxswarm.swarm.optimizers.de import cross, within
+from jaxswarm.swarm.optimizers.success_history import draw_pair, remember
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate, linear
 
 __all__ = ["SHADE", "SHADEState", "lshade", "shade"]
-
-SPREAD = 0.1  # scale of the distributions around a remembered pair
 
 
 class SHADEState(NamedTuple):
@@ -106,14 +104,14 @@ class SHADE:
         best_position, best_value, improved = best
 
         state, gain = self._select(random, state, value)
-        memory = _remember(state, gain)
+        memory = remember(state, gain)
         alive = jnp.clip(evaluate("alive", self.alive, state.count + 1, dtype), 4, n)
         alive = jnp.round(alive).astype(jnp.int32)
         order = jnp.argsort(state.member_value)
         members, member_value = state.members[order], state.member_value[order]
         archived = jnp.minimum(state.archived, alive)
 
-        weight, rate = _draw_pair(random, memory[0], memory[1], n, dtype)
+        weight, rate = draw_pair(random, memory[0], memory[1], n, dtype)
         greediness = evaluate("greediness", self.greediness, state.count, dtype)
         target = jnp.arange(n, dtype=jnp.int32) % alive
         pick = random.uniform("pbest", (n,), dtype)
@@ -179,36 +177,6 @@ class SHADE:
             archived=archived.astype(jnp.int32),
         )
         return new, gain
-
-
-def _remember(state: SHADEState, gain: jax.Array):
-    """Put the weighted means of what succeeded into the oldest slot of the memory."""
-    total = jnp.sum(gain)
-    share = gain / jnp.where(total > 0.0, total, 1.0)
-    share = jnp.where(jnp.isfinite(share), share, 0.0)
-    weight, rate = state.trial_weight, state.trial_rate
-    mean_weight = jnp.sum(share * weight**2) / jnp.maximum(jnp.sum(share * weight), 1e-12)
-    mean_rate = jnp.sum(share * rate)
-    success = (total > 0.0) & (jnp.sum(share) > 0.5)
-    here = (jnp.arange(state.memory_weight.shape[0]) == state.slot) & success
-    slot = (state.slot + success) % state.memory_weight.shape[0]
-    return (
-        jnp.where(here, mean_weight, state.memory_weight),
-        jnp.where(here, mean_rate, state.memory_rate),
-        slot.astype(jnp.int32),
-    )
-
-
-def _draw_pair(random, memory_weight, memory_rate, n, dtype):
-    """Draw F (Cauchy, positive, at most 1) and CR (normal, in [0, 1]) for n trials."""
-    slot = random.integers("slot", (n,), memory_weight.shape[0])
-    center = memory_weight[slot]
-    # Inversion of the Cauchy distribution restricted to F > 0 replaces redrawing.
-    below = 0.5 - jnp.arctan(center / SPREAD) / math.pi
-    u = below + (1.0 - below) * random.uniform("weight", (n,), dtype)
-    weight = jnp.clip(center + SPREAD * jnp.tan(math.pi * (u - 0.5)), 1e-6, 1.0)
-    rate = memory_rate[slot] + SPREAD * random.normal("rate", (n,), dtype)
-    return weight, jnp.clip(rate, 0.0, 1.0)
 
 
 def shade(

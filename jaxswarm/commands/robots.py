@@ -14,6 +14,8 @@ from typing import Annotated, Any
 import typer
 
 from jaxswarm import console
+from jaxswarm.commands.options import Json
+from jaxswarm.runtime import start
 
 RobotName = Annotated[
     str, typer.Option("--robot", help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
@@ -24,7 +26,6 @@ RobotArgument = Annotated[
 Picture = Annotated[
     Path | None, typer.Option("--out", help="PNG file: the skeleton with its axes.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
 _OPTIONS = {
     "joints": Annotated[
         str | None,
@@ -49,41 +50,34 @@ _OPTIONS = {
 }
 
 
-def with_robot_options(start: Callable[[], None]) -> Callable:
-    """Give a command with a parameter ``robot`` the options about it; the robot's notes go to stderr.
+def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command with a parameter ``robot`` the options about it; the robot's notes go to stderr."""
 
-    Args:
-        start: Called before the library is loaded.
-    """
+    @functools.wraps(command)
+    def run(**arguments: Any) -> Any:
+        texts = {name: arguments.pop(name) for name in _OPTIONS}
+        start()
+        from jaxswarm.robot import RobotChoice, describe_robot, parse_options
 
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        @functools.wraps(command)
-        def run(**arguments: Any) -> Any:
-            texts = {name: arguments.pop(name) for name in _OPTIONS}
-            start()
-            from jaxswarm.robot import RobotChoice, describe_robot, parse_options
+        choice = RobotChoice(arguments["robot"], parse_options(**texts))
+        result = command(**{**arguments, "robot": choice})
+        for note in describe_robot(choice).notes:
+            print(f"note: {choice}: {note}", file=sys.stderr)
+        return result
 
-            choice = RobotChoice(arguments["robot"], parse_options(**texts))
-            result = command(**{**arguments, "robot": choice})
-            for note in describe_robot(choice).notes:
-                print(f"note: {choice}: {note}", file=sys.stderr)
-            return result
-
-        signature = inspect.signature(command)
-        kind = inspect.Parameter.KEYWORD_ONLY
-        added = [
-            inspect.Parameter(name, kind, default=None, annotation=option)
-            for name, option in _OPTIONS.items()
-        ]
-        own = [p.replace(kind=kind) for p in signature.parameters.values()]
-        run.__signature__ = signature.replace(parameters=[*own, *added])
-        return run
-
-    return decorate
+    signature = inspect.signature(command)
+    kind = inspect.Parameter.KEYWORD_ONLY
+    added = [
+        inspect.Parameter(name, kind, default=None, annotation=option)
+        for name, option in _OPTIONS.items()
+    ]
+    own = [p.replace(kind=kind) for p in signature.parameters.values()]
+    run.__signature__ = signature.replace(parameters=[*own, *added])
+    return run
 
 
-def robot_commands(start: Callable[[], None]) -> typer.Typer:
-    """Return ``robots`` and ``robots show``."""
+def register(app: typer.Typer) -> None:
+    """Add ``robots`` and ``robots show``."""
     commands = typer.Typer(invoke_without_command=True)
 
     @commands.callback()
@@ -100,7 +94,7 @@ def robot_commands(start: Callable[[], None]) -> typer.Typer:
         console.table(rows, json, ("robot", "joints", "about"))
 
     @commands.command()
-    @with_robot_options(start)
+    @with_robot_options
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
         """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
         from jaxswarm.robot.show import draw, print_robot, summary
@@ -110,4 +104,4 @@ def robot_commands(start: Callable[[], None]) -> typer.Typer:
             draw(robot, out)
         console.show(result, json, lambda: print_robot(result))
 
-    return commands
+    app.add_typer(commands, name="robots", epilog="Example: jaxswarm robots --json")

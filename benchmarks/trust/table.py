@@ -1,0 +1,91 @@
+"""Everything that was tried so far, in one table."""
+
+from collections import Counter
+
+from benchmarks.trust.rows import read_rows
+from benchmarks.trust.spoiled import BLAMED, ELSE, QUIET, SAID
+
+
+def table() -> str:
+    """Rows of Markdown: what was tried, how often, and what fell."""
+    rows = [
+        "| campaign | tried | outcome |",
+        "|---|---|---|",
+        *_inputs(),
+        *_commands(),
+        *_faults(),
+        *_spoiled(),
+        *_null(),
+    ]
+    return "\n".join(rows)
+
+
+def _inputs() -> list[str]:
+    chunks = [row for row in read_rows("fuzz") if row["kind"] == "inputs"]
+    counts: Counter[str] = Counter()
+    for row in chunks:
+        counts.update({k.rsplit(" ", 1)[1]: n for k, n in _summed(row["counts"]).items()})
+    if not chunks:
+        return []
+    fell = sum(n for kind, n in counts.items() if kind not in ("refused", "accepted"))
+    slowest = max(row["slowest"] for row in chunks)
+    return [
+        f"| inputs spoiled by structure | {sum(counts.values())} | {counts['refused']} refused, "
+        f"{counts['accepted']} read, {fell} findings; slowest {slowest:.1f} s |"
+    ]
+
+
+def _summed(counts: dict[str, int]) -> Counter[str]:
+    found: Counter[str] = Counter()
+    for name, number in counts.items():
+        found[f"all {name.rsplit(' ', 1)[1]}"] += number
+    return found
+
+
+def _commands() -> list[str]:
+    rows = [row for row in read_rows("fuzz") if row["kind"] == "command"]
+    if not rows:
+        return []
+    codes = Counter(row["code"] for row in rows)
+    fell = sum(bool(row["finding"]) for row in rows)
+    return [
+        f"| whole commands, odd options and files | {len(rows)} | {codes[2]} refused, {codes[0]} done, "
+        f"{fell} findings |"
+    ]
+
+
+def _faults() -> list[str]:
+    kinds: dict[str, list[bool]] = {}
+    for row in read_rows("faults"):
+        name = row["fault"].split(" ")[0] if " of " in row["fault"] else row["fault"].split(":")[0]
+        kinds.setdefault({"kill": "kill -9 at a random moment"}.get(name, name), []).append(
+            row["survived"]
+        )
+    return [f"| {name} | {len(all_)} | {sum(all_)} survived |" for name, all_ in kinds.items()]
+
+
+def _spoiled() -> list[str]:
+    rows = read_rows("spoiled")
+    if not rows:
+        return []
+    counts = Counter(row["outcome"] for row in rows)
+    arms = len({row["arm"] for row in rows})
+    lines = [
+        f"| logs spoiled in {len({r['spoiling'] for r in rows})} ways, {arms} arms | {len(rows)} | "
+        f"{counts[SAID]} said by name, {counts[QUIET]} without a word or a wrong effect, "
+        f"{counts[BLAMED]} with a wrong effect, {counts[ELSE]} refused for another reason |"
+    ]
+    fell = Counter(row["spoiling"] for row in rows if row["outcome"] in (BLAMED, ELSE, QUIET))
+    if fell:
+        told = ", ".join(f"{name} ({n} of {arms})" for name, n in fell.most_common())
+        lines.append(f"| not said by name | {sum(fell.values())} | {told} |")
+    return lines
+
+
+def _null() -> list[str]:
+    kinds: dict[str, list[bool]] = {}
+    for row in read_rows("null"):
+        kinds.setdefault(row["kind"], []).append(bool(row["added"]))
+    return [
+        f"| {kind} | {len(all_)} | {sum(all_)} with an addition |" for kind, all_ in kinds.items()
+    ]

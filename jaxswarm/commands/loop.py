@@ -1,0 +1,139 @@
+"""The loop: ``demo`` and ``diagnose``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jaxswarm import console
+from jaxswarm.commands import fleets
+from jaxswarm.commands.options import (
+    LARGEST_SEED,
+    Accept,
+    Json,
+    LogsOrNone,
+    MotionCutoff,
+    Out,
+    Seed,
+    TorqueCutoff,
+    finite,
+    show,
+)
+from jaxswarm.commands.robots import RobotName, with_robot_options
+from jaxswarm.errors import InputError
+from jaxswarm.runtime import start
+from jaxswarm.work import work
+
+# What the commands write into their folder, and would overwrite there.
+_DIAGNOSED = ("model.json", "diagnosis.json", "report.html")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands of this group."""
+
+    @app.command(epilog="Example: jaxswarm demo --seed 3")
+    def demo(
+        seed: Annotated[
+            int,
+            typer.Option(min=0, max=LARGEST_SEED, help="Draws the arm, its motion and the effect."),
+        ] = 0,
+        out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path(
+            "out/demo"
+        ),
+        json: Json = False,
+    ) -> None:
+        """Make an RX60 log with an undeclared effect, find it, and only then show the truth."""
+        start()
+        from jaxswarm.diagnose import print_diagnosis
+        from jaxswarm.diagnose.demo import run_demo
+        from jaxswarm.diagnose.report.text import where
+
+        with work(out, (), _DIAGNOSED) as status:
+            result, truth = run_demo(seed, out, status)
+
+        def text() -> None:
+            print_diagnosis(console.safe(result), console.safe(out))
+            values = ", ".join(f"{k} = {v:.5g}" for k, v in truth["values"].items())
+            print(f"the truth: {where(truth)} ({values})")
+
+        console.show({**result, "truth": truth}, json, text)
+
+    @app.command(
+        epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
+    )
+    @with_robot_options
+    def diagnose(
+        robot: RobotName,
+        out: Out,
+        logs: LogsOrNone = None,
+        declare: Annotated[
+            str | None,
+            typer.Option(help="What is known to be there: none, or name[@joint[:partner]],..."),
+        ] = None,
+        model: Annotated[
+            Path | None, typer.Option(help="model.json identified before: find what changed since.")
+        ] = None,
+        validation: Annotated[
+            list[Path] | None, typer.Option(help="Log to score on; may be repeated.")
+        ] = None,
+        seed: Seed = 0,
+        motion_cutoff: MotionCutoff = None,
+        torque_cutoff: TorqueCutoff = None,
+        accept: Accept = None,
+        budget: Annotated[
+            float | None,
+            typer.Option(
+                min=1e-3,
+                callback=finite,
+                help="Seconds after which no further round begins: what is known then is reported.",
+            ),
+        ] = None,
+        fleet: fleets.Fleet = None,
+        against: fleets.Against = None,
+        arm_pattern: fleets.ArmPattern = None,
+        workers: fleets.Workers = None,
+        scheduler: fleets.Scheduler = None,
+        adaptive: fleets.Adaptive = False,
+        json: Json = False,
+    ) -> None:
+        """Find the effect a declared model lacks, add it, and show the error before and after."""
+        start()
+        asked = fleets.Asked(fleet, against, arm_pattern, workers, scheduler, adaptive)
+        if model is not None and declare is not None:
+            raise InputError(
+                "--declare and --model exclude each other; a model holds what is declared"
+            )
+        if fleets.is_fleet(asked, logs, validation):
+            question = (
+                declare,
+                model,
+                seed,
+                motion_cutoff,
+                torque_cutoff,
+                tuple(accept or ()),
+                budget,
+            )
+            show(fleets.run(asked, robot, out, *question), json)
+            return
+        from jaxswarm.diagnose import print_diagnosis
+        from jaxswarm.diagnose.run import diagnose_files
+        from jaxswarm.identify.run import Options
+
+        options = Options(
+            seed=seed,
+            motion_cutoff=motion_cutoff,
+            torque_cutoff=torque_cutoff,
+            accept=tuple(accept or ()),
+            budget=budget,
+        )
+        inputs = (*logs, *(validation or ()), model, Path(robot))
+        with work(out, inputs, _DIAGNOSED, resumable=True) as status:
+            if model is not None:
+                from jaxswarm.diagnose.run_against import compare_files
+
+                result = compare_files(logs, robot, model, out, validation, options, status)
+            else:
+                declare = declare or "none"
+                result = diagnose_files(logs, robot, declare, out, validation, options, status)
+        console.notes([*result["logs"], *result.get("validation_logs", ())])
+        console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))

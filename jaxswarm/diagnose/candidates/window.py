@@ -1,0 +1,99 @@
+r"""The stretch of a log in which the last link carried another body.
+
+Beside a model that has the last link's columns X on all rows, columns that act within a window only are
+worth what two bodies, one within and one without, explain of the residual: with running sums of
+:math:`X^T X` and :math:`X^T r` that is a small linear solution for every window, and all are tried.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.folds.partial_out import Fold
+from jaxswarm.effects.term import Term
+
+# Points of time per log between which windows lie, on the first look and on the second around the best,
+# and the least share of a log that a window holds: two of the blocks that decide on it.
+_EDGES, _FINE, _LEAST = 48, 16, 0.1
+# Directions of the body weaker than this part of the strongest are not seen; what keeps sums solvable.
+_RANK, _RIDGE = 1e-5, 1e-9
+
+
+def windowed_candidate(stand: Linearization, term: Term, columns: np.ndarray) -> Candidate | None:
+    """A body carried for a while, in the window that explains most of each fold's residual.
+
+    Args:
+        stand: Where the model stands.
+        term: Of a :class:`BodyChange` with a window.
+        columns: Weighted columns (T, n, 10) of the body if it were carried all along.
+    """
+    rows = columns.reshape(-1, columns.shape[2])
+    scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+    _, size, directions = np.linalg.svd(rows / scale, full_matrices=False)
+    seen = columns / scale @ directions[size > _RANK * size[0]].T
+    values = [_best_window(stand, fold, seen) for fold in stand.background.folds]
+    if None in values:
+        return None
+    bounds = {p.name: (p.lower, p.upper) for p in term.law.nonlinear}
+    values = [{n: float(np.clip(x, *bounds[n])) for n, x in v.items()} for v in values]
+    t, log = stand.found.regression.t, stand.found.regression.log
+
+    def within(window):
+        weight = np.asarray(term.law.weight(window, t)) * (log == window["log"])
+        return weight[:, None, None] * columns
+
+    placed = replace(term, values={p.name: values[0][p.name] for p in term.law.nonlinear})
+    return Candidate(placed, tuple(within(v) for v in values), seen.shape[2] + 2)
+
+
+def _best_window(stand: Linearization, fold: Fold, seen: np.ndarray) -> dict | None:
+    """Start, end and log of the window that explains most of a fold's rows; None if none does."""
+    regression = stand.found.regression
+    x = np.where(fold.train[:, None, None], seen, 0.0)
+    squares = np.einsum("tja,tjb->tab", x, x)
+    inner = np.einsum("tja,tj->ta", x, fold.residual)
+    whole = squares.sum(axis=0), inner.sum(axis=0)
+    best, found = 0.0, None
+    for number in np.unique(regression.log):
+        rows = np.flatnonzero(regression.log == number)
+        sums = [np.concatenate([0 * s[:1], np.cumsum(s[rows], axis=0)]) for s in (squares, inner)]
+        least, count = int(_LEAST * len(rows)), len(rows)
+        edges = np.linspace(0, count, _EDGES + 1).astype(int)
+        gain, pick = _look(sums, whole, edges, edges, least)
+        width = count // _EDGES + 1
+        fine = [
+            np.unique(np.clip(np.linspace(p - width, p + width, _FINE).astype(int), 0, count))
+            for p in pick
+        ]
+        again, closer = _look(sums, whole, *fine, least)
+        gain, pick = (again, closer) if again > gain else (gain, pick)
+        if gain > best:
+            t = regression.t[rows]
+            end = np.inf if pick[1] == count else float(t[pick[1]])
+            best, found = gain, {"start": float(t[pick[0]]), "end": end, "log": float(number)}
+    return found
+
+
+def _look(sums, whole, starts: np.ndarray, ends: np.ndarray, least: int) -> tuple[float, tuple]:
+    """The largest gain of the windows between row numbers, and its first and last row."""
+    a, b = (x.ravel() for x in np.meshgrid(starts, ends, indexing="ij"))
+    count = len(sums[0]) - 1
+    fits = (a > 0) & (b - a >= least) & (count - (b - a) >= least)
+    if not fits.any():
+        return 0.0, (0, count)
+    a, b = a[fits], b[fits]
+    inside = sums[0][b] - sums[0][a], sums[1][b] - sums[1][a]
+    outside = whole[0] - inside[0], whole[1] - inside[1]
+    gains = _explained(*inside) + _explained(*outside)
+    pick = int(np.argmax(gains))
+    return float(gains[pick]), (int(a[pick]), int(b[pick]))
+
+
+def _explained(squares: np.ndarray, inner: np.ndarray) -> np.ndarray:
+    """h^T G^-1 h for many G (m, d, d) and h (m, d)."""
+    size = squares.shape[-1]
+    ridge = _RIDGE * np.trace(squares, axis1=1, axis2=2)[:, None, None] + 1e-300
+    solved = np.linalg.solve(squares + ridge * np.eye(size), inner[:, :, None])
+    return np.einsum("md,md->m", inner, solved[:, :, 0])

@@ -1,0 +1,21 @@
+"""What a drive writes down beside the true torque of its joint, as columns of its linear parameters."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.effects.kinds import MeasurementLaw
+
+
+def distortion_columns(law: MeasurementLaw, torque: np.ndarray) -> np.ndarray:
+    """Columns (T, k) of a law's linear parameters where the true torque of its joint is (T,)."""
+    slopes = _slopes(law, torque)
+    return np.stack([np.asarray(slopes[p.name]) for p in law.linear], axis=1)
+
+
+@partial(jax.jit, static_argnames="law")
+def _slopes(law: MeasurementLaw, torque: jax.Array) -> dict:
+    zero = {p.name: jnp.zeros((), torque.dtype) for p in law.linear}
+    return jax.jacfwd(lambda p: law.distortion(p, torque))(zero)

@@ -1,0 +1,84 @@
+"""The kind of effects by which what is written down is not quite what was."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import jax
+
+from jaxswarm.effects.base import Effect
+
+
+@dataclass(frozen=True)
+class MeasurementLaw(Effect):
+    """How the drives and their clock write down a torque, or an encoder a position.
+
+    Attributes:
+        report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
+            x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
+            arm sees (T, n, ...), one of a joint that joint's (T, ...).
+        distortion: ``distortion(p, x)``: what is written down beside a true torque x [N m or N] of its joint,
+            linear in the linear parameters; None: nothing.
+        clock: Whether its one parameter is the time [s] by which the torque's clock lags.
+        late: ``late(p)``: time [s] by which a slow torque is late, where it is no clock; None: not at all.
+        excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where it
+            says q and that of the partner q_other, zero for neutral parameters; None: encoders are true.
+    """
+
+    report: Callable[[Mapping, jax.Array, float], jax.Array] = lambda p, x, step: x
+    distortion: Callable[[Mapping, jax.Array], jax.Array] | None = None
+    clock: bool = False
+    late: Callable[[Mapping], float] | None = None
+    excess: Callable[[Mapping, jax.Array, jax.Array], jax.Array] | None = None
+
+    @property
+    def changes_rigid_columns(self) -> bool:
+        """The links stand otherwise than their encoders say."""
+        return self.excess is not None
+
+    @property
+    def shows_on_own_joint(self) -> bool:
+        """A wrong position turns the weight of all links beyond; its own torque may take that up."""
+        return self.excess is None
+
+    @property
+    def positive(self) -> bool:
+        """What can only grow from neutral has a positive coefficient."""
+        first = self.parameters[0]
+        return first.lower >= self.neutral()[first.name]
+
+    def lateness(self, p: Mapping) -> float:
+        """Time [s] by which a slow torque is written down late."""
+        if self.clock:
+            return p[self.parameters[0].name]
+        return 0.0 if self.late is None else self.late(p)
+
+    def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
+        """All parameters."""
+        return [p.name for p in self.parameters]
+
+    def credible(self, change: float, interval: float) -> bool:
+        """Less than half a sample is no delay: a torque sampled and held is late by that much already."""
+        if not self.clock:
+            return True
+        return abs(change) > 0.5 * interval and abs(change) < self.parameters[0].upper
+
+    def check(self) -> None:
+        """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
+        super().check()
+        if (self.scope == "pair" and self.excess is None) or (self.linear and not self.distortion):
+            raise ValueError(
+                f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
+                "linear parameter"
+            )
+        bent = self.scope == "joint" and self.uses_load and not self.nonlinear
+        if self.distortion is not None and not bent:
+            raise ValueError(
+                f"effect {self.name!r} distorts a torque: it needs scope 'joint', uses_load=True and "
+                "linear parameters only"
+            )
+        if self.excess is not None and self.scope == "global":
+            raise ValueError(
+                f"effect {self.name!r} is of an encoder: its scope is 'joint' or 'pair'"
+            )
+        if self.clock and (self.scope != "global" or len(self.parameters) != 1):
+            raise ValueError(f"effect {self.name!r} is a clock: one parameter, scope 'global'")

@@ -1,0 +1,43 @@
+r"""A torque that is late on one joint: no arm does that, a logger that reads its drives in turn does.
+
+What a rough model leaves of a torque that is late by :math:`\theta` is, to first order,
+:math:`-\theta\,\dot\tau`. It is asked for on all joints at once; what is common to them is the clock's, which
+the model allows for (``time_delay``). Memory of friction looks like a delay as well, but takes far less off.
+"""
+
+import numpy as np
+
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.logs.finding import Finding
+from jaxswarm.robot.model import Robot
+
+# Time [s] by which a joint has to be apart from the others, and beyond which it is no delay of a reading. A
+# millisecond or two stand in for friction on clean logs.
+_APART, _LONGEST = 0.006, 0.06
+# Logarithm of what is left with the delay over without: on logs with any one law missing, hysteresis and
+# driven joints among them, it is -0.2 at most, and -0.25 to -0.8 where 20 ms can be seen.
+_CLEAR = -0.24
+
+
+def late_torque(robot: Robot, rough: Rough) -> Finding | None:
+    """The joint whose torque is clearly late or early against its motion and the other joints' torques.
+
+    A joint alone tells no more than that both clocks are apart, and slow motion hides a delay behind friction:
+    then nothing is told.
+    """
+    if robot.num_joints < 2:
+        return None
+    _, sigma = rough.as_logged()
+    found = rough.lateness(sigma)
+    apart = found.seconds - np.median(found.seconds)
+    clear = (np.abs(apart) > _APART) & (np.abs(found.seconds) < _LONGEST) & (found.gain < _CLEAR)
+    if not clear.any():
+        return None
+    j = int(np.argmin(np.where(clear, found.gain, 0.0)))
+    share = 100.0 * (1.0 - np.exp(found.gain[j]))
+    what = (
+        f"the torque of {robot.joints[j]} is {1e3 * abs(apart[j]):.0f} ms "
+        f"{'late' if apart[j] > 0 else 'early'} against the other joints, which is {share:.0f} % of what "
+        "rigid body and friction leave of it"
+    )
+    return Finding("late_torque", what, "Shift this column of the log")

@@ -1,0 +1,33 @@
+"""Lengths of logs rounded up, so that a log of another length needs no program of its own.
+
+What is compiled for one number of samples serves no other. Where every sample depends on those before it
+alone, the last one may be held for a while and what comes of it cut off again: the numbers stay the same.
+"""
+
+from typing import Any
+
+import jax
+import numpy as np
+
+# Lengths are rounded up to multiples of this: the work on held samples is small beside a compilation.
+CHUNK = 1024
+
+
+def filled(series: Any, axis: int = 0) -> Any:
+    """Arrays whose last sample is repeated up to a multiple of :data:`CHUNK` samples.
+
+    Args:
+        series: An array, or any nesting of arrays of equal length.
+        axis: That of time.
+
+    >>> filled(np.arange(3.0)).shape, filled(np.zeros((2, 1025)), axis=1).shape
+    ((1024,), (2, 2048))
+    """
+
+    def fill(x: np.ndarray) -> np.ndarray:
+        x = np.asarray(x)
+        widths = [(0, 0)] * x.ndim
+        widths[axis] = (0, -x.shape[axis] % CHUNK)
+        return np.pad(x, widths, mode="edge")
+
+    return jax.tree.map(fill, series)

@@ -1,0 +1,54 @@
+"""What the rigid torque does when a joint sits elsewhere on its parent: differences by its placement."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.placement import moved_joint, own_moves
+from jaxswarm.robot import inverse_dynamics
+from jaxswarm.robot.model import Robot
+
+# Half a difference [m, rad]: errors of the second difference and of rounding are alike small.
+_STEP = 1e-5
+# Samples evaluated in one call: one compiled program for logs of any length.
+_CHUNK = 2048
+
+
+@jax.jit
+def _torque(robot: Robot, q: jax.Array, dq: jax.Array, ddq: jax.Array) -> jax.Array:
+    return jax.vmap(partial(inverse_dynamics, robot))(q, dq, ddq)
+
+
+def placement_columns(
+    law: BodyChange, joint: int, arm: Robot, moved: tuple[np.ndarray, ...], pi: np.ndarray
+) -> np.ndarray:
+    """Derivatives (T, n, k) of the rigid torque by the linear parameters of a placement.
+
+    Args:
+        law: A law with a placement.
+        joint: The joint that sits elsewhere.
+        arm: The robot in its gravity.
+        moved: Motion of the links, q, dq, ddq, each (T, n).
+        pi: Rigid parameters, (10 n,).
+    """
+    body = jnp.asarray(np.asarray(pi, float).reshape(-1, 10))
+    arm = arm.replace(parameters=body, name="", notes=())
+    neutral, own = {p.name: 0.0 for p in law.linear}, own_moves(arm, joint)
+
+    def torque(name, step):
+        there = moved_joint(arm, joint, own * law.placement({**neutral, name: step}))
+        parts = [_torque(there, *x) for x in _chunks(moved)]
+        return np.concatenate([np.asarray(x) for x in parts])[: len(moved[0])]
+
+    columns = [(torque(p.name, _STEP) - torque(p.name, -_STEP)) / (2 * _STEP) for p in law.linear]
+    return np.stack(columns, axis=2)
+
+
+def _chunks(moved):
+    """The motion in parts of equal length, the last one filled up."""
+    filled = [np.concatenate([x, np.repeat(x[-1:], -len(x) % _CHUNK, axis=0)]) for x in moved]
+    for k in range(0, len(filled[0]), _CHUNK):
+        yield [x[k : k + _CHUNK] for x in filled]

@@ -1,0 +1,25 @@
+"""What every process that computes sets before it loads arrays: precision, threads, compiled code on disk."""
+
+import gc
+import os
+from pathlib import Path
+
+from jaxswarm import terminal
+
+
+def start() -> None:
+    """Double precision, one thread for small matrices, and compiled code kept on disk between commands."""
+    # Threads of OpenBLAS wait for each other by spinning: on a busy machine the QR of 500 x 70 numbers
+    # takes a hundred times longer than with one. Read when numpy is first imported, hence here.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Imports and tracing make many objects that stay: to look for garbage among them after every 700
+    # takes a tenth of a short run.
+    gc.set_threshold(100_000, 20, 20)
+    home = terminal.find_home()
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    cache = os.environ.get("XDG_CACHE_HOME") or (home and home / ".cache")
+    if "JAX_COMPILATION_CACHE_DIR" not in os.environ and cache:
+        jax.config.update("jax_compilation_cache_dir", str(Path(cache) / "jaxswarm" / "compiled"))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)

@@ -1,0 +1,62 @@
+"""An arm whose joint sits askew on its parent is told by that, exact or to first order."""
+
+import jax
+import numpy as np
+import pytest
+from elbow import ask, elbow, elbow_log, fitted, passing
+from planted import NOISE
+
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.base import get_law
+from jaxswarm.effects.placement import across, moved_joint, own_moves
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.placement import placement_columns
+from jaxswarm.identify.synthetic import synthetic_log
+from jaxswarm.robot import inverse_dynamics
+from jaxswarm.simulate import Acting, make_plant
+
+RIVALS = ("encoder_offset", "base_tilt", "gear_coupling_error", "encoder_eccentricity")
+SKEW = {"x": 0.0, "y": 0.0, "turn_x": 0.12, "turn_y": 0.0}
+
+
+def test_a_turned_axis_is_named_with_its_angle():
+    # The log is that of the moved arm itself, not of the law's first order.
+    bent = moved_joint(elbow(), 2, get_law("link_geometry").placement(SKEW))
+    log = synthetic_log(bent, (), 1, noise=NOISE, duration=12.0, rate=125.0)
+    found = fitted(log)
+    best = passing(ask(found, "link_geometry", *RIVALS))[0]
+    assert best.candidate.term.place == ("link_geometry", 2, None)
+    after = refit_with(found, best)
+    values = find_term(after, best.candidate.term).values
+    assert values["turn_x"] == pytest.approx(0.12, rel=0.15)
+    assert after.fit.sigma[2] < 0.4 * found.fit.sigma[2]
+
+
+def test_a_straight_arm_is_left_as_it_is():
+    assert not passing(ask(fitted(elbow_log()), "link_geometry"))
+
+
+def test_a_wrong_zero_is_not_taken_for_it():
+    log = elbow_log(Term("encoder_offset", 1, values={"dq0": 0.06}))
+    best = passing(ask(fitted(log), "link_geometry", "encoder_offset"))[0]
+    assert best.candidate.term.place == ("encoder_offset", 1, None)
+
+
+def test_moves_are_across_the_axes_and_columns_their_derivatives():
+    arm, rng = elbow(), np.random.default_rng(0)
+    directions = across(arm, 2)
+    axis = np.asarray(arm.rotation[2]) @ np.asarray(arm.axis[2])
+    np.testing.assert_allclose(directions @ directions.T, np.eye(2), atol=1e-12)
+    np.testing.assert_allclose(directions @ axis, 0.0, atol=1e-12)
+    np.testing.assert_allclose(directions[0] @ np.asarray(arm.axis[1]), 0.0, atol=1e-12)
+    np.testing.assert_allclose(own_moves(arm, 2), [[1, 1], [1, 0]])
+    moved, law = rng.normal(size=(3, 5, 3)), get_law("link_geometry")
+    pi = np.asarray(arm.parameters).ravel()
+    columns = placement_columns(law, 2, arm, tuple(moved), pi)
+    small = {"x": 3e-4, "y": -2e-4, "turn_x": 4e-4, "turn_y": 0.0}
+    bent = make_plant(arm, [Acting("link_geometry", 2, values=small)]).robot
+    change = [jax.vmap(lambda *x, r=r: inverse_dynamics(r, *x))(*moved) for r in (bent, arm)]
+    told = columns @ np.array([small[p.name] for p in law.linear])
+    np.testing.assert_allclose(np.subtract(*change), told, atol=3e-6)
+    assert np.abs(told).max() > 1e-3

@@ -1,0 +1,80 @@
+"""Noise row by row: what the doubt of the motion makes of a model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import BAND, blank, log_with, small_arm
+
+from jaxswarm.diagnose.decision.remainder import MATERIAL, Remainder, material, remainders
+from jaxswarm.diagnose.decision.unexplained import Unexplained
+from jaxswarm.diagnose.folds.noise import noise_of, row_noise, with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import row_weight
+from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import Noise
+from jaxswarm.logs.motion import prepare
+
+
+def fitted(**more):
+    log = log_with(**more)
+    return with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return fitted()
+
+
+def test_a_clean_log_is_left_with_its_noise_in_all_rows(clean):
+    standard = clean.fit.residual / row_noise(clean)
+    assert (np.abs(np.sqrt((standard**2).mean(axis=0)) - 0.95) < 0.2).all()
+    assert all(r.near for r in remainders(clean))
+
+
+def test_rows_in_which_a_joint_turns_round_are_known_less_and_count_less():
+    # Positions ten times worse: the steep sign of friction makes torque of them.
+    found = fitted(noise=Noise(2e-4, 0.02))
+    smooth = tuple(t for t in found.model.terms if not t.law.uses_direction)
+    without = with_motion_noise(replace(found, model=replace(found.model, terms=smooth)))
+    rows, slow = row_noise(found) / row_noise(without), np.abs(found.motions[0].dq)
+    slow = slow[found.motions[0].decimator.kept(len(slow))]
+    weight = row_weight(found) / row_weight(found).max(axis=0)
+    for j in range(2):
+        turning = slow[:, j] < np.quantile(slow[:, j], 0.03)
+        moving = slow[:, j] > np.median(slow[:, j])
+        assert np.median(rows[turning, j]) > 1.05 * np.median(rows[moving, j])
+    doubt = row_noise(found)
+    assert (np.corrcoef(doubt.ravel(), weight.ravel())[0, 1]) < -0.5
+
+
+def test_a_strike_is_noise_where_it_is_and_nowhere_else():
+    log = log_with()
+    quiet = fitted()
+    tau = np.array(log.tau)
+    at = len(tau) // 2
+    # Alternating: as much power above the compared band as in it.
+    tau[at : at + 12, 0] += 8.0 * (-1.0) ** np.arange(12)
+    found = with_motion_noise(
+        estimate(small_arm(), blank(), [prepare(replace(log, tau=tau), BAND)], bounded=False)
+    )
+    ratio = row_noise(found)[:, 0] / row_noise(quiet)[:, 0]
+    t = found.regression.t
+    near, far = np.abs(t - log.t[at]) < 0.1, np.abs(t - log.t[at]) > 1.0
+    assert ratio[near].min() > 2.0
+    assert np.abs(ratio[far] - 1.0).max() < 0.3
+
+
+def test_the_noise_of_a_log_is_that_of_its_rows(clean):
+    np.testing.assert_allclose(noise_of(clean), np.sqrt((row_noise(clean) ** 2).mean(axis=0)))
+
+
+def test_structure_within_the_noise_is_told_as_part_of_it():
+    def item(joint, share):
+        return Unexplained(
+            joint, ("q_joint1",), share, 1e-9, np.zeros(3), np.zeros((3, 1)), None, None
+        )
+
+    remains = [Remainder(j, over, (), (0.0, 1.0)) for j, over in enumerate((1.3, 4.0))]
+    kept = material([item(0, 0.4), item(1, 0.4)], remains)
+    assert [u.joint for u in kept] == [1]
+    assert np.sqrt(0.4) * 1.3 < MATERIAL < np.sqrt(0.4) * 4.0

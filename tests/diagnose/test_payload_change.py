@@ -1,0 +1,48 @@
+"""A load picked up or put down in a log is named with its times and its mass, and is nothing of the robot's."""
+
+import numpy as np
+import pytest
+from elbow import ask, elbow_log, fitted, passing
+
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.model import load_model, model_torque, save_model
+
+DOUBLES = ("contact", "friction_change", "torque_offset", "drive_gain", "encoder_offset")
+BODY = {
+    **{"m": 1.5, "mcx": 0.15, "mcy": 0.0, "mcz": 0.05},
+    **{"Ixx": 0.01, "Ixy": 0.0, "Iyy": 0.02, "Ixz": 0.0, "Iyz": 0.0, "Izz": 0.02, "log": 0.0},
+}
+
+
+@pytest.mark.parametrize("end", [8.1, 1e5], ids=["put down", "kept"])
+def test_a_load_is_named_with_its_times_and_its_mass(end, tmp_path):
+    truth = Term("payload_change", values={**BODY, "start": 4.3, "end": end})
+    found = fitted(elbow_log(truth))
+    best = passing(ask(found, "payload_change", *DOUBLES))[0]
+    assert best.candidate.term.effect == truth.effect
+    after = refit_with(found, best)
+    values = find_term(after, best.candidate.term).values
+    for name in ("m", "start", "end"):
+        assert values[name] == pytest.approx(truth.values[name], rel=0.03), name
+    assert values["mcx"] == pytest.approx(0.15, abs=0.02)
+    assert (after.fit.sigma < 0.4 * found.fit.sigma).all()
+    # What is saved is the arm without it: other logs are predicted without the load.
+    save_model(after.model, tmp_path / "model.json")
+    (motion,) = fitted(elbow_log()).motions
+    saved = load_model(tmp_path / "model.json")
+    assert all(not t.law.in_one_log for t in saved.terms)
+    left = motion.decimator.apply(motion.tau - model_torque(saved, motion))
+    assert np.sqrt((left**2).mean()) < 0.1
+
+
+def test_a_load_kept_all_along_belongs_to_the_link():
+    assert not passing(ask(fitted(elbow_log()), "payload_change"))
+
+
+def test_a_push_is_no_load():
+    push = {"start": 5.2, "end": 6.0, "log": 0.0, "tau_joint1": 6.0, "tau_joint2": 4.0}
+    truth = Term("contact", values={**push, "tau_joint3": 1.0})
+    best = passing(ask(fitted(elbow_log(truth)), "payload_change", "contact"))[0]
+    assert best.candidate.term.effect == "contact"

@@ -1,0 +1,74 @@
+"""What an addition has to do on motion it was not fitted to."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import BAND, DECLARED, blank, log_with, small_arm
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.survives import harmful, survives
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare
+
+SPRING = Term("cubic_spring", 1, values={"q0": 0.2, "k3": 25.0})
+
+
+@pytest.fixture(scope="module")
+def fits():
+    """A log with a spring, fitted without and with it, and with a spring that is not there."""
+    motion = prepare(log_with(SPRING), BAND)
+    before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    true = refit(before, (*before.model.terms, SPRING))
+    # As if a law had been bent: a wrong spring on joint 1, held where it does damage.
+    wrong = replace(
+        true,
+        model=replace(
+            true.model,
+            terms=(*true.model.terms, Term("joint_spring", 0, values={"k": 40.0, "tau0": 0.0})),
+        ),
+    )
+    other = prepare(log_with(SPRING, seed=5, motion_seed=11), BAND)
+    return before, true, wrong, other
+
+
+def test_the_true_law_survives_on_other_motion_and_harms_nothing(fits):
+    before, true, _, other = fits
+    assert survives(before, true, 1, [other]) is None
+    assert survives(before, true, 1) is None
+    assert harmful(before, [step(true.model.terms[-1], before, true)], true, [other]) is None
+
+
+def test_a_law_that_raises_an_error_on_other_motion_is_refused_and_named(fits):
+    _, true, wrong, other = fits
+    assert "raises the error of joint1" in survives(true, wrong, 0, [other])
+    bent = step(wrong.model.terms[-1], true, wrong)
+    found, why = harmful(fits[0], [step(SPRING, fits[0], true), bent], wrong, [other])
+    assert found is bent
+    assert "joint1" in why and other.source in why
+
+
+def test_an_addition_that_changes_nothing_does_not_survive(fits):
+    _, true, _, other = fits
+    assert "does not lower the error of joint2" in survives(true, true, 1, [other])
+
+
+def step(term: Term, before, after) -> Step:
+    return Step(term, None, (), (), before, after, ())
+
+
+def test_a_searched_law_is_refined_before_laws_compete(fits):
+    before = fits[0]
+    (score,) = score_terms(
+        Linearization(before, cross_fit(before)), [replace(SPRING, values={})], 0
+    )
+    # A search of a few swarm steps alone ends a hundredth of a radian off.
+    assert abs(score.candidate.term.values["q0"] - 0.2) < 2e-3
+    assert np.isclose(score.coefficients[0], 25.0, rtol=0.02)
+    assert len(DECLARED) == len(before.model.terms)

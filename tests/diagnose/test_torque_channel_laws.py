@@ -1,0 +1,67 @@
+"""What drives and sensors do to a torque is named by its law, and a clean torque by none."""
+
+from dataclasses import replace
+
+import pytest
+from elbow import ask, elbow_log, fitted, passing
+from scipy import signal
+
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term
+
+LAWS = ("torque_constant_saturation", "torque_dead_band", "torque_lag", "time_delay", "drive_gain")
+DOUBLES = ("load_dependent_friction", "joint_spring", "cubic_spring", "asymmetric_friction")
+PLANTED = [
+    Term("torque_constant_saturation", 1, values={"c": 0.004}),
+    Term("torque_constant_saturation", 2, values={"c": -0.02}),
+    Term("torque_dead_band", 1, values={"d": 0.6}),
+    Term("torque_lag", values={"tc": 0.012, "seconds": 0.006}),
+]
+
+
+def named(log, *laws):
+    """The first fit, the best that passes, the fit with it; a filter is asked beside its delay."""
+    found = fitted(log)
+    best = passing(ask(found, *laws))[0]
+    after = refit_with(found, best)
+    further = passing(ask(after, "torque_lag"))
+    return (found, further[0], refit_with(after, further[0])) if further else (found, best, after)
+
+
+@pytest.mark.parametrize("truth", PLANTED, ids=lambda t: f"{t.effect}@{t.joint}")
+def test_what_is_done_to_a_torque_is_named_with_its_values(truth):
+    found, best, after = named(elbow_log(truth), *LAWS, *DOUBLES)
+    assert best.candidate.term.place == truth.place
+    values = find_term(after, best.candidate.term).values
+    for name, value in truth.values.items():
+        assert values[name] == pytest.approx(value, rel=0.1), name
+    assert (after.fit.sigma < 0.85 * found.fit.sigma).any()
+
+
+def test_a_clean_torque_is_left_as_it_is():
+    assert not passing(ask(fitted(elbow_log()), *LAWS))
+
+
+def test_a_filter_of_scipy_is_named_with_its_time_constant():
+    log, tc = elbow_log(), 0.015
+    step = log.t[1] - log.t[0]
+    b, a, _ = signal.cont2discrete(([1.0], [tc, 1.0]), step, "foh")
+    slow = signal.lfilter(b.ravel(), a, log.tau - log.tau[0], axis=0) + log.tau[0]
+    _, best, after = named(replace(log, tau=slow), "torque_lag", "time_delay")
+    assert best.candidate.term.effect == "torque_lag"
+    assert find_term(after, best.candidate.term).values["tc"] == pytest.approx(tc, rel=0.05)
+
+
+def test_a_pure_delay_is_no_filter():
+    _, best, after = named(elbow_log(Term("time_delay", values={"seconds": 0.012})), *LAWS)
+    assert best.candidate.term.effect == "time_delay"
+    assert find_term(after, best.candidate.term).values["seconds"] == pytest.approx(0.012, rel=0.01)
+
+
+def test_a_filter_takes_the_place_of_the_delay_it_was_taken_for():
+    log = elbow_log(Term("torque_lag", values={"tc": 0.02, "seconds": 0.0}))
+    _, _, both = named(log, "time_delay")
+    (lag,) = [t for t in both.model.terms if t.joint is None]
+    assert lag.effect == "torque_lag"
+    assert lag.values["tc"] == pytest.approx(0.02, rel=0.05)

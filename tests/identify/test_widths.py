@@ -1,0 +1,41 @@
+"""Widths of the smooth sign that joints share, or have of their own."""
+
+import numpy as np
+from small_problems import make_motion, planar_arm
+
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation.estimate import _apart
+
+LAWS = tuple(Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2))
+
+
+def friction(widths):
+    return lambda q, dq, ddq: 2.0 * np.tanh(dq / np.array(widths)) + 0.5 * dq
+
+
+def fitted(widths):
+    motion = make_motion(planar_arm(), friction(widths), length=1500, noise=0.02)
+    return np.array(estimate(planar_arm(), LAWS, [motion]).model.width)
+
+
+def test_joints_of_one_width_share_it():
+    width = fitted((0.3, 0.3))
+    assert width[0] == width[1]
+    assert abs(width[0] / 0.3 - 1.0) < 0.05
+
+
+def test_joints_of_clearly_different_widths_have_their_own():
+    width = fitted((0.15, 0.5))
+    np.testing.assert_allclose(width, (0.15, 0.5), rtol=0.1)
+
+
+def test_a_single_joint_apart_frees_those_that_are_known_well_enough():
+    x, error = np.array([0.9, -0.5, 0.1, 0.6]), np.array([0.02, 0.03, 0.02, 1.5])
+    assert _apart(x, error).tolist() == [0, 1, 2]
+
+
+def test_no_joint_is_freed_for_what_may_be_chance():
+    x, error = np.array([0.2, -0.4, 0.1]), np.array([0.07, 0.1, 0.05])
+    assert not len(_apart(x, error))
+    assert not len(_apart(np.zeros(0), np.zeros(0)))
