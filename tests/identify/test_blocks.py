@@ -1,6 +1,7 @@
 """A log in parts gives the numbers that the whole gives: torques, decimated columns, fits and their doubt."""
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.identify.estimation.estimate import estimate
 from jaxswarm.identify.estimation.validate import held_out_residual
 from jaxswarm.identify.forward import columns
+from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model import linear_values, model_torque
 from jaxswarm.identify.synthetic import demo_case, synthetic_log
@@ -60,6 +62,39 @@ def test_torque_needs_no_columns(whole, monkeypatch):
     expected = assemble(model.robot, model.terms, motion, width, pi) @ linear_values(model)
     in_parts(monkeypatch)
     np.testing.assert_allclose(model_torque(model, motion), expected, atol=1e-9)
+
+
+# Two terms each: what a drive distorts is the torque with what the other term supplies.
+@pytest.mark.parametrize(
+    "added",
+    [
+        "payload_change,torque_constant_saturation@joint2",
+        "link_geometry@joint3,torque_dead_band@joint1",
+        "encoder_eccentricity@joint2,payload_change",
+        "torque_lag,load_dependent_friction@joint2",
+        "contact,torque_constant_saturation@joint3",
+    ],
+)
+def test_torque_is_that_of_the_columns_whatever_a_model_holds(whole, monkeypatch, added):
+    model, motion = whole.model, whole.motions[0]
+    rng = np.random.default_rng(0)
+    terms = []
+    for term in parse_terms(added, model.robot.joints):
+        linear = term.linear_names(model.robot.joints)
+        drawn = dict(zip(linear, 0.05 * rng.uniform(size=len(linear)), strict=True))
+        times = {"start": 2.0, "end": 7.0, "log": 0.0}
+        given = {p.name: times.get(p.name, 0.01) for p in term.law.nonlinear}
+        terms.append(replace(term, values={**given, **drawn}))
+    model = replace(model, terms=(*model.terms, *terms))
+    theta, pi = linear_values(model), np.asarray(model.robot.parameters).ravel()
+    place = (model.robot, model.terms, motion, model.width)
+    expected = assemble(*place, pi) @ theta
+    rigid = rigid_of(whole.model.robot, motion)
+    np.testing.assert_allclose(assemble(*place, pi, rigid) @ theta, expected, atol=1e-7)
+    in_parts(monkeypatch)
+    np.testing.assert_allclose(model_torque(model, motion), expected, atol=1e-7)
+    base = model_torque(replace(model, terms=whole.model.terms), motion)
+    assert np.abs(expected - base).max() > 1e-4
 
 
 def test_each_block_is_predicted_by_a_fit_to_the_others(whole):
