@@ -29,6 +29,7 @@ class Options:
     prior_weight: float = PULL
     accept: tuple[str, ...] = ()
     budget: float | None = None
+    discover: bool = False
 
 
 # Simulation and swarms are loaded for those who ask for them.
