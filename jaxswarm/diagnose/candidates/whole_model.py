@@ -75,18 +75,20 @@ def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
 
 def _distorted(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
-    own = distortion_columns(term.law, stand.outputs[k][:, term.joint])
+    torque = stand.outputs[k][:, term.joint]
+    own = distortion_columns(term.law, filled(torque))[: len(torque)]
     terms = stand.found.model.terms
     return report_own(terms, stand.found.motions[k], own, term.joint)
 
 
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
-    along = read_motion(term, stand.found.motions[k])
+    motion = stand.found.motions[k]
+    along, own = filled(read_motion(term, motion)), slice(len(motion.t))
     slopes = misreading_slopes(term.law, term.law.neutral(), along)
     by = stand.sensed(term.joint)[k].at(stand.pi)[1:]
     columns = [
-        -sum(x * np.asarray(e[p.name])[:, None] for x, e in zip(by, slopes, strict=True))
+        -sum(x * np.asarray(e[p.name])[own, None] for x, e in zip(by, slopes, strict=True))
         for p in term.law.parameters
     ]
     return np.stack(columns, axis=2)

@@ -17,6 +17,7 @@ from jaxswarm.identify.forward.columns import (
     rigid_columns,
     rigid_torque,
 )
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -96,6 +97,11 @@ def body_along(
         return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
     arm = tilted(robot, terms)
     return Body(arm, link_motion(arm, terms, motion, pi, rigid), motion, pi, None)
+
+
+def carried(term: Term, motion: Motion) -> np.ndarray:
+    """How much of a term's body is carried along a log, (T,)."""
+    return np.asarray(term.law.weight(term.values, filled(motion.t)))[: len(motion.t)]
 
 
 def body_basis(law: BodyChange) -> np.ndarray:

@@ -23,7 +23,7 @@ from jaxswarm.effects.kinds import (
 from jaxswarm.effects.measurement import shift
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.body import Body, body_along, body_basis
+from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.placement import placement_columns
@@ -118,8 +118,7 @@ def true_torque(
             # The torque of a body, so that the columns of a long log need not stand in memory.
             pi = np.zeros(len(body.pi))
             pi[-10:] = body_basis(term.law) @ own
-            weight = np.asarray(term.law.weight(term.values, body.motion.t))
-            whole += weight[:, None] * body.torque(pi)
+            whole += carried(term, body.motion)[:, None] * body.torque(pi)
         else:
             whole += _supplied(term, body, width, load) @ own
     return whole
@@ -154,8 +153,9 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     if isinstance(law, BodyChange) and law.placement is not None:
         return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
     if isinstance(law, BodyChange) and law.window:
-        weight = np.asarray(law.weight(term.values, body.motion.t))
-        return weight[:, None, None] * (body.columns[:, :, -10:] @ body_basis(law))
+        return carried(term, body.motion)[:, None, None] * (
+            body.columns[:, :, -10:] @ body_basis(law)
+        )
     return own_columns(term, body.motion, width, load)
 
 
@@ -184,7 +184,8 @@ def _(law, term, motion, width, load):
 def _(law: MeasurementLaw, term, motion, width, load):
     block = np.zeros((*motion.q.shape, len(law.linear)))
     if law.distortion is not None:
-        block[:, term.joint] = distortion_columns(law, load.whole[:, term.joint])
+        told = distortion_columns(law, filled(load.whole[:, term.joint]))
+        block[:, term.joint] = told[: len(block)]
     return block
 
 
