@@ -12,9 +12,12 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.term import Term
 
-# Steps at most, the difference of positions in the unit cube that a slope is taken over, and the shortest
-# part of a step that is tried.
-_STEPS, _APART, _SHORTEST = 3, 1e-4, 0.25
+# Steps at most, and the difference of positions in the unit cube that a slope is taken over.
+_STEPS, _APART = 8, 1e-4
+# A step that gains less than this part of what is left is the last.
+_SETTLED = 1e-4
+# A step leads no further: a search ends in the right valley, a long step may leave it.
+_LONGEST = 0.1
 
 
 def refined(
@@ -38,9 +41,29 @@ def refined(
     moving = [p for p in term.law.nonlinear if p.fitted]
     columns = stand.law(replace(term, values=values))
     total = float((fold.residual[fold.train, term.joint] ** 2).sum())
-    left, linear = _left(fold, columns, term.joint)
+    left, _ = _left(fold, columns, term.joint)
     if not moving or left > (1.0 - least) * total:
         return values, columns
+    found = [_descend(stand, term, fold, start, moving) for start in _starts(values, moving)]
+    return min(found, key=lambda one: one[0])[1:]
+
+
+def _starts(values: dict[str, float], moving) -> list[dict[str, float]]:
+    """Where the search ended, and a quarter and half a turn from there for angles: their valleys look alike."""
+    starts = [values]
+    for p in moving:
+        if p.unit == "rad":
+            turned = [values[p.name] + part * np.pi for part in (-1.0, -0.5, 0.5, 1.0)]
+            starts += [{**values, p.name: x} for x in turned if p.lower <= x <= p.upper]
+    return starts
+
+
+def _descend(
+    stand: Linearization, term: Term, fold: Fold, values: dict[str, float], moving
+) -> tuple[float, dict[str, float], np.ndarray]:
+    """What is left of the joint's training rows in the valley of the values, the values there, the columns."""
+    columns = stand.law(replace(term, values=values))
+    left, linear = _left(fold, columns, term.joint)
     for _ in range(_STEPS):
         here = np.array([p.encode(values[p.name]) for p in moving])
         slopes = []
@@ -49,21 +72,21 @@ def refined(
             aside[k] += _APART if here[k] < 0.5 else -_APART
             moved = stand.law(replace(term, values={**values, **_at(moving, aside)}))
             slopes.append((moved - columns) @ linear / (aside[k] - here[k]))
-        _, step = _left(
-            fold, np.concatenate([columns, np.stack(slopes, axis=2)], axis=2), term.joint
-        )
-        step, part = step[columns.shape[2] :], 1.0
-        while part >= _SHORTEST:
+        wide = np.concatenate([columns, np.stack(slopes, axis=2)], axis=2)
+        step = np.clip(_left(fold, wide, term.joint)[1][columns.shape[2] :], -_LONGEST, _LONGEST)
+        for part in (1.0, 0.5, 0.25):
             there = {**values, **_at(moving, np.clip(here + part * step, 0.0, 1.0))}
             other = stand.law(replace(term, values=there))
             found, coefficients = _left(fold, other, term.joint)
             if found < left:
                 break
-            part *= 0.5
-        if part < _SHORTEST:
+        else:
             break
+        settled = found > (1.0 - _SETTLED) * left
         values, columns, left, linear = there, other, found, coefficients
-    return values, columns
+        if settled:
+            break
+    return left, values, columns
 
 
 def _at(moving, position: np.ndarray) -> dict[str, float]:
