@@ -94,11 +94,11 @@ def unexplained(own: jax.Array, others: jax.Array, directions: np.ndarray) -> ja
     """
     size = jnp.linalg.norm(others, axis=1, keepdims=True)
     unit = others / jnp.maximum(size, 1e-30)
-    gram = unit @ unit.T + _RIDGE * jnp.eye(len(unit))
-    mixed = unit @ own.T
-    left = own @ own.T - mixed.T @ jax.scipy.linalg.cho_solve(
-        jax.scipy.linalg.cho_factor(gram), mixed
-    )
+    # By eigenvalues: batched triangular solves inside a scan have been seen to hang on CPU.
+    squares, vectors = jnp.linalg.eigh(unit @ unit.T)
+    weight = 1.0 / jnp.sqrt(jnp.maximum(squares, 0.0) + _RIDGE)
+    mixed = weight[:, None] * (vectors.T @ (unit @ own.T))
+    left = own @ own.T - mixed.T @ mixed
     return jnp.sqrt(jnp.maximum(jnp.linalg.eigvalsh(directions.T @ left @ directions)[0], 0.0))
 
 
