@@ -64,7 +64,14 @@ ROOMS = {
         "excitation": 2,
         "report": 2,
     },
-    "diagnose": {"folds": 0, "candidates": 1, "decision": 2, "selection": 3, "report": 4},
+    "diagnose": {
+        "folds": 0,
+        "candidates": 1,
+        "decision": 2,
+        "selection": 3,
+        "discovery": 4,
+        "report": 5,
+    },
     "studies": {"rx60": 0, "sepso": 1},
 }
 

@@ -29,7 +29,7 @@ def library(arm: Arm, base: Plain, log: Prepared) -> tuple[list[str], np.ndarray
     load, tilts = _model_torques(arm, base, log)
     labels, columns = [], []
     for j in range(arm.size):
-        for label, values in _of_joint(arm, log, sign, load, tilts, j):
+        for label, values in joint_library(arm, log, sign, load, tilts, j):
             column = np.zeros(log.q.shape)
             column[:, j] = values
             labels.append(label)
@@ -50,7 +50,8 @@ def _model_torques(arm: Arm, base: Plain, log: Prepared):
     return load, tilts
 
 
-def _of_joint(arm, log, sign, load, tilts, j) -> Iterator[tuple[str, np.ndarray]]:
+def joint_library(arm, log, sign, load, tilts, j) -> Iterator[tuple[str, np.ndarray]]:
+    """Label and column (T,) of everything the library holds for one joint along a log."""
     q, dq, s, at = log.q[:, j], log.dq[:, j], sign[:, j], f"@joint{j + 1}"
     slide = arm.sliding[j]
     scale = {k: v if slide else 1.0 for k, v in _SLIDE.items()}

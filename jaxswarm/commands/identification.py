@@ -9,6 +9,7 @@ from jaxswarm import console
 from jaxswarm.commands.options import (
     MOST,
     Accept,
+    EffectsFrom,
     Json,
     Logs,
     MotionCutoff,
@@ -68,10 +69,12 @@ def register(app: typer.Typer) -> None:
             typer.Option(min=1e-9, help="Residual standard deviations a mass off by e^2 costs."),
         ] = 0.03,
         accept: Accept = None,
+        effects_from: EffectsFrom = None,
         json: Json = False,
     ) -> None:
         """Identify a declared model from logs and score it on motion it was not fitted to."""
         start()
+        from jaxswarm.effects import register_from
         from jaxswarm.effects.bodies import with_free_base
         from jaxswarm.identify import print_identification
         from jaxswarm.identify.run import Options, identify_files
@@ -81,8 +84,10 @@ def register(app: typer.Typer) -> None:
             optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
             estimator, physical, prior, prior_weight, tuple(accept or ()),
         )  # fmt: skip
-        inputs = (*logs, validation, prior and Path(prior), Path(robot))
+        inputs = (*logs, validation, prior and Path(prior), Path(robot), effects_from)
         with work(out, inputs, _IDENTIFIED) as status:
+            if effects_from:
+                register_from(effects_from)
             report = identify_files(logs, robot, effects, out, validation, options, status)
         console.notes([*report["logs"], *report["validation_logs"]])
         console.show(
@@ -94,13 +99,17 @@ def register(app: typer.Typer) -> None:
         model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
         log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],
         out: Annotated[Path, typer.Option("--out", help="CSV file to write.")],
+        effects_from: EffectsFrom = None,
         json: Json = False,
     ) -> None:
         """Predict the torque of an identified model along a log, at its own time stamps."""
         start()
+        from jaxswarm.effects import register_from
         from jaxswarm.identify.predict import predict_file
 
-        with work(out, (model, log)):
+        with work(out, (model, log, effects_from)):
+            if effects_from:
+                register_from(effects_from)
             result = predict_file(model, log, out)
         console.notes([{"source": result["log"], "notes": result["notes"]}])
         text = f"{result['samples']} samples written to {printable(result['out'])}"

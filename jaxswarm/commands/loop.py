@@ -10,6 +10,7 @@ from jaxswarm.commands import fleets
 from jaxswarm.commands.options import (
     LARGEST_SEED,
     Accept,
+    EffectsFrom,
     Json,
     LogsOrNone,
     MotionCutoff,
@@ -88,6 +89,11 @@ def register(app: typer.Typer) -> None:
                 help="Seconds after which no further round begins: what is known then is reported.",
             ),
         ] = None,
+        discover: Annotated[
+            bool,
+            typer.Option("--discover", help="Search a formula for what no known law explains."),
+        ] = False,
+        effects_from: EffectsFrom = None,
         fleet: fleets.Fleet = None,
         against: fleets.Against = None,
         arm_pattern: fleets.ArmPattern = None,
@@ -103,7 +109,13 @@ def register(app: typer.Typer) -> None:
             raise InputError(
                 "--declare and --model exclude each other; a model holds what is declared"
             )
+        if model is not None and discover:
+            raise InputError("--discover goes with --declare: against a model nothing is searched")
         if fleets.is_fleet(asked, logs, validation):
+            if discover or effects_from:
+                raise InputError(
+                    "--fleet takes neither --discover nor --effects-from; diagnose one log"
+                )
             question = (
                 declare,
                 model,
@@ -117,6 +129,7 @@ def register(app: typer.Typer) -> None:
             return
         from jaxswarm.diagnose import print_diagnosis
         from jaxswarm.diagnose.run import diagnose_files
+        from jaxswarm.effects import register_from
         from jaxswarm.identify.run import Options
 
         options = Options(
@@ -125,9 +138,12 @@ def register(app: typer.Typer) -> None:
             torque_cutoff=torque_cutoff,
             accept=tuple(accept or ()),
             budget=budget,
+            discover=discover,
         )
-        inputs = (*logs, *(validation or ()), model, Path(robot))
+        inputs = (*logs, *(validation or ()), model, Path(robot), effects_from)
         with work(out, inputs, _DIAGNOSED, resumable=True) as status:
+            if effects_from:
+                register_from(effects_from)
             if model is not None:
                 from jaxswarm.diagnose.run_against import compare_files
 

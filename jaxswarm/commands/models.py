@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from jaxswarm.commands.options import Json, ModelFile, numbers, show
+from jaxswarm.commands.options import EffectsFrom, Json, ModelFile, numbers, show
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 from jaxswarm.work import work
@@ -33,6 +33,7 @@ def register(app: typer.Typer) -> None:
                 help="Residual standard deviations a mass off by e^2 costs (default 0.03)."
             ),
         ] = None,
+        effects_from: EffectsFrom = None,
         json: Json = False,
     ) -> None:
         """Write a model as URDF, MJCF, YAML, or as a C function of its effects.
@@ -42,9 +43,12 @@ def register(app: typer.Typer) -> None:
         """
         start()
         from jaxswarm import tasks
+        from jaxswarm.effects import register_from
 
         weight = {} if prior_weight is None else {"prior_weight": prior_weight}
-        with work(out, (model, log, prior and Path(prior))) as status:
+        with work(out, (model, log, prior and Path(prior), effects_from)) as status:
+            if effects_from:
+                register_from(effects_from)
             result = tasks.export(
                 model, out, format, log=log, prior=prior, **weight, progress=status
             )
@@ -72,6 +76,7 @@ def register(app: typer.Typer) -> None:
         rate: Annotated[
             float | None, typer.Option(help="Samples a second; default the reference's.")
         ] = None,
+        effects_from: EffectsFrom = None,
         json: Json = False,
     ) -> None:
         """Simulate what the arm does with its effects, under a PD controller or by given torques.
@@ -80,12 +85,15 @@ def register(app: typer.Typer) -> None:
         """
         start()
         from jaxswarm import outputs, tasks
+        from jaxswarm.effects import register_from
         from jaxswarm.logs import write_log
 
         _check_csv(out)
         outputs.check_folder(out.parent)
         gains = {"kp": numbers(kp, "--kp"), "kd": numbers(kd, "--kd")}
-        with work(out, (model, reference)) as status:
+        with work(out, (model, reference, effects_from)) as status:
+            if effects_from:
+                register_from(effects_from)
             result = tasks.simulate(
                 model, reference, **gains, feedforward=feedforward, playback=playback, rate=rate,
                 progress=status,

@@ -54,6 +54,13 @@ Accept = Annotated[
 
 ModelFile = Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")]
 
+EffectsFrom = Annotated[
+    Path | None,
+    typer.Option(
+        help="Python file with laws of yours: it is run, so pass only what you have read."
+    ),
+]
+
 _PIPED = 200
 
 

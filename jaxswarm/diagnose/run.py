@@ -9,6 +9,7 @@ from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
+from jaxswarm.diagnose.discovery.discover import Search, discover
 from jaxswarm.diagnose.report import figures as pictures
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.result import place, to_result
@@ -16,6 +17,8 @@ from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
+from jaxswarm.effects.formula import with_values
+from jaxswarm.effects.formula_file import law_file, law_name
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.checks.weak import WEAK, all_rest, resting_joints, too_short
@@ -98,10 +101,13 @@ def diagnose_files(
     )  # fmt: skip
     band = diagnosis.final.model.filtering
     unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
-    result, left = conclude(diagnosis, unseen, options.seed, progress)
+    search = None
+    if options.discover:
+        diagnosis, search = discover(diagnosis, unseen, options.seed, progress)
+    result, left = conclude(diagnosis, unseen, options.seed, progress, search)
     result["reasons"] += reasons
     _tell_source(result, logs, scored, [*paths, *further], declare, options)
-    write_report(diagnosis, left, result, unseen, out, progress)
+    write_report(diagnosis, left, result, unseen, out, progress, search)
     journal.close(done=diagnosis.spent is None)
     return result
 
@@ -127,12 +133,13 @@ def conclude(
     unseen: list[Motion],
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    search: Search | None = None,
 ) -> tuple[dict, list[Unexplained]]:
     """What remains after the loop, and everything as ``diagnosis.json`` has it."""
     progress("looking at what remains")
     left = find_unexplained(diagnosis.final, diagnosis.background, seed)
     left = proven(diagnosis.final, material(left, remainders(diagnosis.final)), unseen)
-    return to_result(diagnosis, left, unseen), left
+    return to_result(diagnosis, left, unseen, search=search), left
 
 
 def write_report(
@@ -142,6 +149,7 @@ def write_report(
     unseen: list[Motion],
     out: Path,
     progress: Callable[[str], None] = lambda text: None,
+    search: Search | None = None,
 ) -> None:
     """Write ``diagnosis.json``, ``model.json``, ``report.html`` and the pictures, whole or not at all."""
     progress("writing the report")
@@ -152,6 +160,14 @@ def write_report(
     figures = {"ladder.png": pictures.ladder(result)}
     for number, step in enumerate(diagnosis.kept, 1):
         figures[f"effect_{number}.png"] = pictures.evidence(step, final.model, motion)
+    laws = {}
+    for one in search.found if search else ():
+        term, place = (
+            one.added,
+            [None if k is None else robot.joints[k] for k in (one.added.joint, one.added.other)],
+        )
+        figures[f"{law_name(place[0])}.png"] = pictures.evidence(one, final.model, motion)
+        laws[f"{law_name(place[0])}.py"] = law_file(with_values(term.formula, term.values), *place)
     for item in left:
         rows = final.regression.log >= 0
         figures[f"unexplained_{robot.joints[item.joint]}.png"] = pictures.structure(
@@ -180,5 +196,6 @@ def write_report(
             "model.json": lambda path: save_model(with_smooth_terms(final, left), path),
             "report.html": render(result, images),
             **images,
+            **laws,
         },
     )

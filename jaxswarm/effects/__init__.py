@@ -25,6 +25,7 @@ from jaxswarm.effects.base import Effect as Effect
 from jaxswarm.effects.base import Export as Export
 from jaxswarm.effects.base import get_law as get_law
 from jaxswarm.effects.base import register as register
+from jaxswarm.effects.formula_file import register_from as register_from
 from jaxswarm.effects.kinds import BodyChange as BodyChange
 from jaxswarm.effects.kinds import ExternalTorque as ExternalTorque
 from jaxswarm.effects.kinds import MeasurementLaw as MeasurementLaw

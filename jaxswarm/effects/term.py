@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jaxswarm.effects.base import Effect, get_law
+from jaxswarm.effects.formula import Formula, formula_law
 from jaxswarm.errors import InputError, nearest
 
 
@@ -18,17 +19,19 @@ class Term:
         joint: Index of the joint, None for a global law.
         other: Index of the partner joint of a pair law, else None.
         values: Parameter values by name; empty before a fit.
+        formula: A law that no registry holds, as data; then ``effect`` only says so.
     """
 
     effect: str
     joint: int | None = None
     other: int | None = None
     values: dict[str, float] = field(default_factory=dict, compare=False, hash=False)
+    formula: Formula | None = None
 
     @property
     def law(self) -> Effect:
-        """The registered law."""
-        return get_law(self.effect)
+        """The registered law, or that of the formula."""
+        return get_law(self.effect) if self.formula is None else formula_law(self.formula)
 
     def label(self, joints: tuple[str, ...]) -> str:
         """Readable name: ``viscous_friction@joint2``, ``transmission_coupling@joint5:joint6``."""

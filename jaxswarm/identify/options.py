@@ -31,6 +31,7 @@ class Options:
     prior_weight: float = PULL
     accept: tuple[str, ...] = ()
     budget: float | None = None
+    discover: bool = False
 
 
 ESTIMATORS: dict[str, Callable[[Estimate], tuple[Estimate, dict]]] = {

@@ -20,6 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import REGISTRY, Effect, get_law
+from jaxswarm.effects.formula import Formula, formula_law
 from jaxswarm.effects.kinds import (
     BodyChange,
     ExternalTorque,
@@ -45,17 +46,19 @@ class Acting:
         joint: Index of its joint, None for a global effect.
         other: Index of the partner joint of a pair effect, else None.
         values: Parameter values by name.
+        formula: A law that no registry holds, as data.
     """
 
     effect: str = dataclasses.field(metadata={"static": True})
     joint: int | None = dataclasses.field(default=None, metadata={"static": True})
     other: int | None = dataclasses.field(default=None, metadata={"static": True})
     values: dict[str, Any] = dataclasses.field(default_factory=dict)
+    formula: Formula | None = dataclasses.field(default=None, metadata={"static": True})
 
     @property
     def law(self) -> Effect:
-        """The registered law."""
-        return get_law(self.effect)
+        """The registered law, or that of the formula."""
+        return get_law(self.effect) if self.formula is None else formula_law(self.formula)
 
 
 @jax.tree_util.register_dataclass
@@ -134,7 +137,8 @@ def make_plant(
         )
     placed = []
     for item in effects:
-        law = get_law(item.effect)
+        formula = getattr(item, "formula", None)
+        law = get_law(item.effect) if formula is None else formula_law(formula)
         unknown = set(item.values) - {p.name for p in law.parameters}
         if unknown:
             raise InputError(
@@ -143,7 +147,7 @@ def make_plant(
             )
         values = {**law.nominal(), **item.values}
         joint, other = _place(item, law, robot)
-        placed.append(Acting(law.name, joint, other, values))
+        placed.append(Acting(law.name, joint, other, values, formula))
     plant = Plant(robot, (), np.broadcast_to(widths, (robot.num_joints,)))
     for acting in placed:
         plant = put_on(acting.law, plant, acting)

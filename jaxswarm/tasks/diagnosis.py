@@ -6,6 +6,7 @@ from pathlib import Path
 from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
+from jaxswarm.diagnose.discovery.discover import discover as find_formulas
 from jaxswarm.diagnose.report.result import place
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
 from jaxswarm.diagnose.run import conclude
@@ -41,6 +42,7 @@ def diagnose(
     torque_cutoff: float | None = None,
     accept: Sequence[str] = (),
     budget: float | None = None,
+    discover: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fitted:
     """Find the effect a declared model lacks, add it, and show the error before and after.
@@ -57,6 +59,7 @@ def diagnose(
         torque_cutoff: Low-pass shared by torque and model [Hz], likewise.
         accept: Findings about the logs in spite of which they are fitted, by name.
         budget: Time [s] after which no further round of the search begins; None: no limit.
+        discover: Whether to search a formula for what no law explains; with ``declare`` only.
         progress: Called with one line per stage.
 
     Returns:
@@ -69,6 +72,8 @@ def diagnose(
     if model is not None:
         if declare is not None or rules is not None or motion_cutoff or torque_cutoff:
             raise InputError("model excludes declare, rules and cutoffs: the model holds them")
+        if discover:
+            raise InputError("discover=True goes with declare: against a model nothing is searched")
         return _against(logs, as_model(model), validation, seed, limit, progress, accept)
     terms = parse_terms(declare or "none", robot.joints)
     refuse_undeclarable(terms)
@@ -90,7 +95,10 @@ def diagnose(
     if validation is not None:
         scored, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
         refuse_shared(read, scored)
-    result, left = conclude(found, unseen, seed, progress)
+    formulas = None
+    if discover:
+        found, formulas = find_formulas(found, unseen, seed, progress)
+    result, left = conclude(found, unseen, seed, progress, formulas)
     result["reasons"] += reasons
     result["findings"] = findings(read)
     shown = unseen[0] if unseen else found.final.motions[0]

@@ -10,7 +10,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import can_swing, refit
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import harmful, survives
 from jaxswarm.effects.term import Term
@@ -72,3 +72,12 @@ def test_a_searched_law_is_refined_before_laws_compete(fits):
     assert abs(score.candidate.term.values["q0"] - 0.2) < 2e-3
     assert np.isclose(score.coefficients[0], 25.0, rtol=0.02)
     assert len(DECLARED) == len(before.model.terms)
+
+
+def test_a_transmission_damped_beyond_the_critical_is_none(fits):
+    def soft(d):
+        return Term("joint_elasticity", 1, values={"k": 2000.0, "d": d})
+
+    assert can_swing(fits[0], soft(5.0))
+    assert not can_swing(fits[0], soft(500.0))
+    assert can_swing(fits[0], SPRING)

@@ -65,6 +65,10 @@ class Fold:
         """The joint's rows (T, k) of c_perp, of weighted columns (T, k) that act on this joint alone."""
         return own - self.project[:, joint] @ (self.basis[:, joint].T @ own)
 
+    def trained_on(self, rows: np.ndarray) -> "Fold":
+        """The same model fitted to other rows, (T,), at the same weights."""
+        return _fold(self.project, self.residual, rows, self.project.shape[2])
+
     def with_columns(self, columns: np.ndarray) -> "Fold":
         """The same rows fitted by a model that has further weighted columns (T, n, k)."""
         more = _fold(self.free_part(columns), self.residual, self.train, columns.shape[2])

@@ -12,6 +12,7 @@ from jaxswarm.diagnose.report.grids import Grid
 from jaxswarm.diagnose.report.text import (
     evidence_sentence,
     grouped,
+    law_facts,
     log_notes,
     next_steps,
     proof_sentence,
@@ -35,6 +36,10 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
             _effects(console, same, result["joints"])
     for entry in result.get("discovered", ()):
         console.print(f"\n[bold]a law of its own on {entry['joint']}[/bold]: {entry['formula']}")
+        if entry.get("parameters"):
+            _table(console, grids.parameters(entry), "")
+        for line in law_facts(entry) if entry.get("form") else ():
+            console.print(f"- {line}")
     _list(console, "left without a law:", [remaining(u) for u in result["unexplained"]])
     _list(console, "to be looked at:", flagged(result))
     dropped = [where(entry) for entry in result["removed"]]

@@ -8,6 +8,7 @@ from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import (
     evidence_sentence,
+    law_facts,
     next_steps,
     proof_sentence,
     reasons,
@@ -78,7 +79,20 @@ def effects(result: dict, images: dict[str, bytes]) -> str:
         ]
         if entry.get("parameters"):
             parts.append(table(grids.parameters(entry), "parameters of the law"))
+        if entry.get("form"):
+            parts += [
+                bullets(law_facts(entry)),
+                image(images, entry["picture"], _LAW_PICTURE),
+                text("p", f"LaTeX: {entry['latex']}", "soft"),
+                folded("Other formulas", table(grids.formulas(entry), "formulas that were tried")),
+            ]
     return "".join(parts)
+
+
+_LAW_PICTURE = (
+    "The dots are the torque that the rest of the model leaves, the line is the law; left against what it "
+    "depends on, right over time."
+)
 
 
 def _effect(effect: dict, number: int, images: dict[str, bytes]) -> str:

@@ -171,3 +171,15 @@ def rivals(effect: dict) -> Grid:
     """What else would have explained what an effect explains, and how well."""
     rows = [(where(a), f"{a['relative_gain']:.2f}") for a in effect["alternatives"]]
     return Grid(("runner-up", "gain, that of the effect being 1"), rows)
+
+
+def formulas(entry: dict) -> Grid:
+    """The shortest formulas that reach each error on other motion, and those that fit alike."""
+    rows = [
+        (p["formula"], number(p["bits"], 3), percent(p["error_on_other_motion"], 1))
+        for p in entry["front"]
+    ]
+    rows += [
+        (a["formula"], "", percent(a["error_on_other_motion"], 1)) for a in entry["alternatives"]
+    ]
+    return Grid(("formula", "bits", "of the error left in regions not fitted"), rows)

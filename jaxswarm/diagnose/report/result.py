@@ -13,8 +13,11 @@ from jaxswarm.diagnose.decision.verdict import (
     hopeless,
     verdict,
 )
+from jaxswarm.diagnose.discovery.discover import Search
+from jaxswarm.diagnose.discovery.stand_ins import Discovery
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.report import discovered
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment, separating_command
 from jaxswarm.diagnose.report.refusal import refusal
@@ -46,6 +49,7 @@ def to_result(
     left: Sequence[Unexplained],
     validation: Sequence[Motion] = (),
     rules: Rules | None = None,
+    search: Search | None = None,
 ) -> dict:
     """All that is known at the end, as nested dictionaries.
 
@@ -54,12 +58,14 @@ def to_result(
         left: Structure that remains.
         validation: Logs to score on.
         rules: Other thresholds than those that decided, to see what they would have refused.
+        search: Formulas that were searched, and found or not; None: none were asked for.
     """
+    laws = search or Search((), ())
     rules = rules or diagnosis.rules
     final, robot = diagnosis.final, diagnosis.final.model.robot
     joints = robot.joints
     errors = UnseenErrors(validation, diagnosis.declared, final)
-    steps = [_step(step, joints, errors) for step in diagnosis.steps]
+    steps = [_step(step, joints, errors) for step in (*diagnosis.steps, *laws.found)]
     before, after = errors.of(diagnosis.declared), errors.of(final)
     noise, remains = noise_of(final), remainders(final)
     smooth = any(u.term is not None for u in left)
@@ -96,10 +102,11 @@ def to_result(
             },
         },
         "torque_units": list(units(robot)),
-        "verdict": CANNOT if why else verdict(len(diagnosis.kept), left, remains),
+        "verdict": CANNOT if why else verdict(len(diagnosis.kept) + len(laws.found), left, remains),
         "proof": proof(final, validation),
         "residual_over_noise": [r.over_noise for r in remains],
-        "discovered": [],
+        "discovered": discovered.entries(laws, final, joints),
+        "no_formula": discovered.in_vain(laws, joints),
         "budget": vars(diagnosis.spent) if diagnosis.spent else None,
         "reasons": [
             *([why] if why else []),
@@ -194,7 +201,7 @@ def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], join
     ]
 
 
-def _step(step: Step, joints: tuple[str, ...], errors: UnseenErrors) -> dict:
+def _step(step: Step | Discovery, joints: tuple[str, ...], errors: UnseenErrors) -> dict:
     return {
         "added": place(step.added, joints),
         "before": errors.of(step.before),

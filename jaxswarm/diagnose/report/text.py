@@ -1,6 +1,6 @@
 """The diagnosis in sentences, shared by the report and the terminal."""
 
-from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 
 # A joint below so many times its noise is told to be left alone.
@@ -40,7 +40,7 @@ def evidence_sentence(result: dict) -> str:
     if before is None or result["verdict"] == "cannot be judged":
         return "This log cannot be judged: " + "; ".join(result["reasons"]) + "."
     change = percent(before["relative_global"])
-    if result["effects"] or result["changed"]:
+    if result["effects"] or result["changed"] or result["discovered"]:
         change += f" before, {percent(after['relative_global'])} after, on {after['on']}"
     added = _found(result)
     left = "; ".join(remaining(u) for u in result["unexplained"])
@@ -112,7 +112,34 @@ def _found(result: dict) -> str:
             f"{'since it was identified' if lacked else 'Since the model was identified'} "
             f"{changed} changed"
         )
+    clauses += [
+        f"{entry['joint']} follows a law of its own: {entry['formula']}"
+        for entry in result["discovered"]
+    ]
     return "; ".join(clauses)
+
+
+def law_facts(entry: dict) -> list[str]:
+    """What a reader has to know of a discovered law: its form, its range, its evidence, what fits alike."""
+    gain = entry["gain"]
+    seen = ", ".join(
+        f"{r['variable']} from {r['from']:.3g} to {r['to']:.3g}{unit_text(r['unit'])}"
+        for r in entry["range"]
+    )
+    told = [
+        f"Form: {entry['form']}.",
+        f"Seen where {seen}; a guess elsewhere.",
+        f"Takes {percent(gain['share_of_error'], 0)} off the joint's squared error on unseen time "
+        f"(p = {gain['p_value']:.1g}, {entry['programs_tried']} programs tried) and leaves "
+        f"{percent(entry['error_on_other_motion'], 1)} of it in regions of the motion it was not fitted to.",
+    ]
+    if entry["based_on"]:
+        told.append(f"It bends a known law: {', '.join(entry['based_on'])}.")
+    told += [
+        f"Fits alike: {a['formula']}, {a['distance']['over_noise']:.2g} times the noise apart on this motion."
+        for a in entry["alternatives"]
+    ]
+    return told
 
 
 def reasons(result: dict) -> list[str]:
@@ -127,6 +154,19 @@ def next_steps(result: dict) -> list[str]:
         f"To tell {' from '.join(u['effects'])} apart on {u['joint']}: {u['experiment']}."
         for u in result["undecided"]
     ]
+    for law in result["discovered"]:
+        steps += [
+            f"To tell {law['formula']} from {other['formula']} on {law['joint']}: {other['experiment']}."
+            for other in law["alternatives"][:1]
+        ]
+        steps.append(
+            f"{law['file']} holds the law of {law['joint']}: read it, edit it, and declare it with "
+            "--effects-from."
+        )
+    for u in result.get("no_formula", ()):
+        steps.append(
+            f"No formula for {u['joint']} among {u['programs_tried']} programs: {u['because']}."
+        )
     for u in result["unexplained"]:
         steps += _look_at(u)
     return steps + _done(result)

@@ -5,7 +5,7 @@ once more with the others in place; when that changes nothing, the search is ove
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import add_everyday
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
 from jaxswarm.effects.term import Term
@@ -37,44 +38,6 @@ _ROUNDS_PER_JOINT, _LEAST_ROUNDS, _MOST_SKEWS = 4, 12, 3
 _LEAST_SKEW = 2e-5
 # Events of one kind that are looked for in a row; runners-up that a step remembers.
 _MOST_EVENTS, _MOST_OTHERS = 20, 8
-
-
-@dataclass
-class _Search:
-    """A selection under way.
-
-    Attributes:
-        current: The model so far.
-        declared: The declared model, with the clocks as they were found.
-        steps: What was added, in order.
-        banned: Identities of terms that were refused on the model as it is.
-        asked: Candidates scored in the first round.
-        skews: Clock skews that were allowed for.
-        settled: Whether every choice was made again already.
-        withdrawn, refused: As :class:`Diagnosis` tells them.
-    """
-
-    current: Estimate
-    declared: Estimate
-    rules: Rules
-    seed: int
-    memory: Memory
-    other: Sequence[Motion]
-    progress: Callable[[str], None]
-    budget: Budget
-    steps: list[Step] = field(default_factory=list)
-    banned: set = field(default_factory=set)
-    asked: int = 0
-    skews: list[float] = field(default_factory=list)
-    settled: bool = False
-    withdrawn: tuple[Term, ...] = ()
-    refused: list[tuple[Term, str]] = field(default_factory=list)
-
-    def refuse(self, term: Term, why: str = "") -> None:
-        """Leave a term out until its joint's model changes; told if it had been found worth adding."""
-        self.banned.add(replace(term, values={}).identity)
-        if why:
-            self.refused.append((term, why))
 
 
 def diagnose(
@@ -110,7 +73,7 @@ def diagnose(
     start = estimate(robot, declared, motions, bounded=False)
     budget = budget or Budget()
     memory = Memory(journal, rules.share)
-    search = _Search(start, start, rules, seed, memory, other, progress, budget)
+    search = Search(start, start, rules, seed, memory, other, progress, budget)
     scores, spent, ended = [], None, False
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
     for number in range(1, most + 2):
@@ -146,7 +109,7 @@ def diagnose(
     )  # fmt: skip
 
 
-def _take_back_harm(search: _Search, background: CrossFit) -> CrossFit:
+def _take_back_harm(search: Search, background: CrossFit) -> CrossFit:
     """Take back, one after the other, what in the end raises a joint's error on other motion."""
     while search.steps:
         found = harmful(search.declared, search.steps, search.current, search.other)
@@ -163,7 +126,7 @@ def _take_back_harm(search: _Search, background: CrossFit) -> CrossFit:
     return background
 
 
-def _allow_for_skew(search: _Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
+def _allow_for_skew(search: Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
     """Move the clocks against each other where they are apart; whether they were moved."""
     if len(search.skews) == _MOST_SKEWS:
         return False
@@ -177,7 +140,7 @@ def _allow_for_skew(search: _Search, stand: Linearization, eligible: Sequence[Te
     return True
 
 
-def _choose_again(search: _Search, background: CrossFit) -> bool:
+def _choose_again(search: Search, background: CrossFit) -> bool:
     """Make every choice once more, with all effects in place; whether one changed."""
     if search.settled or not search.steps:
         return False
@@ -195,7 +158,7 @@ def _choose_again(search: _Search, background: CrossFit) -> bool:
 
 
 def _add_best(
-    search: _Search, scores: Sequence[Score], best: list[Score], background: CrossFit
+    search: Search, scores: Sequence[Score], best: list[Score], background: CrossFit
 ) -> bool:
     """Add what every drive has, else the best candidate if it proves itself; always another round."""
     current = search.current
@@ -233,7 +196,7 @@ def _add_best(
     return True
 
 
-def _add_further_events(search: _Search, first: Term) -> None:
+def _add_further_events(search: Search, first: Term) -> None:
     """Add what else of an event's kind is in the logs, one after the other, with nothing else asked."""
     for _ in range(_MOST_EVENTS):
         if search.budget.spent:

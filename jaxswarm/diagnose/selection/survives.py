@@ -33,7 +33,7 @@ HARM_ON_THE_WAY = 1.5
 _ENDS = 0.25
 
 # A law below the first share of a joint's error is doubted where a smooth function reaches the second.
-_SMALL_PART, _NEARLY_ALL = 0.4, 0.7
+_SMALL_PART, _NEARLY_ALL = 0.45, 0.7
 
 
 def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:

@@ -7,6 +7,7 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects import formula
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward import uncertainty
@@ -112,6 +113,7 @@ def save_model(model: Model, path: Path) -> None:
                 "joint": None if t.joint is None else robot.joints[t.joint],
                 "other": None if t.other is None else robot.joints[t.other],
                 "values": {k: float(v) for k, v in t.values.items()},
+                **({"formula": formula.to_json(t.formula)} if t.formula else {}),
             }
             for t in model.terms
         ],
@@ -187,7 +189,8 @@ def _from_json(content: dict) -> Model:
     for entry in content["terms"]:
         joint = None if entry["joint"] is None else joints.index(entry["joint"])
         other = None if entry["other"] is None else joints.index(entry["other"])
-        term = Term(entry["effect"], joint, other)
+        own = formula.from_json(entry["formula"]) if "formula" in entry else None
+        term = Term(entry["effect"], joint, other, formula=own)
         # Files written before a choice was one of the parameters lack it.
         chosen = {p.name: p.nominal for p in term.law.parameters if not p.fitted}
         terms.append(replace(term, values={**chosen, **entry["values"]}))

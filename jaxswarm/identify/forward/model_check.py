@@ -5,7 +5,8 @@ from dataclasses import fields
 
 import numpy as np
 
-from jaxswarm.effects.base import get_law
+from jaxswarm.effects.base import REGISTRY, Effect, get_law
+from jaxswarm.effects.formula import formula_law, from_json
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.logs.motion import Filtering
 
@@ -58,7 +59,7 @@ def _check_filtering(filtering: dict) -> None:
 def _check_term(term, joints: list[str], place: str) -> None:
     if not isinstance(term, dict):
         raise InputError(f"{place} is no object; identify it again")
-    law = get_law(_get(term, "effect", str, f"{place}."))
+    law = _law_of(term, place)
     wanted = {"joint": law.scope != "global", "other": law.scope == "pair"}
     for name, needed in wanted.items():
         joint = term.get(name)
@@ -80,6 +81,21 @@ def _check_term(term, joints: list[str], place: str) -> None:
     for p in law.parameters:
         if p.scale == "log" and values[p.name] <= 0:
             raise InputError(f"{place} ({law.name}): {p.name} is {values[p.name]}, not above zero")
+
+
+def _law_of(term: dict, place: str) -> Effect:
+    name = _get(term, "effect", str, f"{place}.")
+    if "formula" not in term:
+        if name not in REGISTRY:
+            raise InputError(
+                f"{place}: unknown effect {name!r}. {nearest(name, REGISTRY)} A law of yours needs "
+                "--effects-from FILE (jaxswarm.effects.register_from)"
+            )
+        return get_law(name)
+    try:
+        return formula_law(from_json(_get(term, "formula", dict, f"{place}.")))
+    except ValueError as error:
+        raise InputError(f"{place}.formula: {error}; diagnose it again") from None
 
 
 def _get(content: dict, name: str, kind: type, place: str):

@@ -15,7 +15,6 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
-from jaxswarm.effects.base import get_law
 from jaxswarm.errors import InputError
 from jaxswarm.identify.physical.consistency import check_physical
 from jaxswarm.robot.model import Robot
@@ -100,7 +99,7 @@ def _split(effects: Iterable[Any], form: str) -> tuple[dict[int, dict[str, float
     held: dict[int, dict[str, float]] = {}
     left = []
     for effect in effects:
-        export = next((e for e in get_law(effect.effect).export if e.format == form), None)
+        export = next((e for e in effect.law.export if e.format == form), None)
         if export is None or not export.holds(effect.values):
             left.append(effect)
             continue
@@ -124,6 +123,7 @@ def _write(root: xml.Element, path: Path, robot: Robot, left: list, beside: dict
                 "joint": None if e.joint is None else robot.joints[e.joint],
                 "other": None if e.other is None else robot.joints[e.other],
                 "values": {name: float(value) for name, value in e.values.items()},
+                "law": e.law.summary,
             }
             for e in left
         ],

@@ -1,0 +1,1 @@
+"""A closed-form law for what no known law explains."""

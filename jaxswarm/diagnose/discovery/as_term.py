@@ -1,0 +1,69 @@
+"""A formula as a term of a model: linear constants, names and units, and the columns by which it is scored."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.sums import Sum, free_columns, linear, polished
+from jaxswarm.effects.dimensions import TORQUE, over, parse_unit, unit_of, unit_text
+from jaxswarm.effects.formula import DISCOVERED, Formula
+from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.postfix import fields_of
+from jaxswarm.effects.term import Term
+
+# Names of the linear constants, and bounds that no torque of an arm asks for.
+_LINEAR, _MOST = "abdfgh", 1e6
+# A refit may go beyond the range that was searched: a scale by this factor, anything else by one range.
+_BEYOND = 10.0
+
+
+def as_term(problem: Joint, formula: Sum) -> Term:
+    """The term of a formula on its joint, with the values of the fit to all rows."""
+    fold = problem.stand.background.whole
+    a = linear(problem, formula, fold, free_columns(problem, formula, fold))
+    inner = {p.name: parse_unit(p.unit) for p in formula.constants}
+    table = []
+    for k, program in enumerate(formula.programs):
+        unit = unit_text(over(TORQUE, unit_of(program, inner, problem.units)))
+        name = _LINEAR[k]
+        table.append(
+            Parameter(name, unit, -_MOST, _MOST, True, float(a[k]), f"factor of term {k + 1}")
+        )
+    table += [_wider(p, formula.values[p.name]) for p in formula.constants]
+    law = Formula(formula.programs, tuple(table), validity(problem, formula))
+    other = problem.other if law.couples else None
+    values = {p.name: p.nominal for p in table}
+    return Term(DISCOVERED, problem.joint, other, values, law)
+
+
+def _wider(p: Parameter, value: float) -> Parameter:
+    """A constant with the bounds of a refit, which starts at a value."""
+    if p.scale == "log":
+        return replace(p, lower=p.lower / _BEYOND, upper=p.upper * _BEYOND, nominal=value)
+    span = p.upper - p.lower
+    return replace(p, lower=p.lower - span, upper=p.upper + span, nominal=value)
+
+
+def validity(problem: Joint, formula: Sum) -> tuple[tuple[str, float, float], ...]:
+    """Range of every variable that a formula reads."""
+    read = dict.fromkeys(name for p in formula.programs for name in fields_of(p))
+    used = problem.stand.background.weight[:, problem.joint] > 0.0
+    return tuple(
+        (name, float(problem.data[name][used].min()), float(problem.data[name][used].max()))
+        for name in read
+        if name != "direction"
+    )
+
+
+def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
+    """A formula as a candidate of the selection: on every half with the constants found there."""
+    background = problem.stand.background
+    term = as_term(problem, formula)
+    columns = [problem.stand.law(term)]
+    for half in background.halves:
+        own = polished(problem, formula, half)
+        columns.append(problem.stand.law(replace(term, values={**term.values, **own.values})))
+    size = len(term.formula.parameters)
+    return Candidate(term, tuple(np.nan_to_num(c) for c in columns), size), term

@@ -1,0 +1,77 @@
+"""All formulas that come into question for a joint: single programs, and sums of up to three."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.discovery.front import Point, point, ranked, region_folds
+from jaxswarm.diagnose.discovery.pieces import Piece
+from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.screening import screen
+from jaxswarm.diagnose.discovery.sums import Sum, joined, polished
+
+# Terms of a sum at most, programs that a term more is tried of, and those that get one.
+_TERMS, _TRIED, _LEADS = 3, 30, 2
+# A term more is looked for where more than the first share of the joint's squared error is left, and where the
+# last one took the second share of what was left before it.
+_LITTLE, _WORTH = 0.05, 0.1
+
+
+def candidates(
+    problem: Joint, pieces: Sequence[Piece], label: np.ndarray, seed: int = 0
+) -> tuple[list[Point], int]:
+    """Formulas with their errors on other motion, the best first, and how many programs were tried.
+
+    Args:
+        problem: The joint.
+        pieces: Programs of the grammar.
+        label: Region of every row.
+        seed: Of the swarms.
+    """
+    background = problem.stand.background
+    log = problem.stand.found.regression.log
+    folds = region_folds(background.whole, label)
+    points: list[Point] = []
+    tried, leads = 0, [None]
+    for _ in range(_TERMS):
+        found: list[Point] = []
+        for lead in leads:
+            tried += len(pieces)
+            found += _one_more(problem, pieces, lead, folds, seed)
+        if not found:
+            break
+        best = min((p.error for p in points), default=1.0)
+        points = ranked([*points, *found], log)
+        least = min(p.error for p in found)
+        if least < _LITTLE or least > (1.0 - _WORTH) * best or _near_noise(problem, points[0]):
+            break
+        size = max(len(p.formula.pieces) for p in found)
+        leads = [p.formula for p in points if len(p.formula.pieces) == size][:_LEADS]
+    return points, tried
+
+
+def _near_noise(problem: Joint, best: Point) -> bool:
+    """Whether nothing is left to be explained."""
+    background, j = problem.stand.background, problem.joint
+    weight = np.maximum(background.weight[:, j], 1e-300)
+    left = np.sqrt(np.mean((best.left / weight) ** 2))
+    return bool(left < _NEAR * background.noise[j])
+
+
+# Multiple of the noise below which a residual on other motion is not searched for more.
+_NEAR = 1.5
+
+
+def _one_more(problem: Joint, pieces, lead: Sum | None, folds, seed: int) -> list[Point]:
+    """The best programs beside those of a lead, all constants refined."""
+    whole = problem.stand.background.whole
+    if lead is None:
+        stage = whole
+    else:
+        stage = whole.with_columns(problem.columns(lead.programs, lead.values))
+    trials = [t for t in screen(problem, problem.stage(stage), pieces, seed) if t.share > 0.0]
+    done = []
+    for trial in trials[:_TRIED]:
+        formula = polished(problem, joined(lead, trial), whole)
+        done.append(point(problem, formula, folds))
+    return [one for one in done if np.isfinite(one.error)]

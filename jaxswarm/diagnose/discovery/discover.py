@@ -1,0 +1,218 @@
+"""A formula for what no law explains: search, prove, add; or say that there is none.
+
+A formula passes by the rules of the catalog's laws, its chance divided by the number of programs that were
+tried, and it has to reach what a smooth function of the same residual does: else it stands for a law that the
+grammar does not hold. Then the model is refitted with it, and it must survive on other motion as any addition.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.remainder import material, remainders
+from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.discovery.as_term import as_term, candidate_of
+from jaxswarm.diagnose.discovery.candidates import candidates
+from jaxswarm.diagnose.discovery.front import Point, alike, front
+from jaxswarm.diagnose.discovery.grammar import programs, skeleton
+from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
+from jaxswarm.diagnose.discovery.stand_ins import Discovery, without_stand_ins
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.diagnose.selection.survives import harmful, survives
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
+
+# Formulas of one joint that are put to the proof, and that are told beside the chosen one.
+_PROVED, _TOLD = 5, 3
+# A formula reaches at least this part of what a smooth function of one or two variables explains.
+_OF_SMOOTH = 0.8
+# Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
+_MOST_LEFT = 0.5
+# Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
+_TIE, _NEAR = 2.0, 1.2
+
+
+@dataclass(frozen=True)
+class NoFormula:
+    """A joint that was searched in vain.
+
+    Attributes:
+        joint: Index.
+        tried: Programs that were tried.
+        nearest: The best formula; None: none explains anything.
+        because: Why it was not added.
+    """
+
+    joint: int
+    tried: int
+    nearest: Point | None
+    because: str
+
+
+class Search(NamedTuple):
+    """The outcome of a search: what was found, and the joints that were searched in vain."""
+
+    found: tuple[Discovery, ...]
+    vain: tuple[NoFormula, ...]
+
+
+class _Open(NamedTuple):
+    """A joint to be searched: what its residual depends on, and how much of it a smooth function explains."""
+
+    joint: int
+    depends_on: tuple[str, ...]
+    share: float
+
+
+def discover(
+    diagnosis: Diagnosis,
+    other: Sequence[Motion] = (),
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Diagnosis, Search]:
+    """Search a law for every joint whose residual is structured, or far from the noise.
+
+    Args:
+        diagnosis: The loop's outcome, in which nobody passed any more.
+        other: Logs of other motion, on which a formula has to survive.
+        seed: Of the swarms.
+        progress: Called with one line per joint.
+
+    Returns:
+        The diagnosis with the formulas in its final model, and what was found and what was not.
+    """
+    found: list[Discovery] = []
+    vain: list[NoFormula] = []
+    joints = diagnosis.final.model.robot.joints
+    while True:
+        done = {d.added.joint for d in found} | {n.joint for n in vain}
+        waiting = [one for one in _unlawful(diagnosis, seed) if one.joint not in done]
+        if not waiting:
+            return diagnosis, Search(tuple(found), tuple(vain))
+        progress(f"searching a formula for {joints[waiting[0].joint]}")
+        outcome = _discover_on(diagnosis, waiting[0], other, seed)
+        if isinstance(outcome, NoFormula):
+            vain.append(outcome)
+            continue
+        diagnosis, outcome = without_stand_ins(diagnosis, outcome, seed)
+        found.append(outcome)
+
+
+def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
+    """Joints that no law explains: those whose structure was found, then those only far from the noise."""
+    final = diagnosis.final
+    remains = remainders(final)
+    found = material(find_unexplained(final, diagnosis.background, seed), remains)
+    told = [_Open(u.joint, u.depends_on, u.share) for u in sorted(found, key=lambda u: -u.share)]
+    known = {one.joint for one in told}
+    far = [r for r in remains if not r.near and r.joint not in known]
+    return told + [_Open(r.joint, (), 0.0) for r in sorted(far, key=lambda r: -r.over_noise)]
+
+
+def _discover_on(
+    diagnosis: Diagnosis, left: _Open, other: Sequence[Motion], seed: int
+) -> Discovery | NoFormula:
+    """Search one joint."""
+    final, j = diagnosis.final, left.joint
+    label = regions(final)
+    if label is None:
+        return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
+    stand = Linearization(final, diagnosis.background)
+    ranked: list[tuple[Joint, Point]] = []
+    tried = 0
+    for partner, wanted in _variables(left, final.model.robot.joints):
+        problem = joint_problem(stand, j, partner, wanted)
+        pieces = programs(problem.data, problem.units, problem.angles)
+        points, count = candidates(problem, pieces, label, seed)
+        tried += count
+        ranked += [(problem, one) for one in points]
+    ranked.sort(key=lambda pair: pair[1].length)
+    why = "no program explains anything of it"
+    for problem, one in ranked[:_PROVED]:
+        outcome = _prove(diagnosis, left, problem, one, tried, other)
+        if isinstance(outcome, str):
+            why = why if one is not ranked[0][1] else outcome
+            continue
+        term, item, after = outcome
+        return Discovery(
+            find_term(after, term),
+            item,
+            one,
+            _alternatives(problem, one, [p for own, p in ranked if own is problem]),
+            tuple(front([p for _, p in ranked])),
+            tried,
+            _known_shapes(one),
+            final,
+            after,
+        )
+    return NoFormula(j, tried, ranked[0][1] if ranked else None, why)
+
+
+def _variables(left: _Open, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
+    """Partner joint and further fields, as the residual's dependence names them: one search each."""
+    own = joints[left.joint]
+    named = [name.split("_", 1) if "_" in name else [name, own] for name in left.depends_on]
+    wanted = [quantity for quantity, _ in named if quantity in ("t", "temperature")]
+    partners = dict.fromkeys(joints.index(joint) for _, joint in named if joint != own)
+    return [(partner, wanted) for partner in partners] or [(None, wanted)]
+
+
+def _prove(
+    diagnosis: Diagnosis,
+    left: _Open,
+    problem: Joint,
+    one: Point,
+    tried: int,
+    other: Sequence[Motion],
+) -> tuple[Term, Score, Estimate] | str:
+    """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
+    final = diagnosis.final
+    if one.error > _MOST_LEFT:
+        return "the best formula leaves most of the error in regions of the motion it was not fitted to"
+    candidate, term = candidate_of(problem, one.formula)
+    item = score(candidate, diagnosis.background, max(m.interval for m in final.motions))
+    if not passes(item, tried + diagnosis.asked, diagnosis.rules):
+        return "the best formula may be chance, given how many programs were tried, or is too small"
+    if item.share < _OF_SMOOTH * left.share:
+        return "a smooth function explains clearly more than the best formula"
+    after = refit_with(final, item)
+    if after is None:
+        return "the refit did not confirm the best formula"
+    why = survives(final, after, problem.joint, other)
+    if why is None:
+        # Nothing more is added after it, so that no joint may lose by it.
+        harm = harmful(final, [Step(term, item, (), (), final, after, ())], after, other)
+        why = harm and harm[1]
+    return f"the best formula {why}" if why else (term, item, after)
+
+
+def _alternatives(
+    problem: Joint, one: Point, points: Sequence[Point]
+) -> tuple[tuple[Point, Term], ...]:
+    """Formulas of another form that fit alike, the shortest first."""
+    told = []
+    for point in points:
+        near = abs(alike(point, one)) < _TIE or point.error < _NEAR * one.error
+        if near and not _extends(point, one) and len(told) < _TOLD:
+            told.append((point, as_term(problem, point.formula)))
+    return tuple(told)
+
+
+def _extends(point: Point, one: Point) -> bool:
+    """Whether a formula is the other one, or the other one with further factors or terms."""
+    terms = [skeleton(p) for p in point.formula.programs]
+    return all(
+        any(all(own.count(f) >= inner.count(f) for f in inner) for own in terms)
+        for inner in (skeleton(p) for p in one.formula.programs)
+    )
+
+
+def _known_shapes(one: Point) -> tuple[str, ...]:
+    """Known laws whose shape a formula holds."""
+    return tuple(dict.fromkeys(p.based_on for p in one.formula.pieces if p.based_on))

@@ -1,0 +1,125 @@
+"""One joint as a search for formulas sees it: its variables, what is left of its torque, what may be taken."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.folds.partial_out import Fold
+from jaxswarm.effects.dimensions import Unit, field_units
+from jaxswarm.effects.postfix import Program, evaluate
+from jaxswarm.identify.forward.columns import joint_series
+
+# Rows that are searched on; a longer log is thinned evenly, for programs are smooth against the rows' clock.
+_ROWS = 800
+# A column whose free part is below this share of its square is one that the model holds already.
+_OWN = 1e-3
+
+
+class Stage(NamedTuple):
+    """The rows of one joint for the compiled search.
+
+    Attributes:
+        variables: (V, R), of single precision: a gain of a thousandth is what is told apart.
+        weight: What every row is multiplied by, (R,).
+        basis: What the model spans on the joint's rows, orthonormal over all joints, (R, b).
+        residual: Weighted, (R,).
+    """
+
+    variables: jax.Array
+    weight: jax.Array
+    basis: jax.Array
+    residual: jax.Array
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint whose residual is searched.
+
+    Attributes:
+        joint, other: Index of the joint, and of the partner whose motion may enter; None: none.
+        data: Field to its values on the rows of the decimated clock, (T,).
+        units: Unit of every field.
+        stand: Where the model stands.
+        rows: Those of them that the search uses, (T,).
+    """
+
+    joint: int
+    other: int | None
+    data: Mapping[str, np.ndarray]
+    units: Mapping[str, Unit]
+    stand: Linearization
+    rows: np.ndarray
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the variables, in the order of a stage's rows."""
+        return tuple(self.data)
+
+    @property
+    def angles(self) -> bool:
+        """Whether the positions are angles."""
+        places = [j for j in (self.joint, self.other) if j is not None]
+        return all(self.stand.found.model.robot.kinds[j] == "revolute" for j in places)
+
+    def stage(self, fold: Fold) -> Stage:
+        """The rows that are searched, with a model fitted to them alone."""
+        own = fold.trained_on(self.rows)
+        kind = np.float32
+        return Stage(
+            np.stack([x[self.rows] for x in self.data.values()]).astype(kind),
+            self.stand.background.weight[self.rows, self.joint].astype(kind),
+            own.basis[self.rows, self.joint].astype(kind),
+            own.residual[self.rows, self.joint].astype(kind),
+        )
+
+    def columns(self, programs: Sequence[Program], values: Mapping[str, float]) -> np.ndarray:
+        """Weighted columns (T, n, k) of programs on the decimated clock, on the joint alone."""
+        known = {**self.data, **values}
+        size = len(self.rows)
+        own = np.stack([np.broadcast_to(evaluate(p, known, np), size) for p in programs], axis=1)
+        return self.stand.on_joint(own, self.joint)
+
+
+def joint_problem(
+    stand: Linearization, joint: int, other: int | None, wanted: Sequence[str] = ()
+) -> Joint:
+    """The variables of a joint: its own motion and load, a partner's motion, and what else is wanted.
+
+    Args:
+        stand: Where the model stands.
+        joint, other: See :class:`Joint`.
+        wanted: Further fields, such as the time, that may enter.
+    """
+    fields = ["q", "dq", "ddq", "direction", "load", "static_load", *wanted]
+    if other is not None:
+        fields += ["q_other", "dq_other", "ddq_other"]
+    width = stand.found.model.width
+    parts = []
+    for motion, load in zip(stand.found.motions, stand.loads, strict=True):
+        kept = motion.decimator.kept(len(motion.t))
+        series = joint_series(motion, width, load, joint, other)._asdict()
+        parts.append({name: np.asarray(series[name])[kept] for name in fields})
+    data = {name: np.concatenate([part[name] for part in parts]) for name in fields}
+    data = {name: x for name, x in data.items() if np.ptp(x) > 1e-9 and np.isfinite(x).all()}
+    used = np.flatnonzero(stand.background.weight.any(axis=1))
+    rows = np.zeros(len(stand.background.weight), bool)
+    rows[used[:: max(1, -(-len(used) // _ROWS))]] = True
+    kinds = stand.found.model.robot.kinds
+    units = field_units(kinds[joint], None if other is None else kinds[other])
+    return Joint(joint, other, data, units, stand, rows)
+
+
+def share_of(column: jax.Array, stage: Stage) -> jax.Array:
+    """Share of the residual's square that a column (R,) takes off, its constant eliminated."""
+    weighted = column * stage.weight
+    size = weighted @ weighted
+    inner = weighted @ stage.basis
+    left = size - inner @ inner
+    own = (left > _OWN * size) & jnp.isfinite(size) & (size > 0.0)
+    gain = (weighted @ stage.residual) ** 2 / jnp.where(own, left, 1.0)
+    return jnp.where(own, gain, 0.0) / (stage.residual @ stage.residual)

@@ -1,0 +1,85 @@
+"""A found law, and the catalog laws that only stood in for it: what nobody needs beside it is taken back."""
+
+from dataclasses import dataclass, replace
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.discovery.front import Point
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.step import chain, find_term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import Model
+
+
+@dataclass(frozen=True)
+class Discovery:
+    """A law that was found as a formula.
+
+    Attributes:
+        added: Its term, with the values of the fit after it.
+        score: What it was worth.
+        chosen: The formula as the front has it.
+        alternatives: What fits alike, with the terms they would be.
+        front: The shortest formulas that reach each error on other motion.
+        tried: Programs that were tried.
+        based_on: Known laws whose shape it bends; empty: none.
+        before, after: The estimates around it.
+        removed: Terms that became superfluous.
+        rest: As of a :class:`Step`, which the report takes it for.
+    """
+
+    added: Term
+    score: Score
+    chosen: Point
+    alternatives: tuple[tuple[Point, Term], ...]
+    front: tuple[Point, ...]
+    tried: int
+    based_on: tuple[str, ...]
+    before: Estimate
+    after: Estimate
+    removed: tuple[Term, ...] = ()
+    rest: Model | None = None
+
+
+def without_stand_ins(
+    diagnosis: Diagnosis, found: Discovery, seed: int
+) -> tuple[Diagnosis, Discovery]:
+    """The diagnosis with a found law, and without what was added on its joint and is not needed beside it.
+
+    An effect of the catalog that was added before is asked for again in its absence; if it does not pass, it
+    had told a part of the law that was not known then.
+    """
+    after, steps, gone = found.after, list(diagnosis.steps), []
+    for step in diagnosis.kept:
+        if step.added.joint != found.added.joint or step.removed:
+            continue
+        own = step.added.identity
+        rest = refit(after, tuple(t for t in after.model.terms if t.identity != own))
+        stand = Linearization(rest, cross_fit(rest))
+        scores = score_terms(stand, [replace(step.added, values={})], seed)
+        if any(passes(s, diagnosis.asked, diagnosis.rules) for s in scores):
+            continue
+        after = rest
+        steps = [s for s in steps if s is not step]
+        gone.append(step.added)
+    before = found.before
+    if gone:
+        steps = chain(steps)
+        before = steps[-1].after if steps else diagnosis.declared
+    after = with_motion_noise(after, seed)
+    added = find_term(after, found.added)
+    return (
+        replace(
+            diagnosis,
+            final=after,
+            steps=tuple(steps),
+            background=cross_fit(after),
+            withdrawn=(*diagnosis.withdrawn, *gone),
+        ),
+        replace(found, added=added, before=before, after=after),
+    )

@@ -1,0 +1,99 @@
+"""Sums of programs: a term more where it pays, constants of all terms refined together."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from scipy import optimize
+
+from jaxswarm.diagnose.decision.score import coefficients
+from jaxswarm.diagnose.discovery.pieces import Piece, numbered
+from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.screening import Trial
+from jaxswarm.diagnose.folds.partial_out import Fold
+from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.postfix import Program
+
+# Steps of the refinement of all constants at once: it starts at a swarm's best.
+_STEPS = 40
+
+
+class Sum(NamedTuple):
+    """A formula without its linear constants.
+
+    Attributes:
+        pieces: The terms, their constants named apart.
+        values: Of all constants.
+    """
+
+    pieces: tuple[Piece, ...]
+    values: dict[str, float]
+
+    @property
+    def programs(self) -> tuple[Program, ...]:
+        """The terms as programs."""
+        return tuple(one.program for one in self.pieces)
+
+    @property
+    def constants(self) -> tuple[Parameter, ...]:
+        """The inner constants of all terms."""
+        return tuple(p for one in self.pieces for p in one.constants)
+
+
+def joined(first: Sum | None, trial: Trial) -> Sum:
+    """A sum with one more term."""
+    old = first.pieces if first else ()
+    pieces = numbered((*old, trial.piece))
+    given = [*(first.values[p.name] for p in first.constants)] if first else []
+    given += [trial.values[p.name] for p in trial.piece.constants]
+    names = [p.name for one in pieces for p in one.constants]
+    return Sum(pieces, dict(zip(names, given, strict=True)))
+
+
+def polished(problem: Joint, formula: Sum, fold: Fold) -> Sum:
+    """The formula with all inner constants refined on the rows that a fold was trained on."""
+    table = formula.constants
+    if not table:
+        return formula
+    start = np.array([np.clip(p.encode(formula.values[p.name]), 0.0, 1.0) for p in table])
+
+    def left(u: np.ndarray) -> np.ndarray:
+        values = {p.name: float(p.decode(x)) for p, x in zip(table, u, strict=True)}
+        return unexplained(problem, replaced(formula, values), fold)
+
+    found = optimize.least_squares(left, start, bounds=(0.0, 1.0), max_nfev=_STEPS)
+    values = {p.name: float(p.decode(x)) for p, x in zip(table, found.x, strict=True)}
+    return replaced(formula, values)
+
+
+def replaced(formula: Sum, values: Mapping[str, float]) -> Sum:
+    """The formula with other values for its inner constants."""
+    return formula._replace(values=dict(values))
+
+
+def free_columns(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
+    """What the model cannot imitate of the terms on the joint's rows, (T, k)."""
+    columns = problem.columns(formula.programs, formula.values)[:, problem.joint]
+    # A program may leave the finite numbers beyond the constants at which it was found.
+    columns = np.nan_to_num(columns, nan=0.0, posinf=0.0, neginf=0.0)
+    return fold.free_rows(columns, problem.joint)
+
+
+def linear(problem: Joint, formula: Sum, fold: Fold, free: np.ndarray) -> np.ndarray:
+    """Linear constants (k,) on the rows that a fold was trained on."""
+    own = fold.residual[:, [problem.joint]]
+    return coefficients(free[:, None, :], fold, own)
+
+
+def unexplained(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
+    """Residual of the training rows with the linear constants eliminated."""
+    free = free_columns(problem, formula, fold)
+    a = linear(problem, formula, fold, free)
+    left = fold.residual[:, problem.joint] - free @ a
+    return np.where(fold.train, left, 0.0)
+
+
+def said(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
+    """What a formula fitted to a fold says of all rows of the joint, weighted, (T,)."""
+    free = free_columns(problem, formula, fold)
+    return free @ linear(problem, formula, fold, free)

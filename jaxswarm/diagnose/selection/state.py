@@ -1,0 +1,50 @@
+"""A selection under way: the model so far, how it came about, and what it no longer asks."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
+
+
+@dataclass
+class Search:
+    """A selection under way.
+
+    Attributes:
+        current: The model so far.
+        declared: The declared model, with the clocks as they were found.
+        steps: What was added, in order.
+        banned: Identities of terms that were refused on the model as it is.
+        asked: Candidates scored in the first round.
+        skews: Clock skews that were allowed for.
+        settled: Whether every choice was made again already.
+        withdrawn, refused: As :class:`Diagnosis` tells them.
+    """
+
+    current: Estimate
+    declared: Estimate
+    rules: Rules
+    seed: int
+    memory: Memory
+    other: Sequence[Motion]
+    progress: Callable[[str], None]
+    budget: Budget
+    steps: list[Step] = field(default_factory=list)
+    banned: set = field(default_factory=set)
+    asked: int = 0
+    skews: list[float] = field(default_factory=list)
+    settled: bool = False
+    withdrawn: tuple[Term, ...] = ()
+    refused: list[tuple[Term, str]] = field(default_factory=list)
+
+    def refuse(self, term: Term, why: str = "") -> None:
+        """Leave a term out until its joint's model changes; told if it had been found worth adding."""
+        self.banned.add(replace(term, values={}).identity)
+        if why:
+            self.refused.append((term, why))
