@@ -1,8 +1,11 @@
 """Pictures of torques, residuals and searches. Functions of plain arrays that return figures."""
 
 import io
+from collections.abc import Iterator
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -164,13 +167,20 @@ def png_bytes(figure: Figure) -> bytes:
 
 def _take_text_literally(figure: Figure) -> None:
     """Names are no formulas, whatever dollar signs they hold; the numbers of an axis may be."""
-    numbers = set()
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            if not isinstance(axis.get_major_formatter(), FixedFormatter | FuncFormatter):
-                numbers |= {axis.offsetText, *axis.get_ticklabels(which="both")}
-    for text in figure.findobj(Text):
-        if text not in numbers:
-            text.set_parse_math(False)
-            # Bytes of a path that are no UTF-8 cannot be drawn.
-            text.set_text(text.get_text().encode("utf-8", "backslashreplace").decode("utf-8"))
+    for text in _words(figure):
+        text.set_parse_math(False)
+        # Bytes of a path that are no UTF-8 cannot be drawn.
+        text.set_text(text.get_text().encode("utf-8", "backslashreplace").decode("utf-8"))
+
+
+def _words(artist: Artist) -> Iterator[Text]:
+    """The texts of a figure; the ticks of an axis with numbers, a thousand objects, are passed over."""
+    if isinstance(artist, Text):
+        yield artist
+    if isinstance(artist, Axis):
+        yield artist.label
+        if isinstance(artist.get_major_formatter(), FixedFormatter | FuncFormatter):
+            yield from artist.get_ticklabels(which="both")
+        return
+    for child in artist.get_children():
+        yield from _words(child)

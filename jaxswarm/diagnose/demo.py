@@ -5,8 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs
+from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.run import conclude, write_report
 from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.drawing import Drawing
 from jaxswarm.identify.synthetic import demo_case, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import rx60
@@ -32,12 +34,15 @@ def run_demo(
     log = synthetic_log(arm, (*declared, *hidden), seed)
     unseen = synthetic_log(arm, (*declared, *hidden), seed + 10_000)
     blank = tuple(replace(t, values={}) for t in declared)
-    found = diagnose(rx60(), blank, [prepare(log)], seed=seed, progress=progress)
-    validation = [prepare(unseen, found.final.model.filtering)]
-    result, left = conclude(found, validation, seed, progress)
-    result["logs"] = []
-    if out is not None:
-        write_report(found, left, result, validation, out, progress)
+    with Drawing() as drawing:
+        found = diagnose(rx60(), blank, [prepare(log)], seed=seed, progress=progress)
+        validation = [prepare(unseen, found.final.model.filtering)]
+        if out is not None:
+            order_pictures(drawing, found, validation)
+        result, left = conclude(found, validation, seed, progress)
+        result["logs"] = []
+        if out is not None:
+            write_report(found, left, result, drawing, out, progress)
     term = hidden[0]
     truth = {
         "effect": term.effect,

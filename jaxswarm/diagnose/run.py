@@ -1,28 +1,30 @@
 """The command ``diagnose``, from files to files."""
 
+import importlib
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
-from jaxswarm import outputs, plots
+from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained, with_smooth_terms
 from jaxswarm.diagnose.discovery.discover import Search, discover
-from jaxswarm.diagnose.report import figures as pictures
+from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
+from jaxswarm.drawing import Drawing
 from jaxswarm.effects.formula import with_values
 from jaxswarm.effects.formula_file import law_file, law_name
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.checks.weak import WEAK, all_rest, resting_joints, too_short
-from jaxswarm.identify.forward.model import model_torque, save_model
+from jaxswarm.identify.forward.model import save_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
     Options,
@@ -93,21 +95,24 @@ def diagnose_files(
         page = {"diagnosis.json": outputs.to_json(result), "report.html": render(result, {})}
         outputs.write_results(out, page)
         return result
+    refuse_too_large(motions)
     other = [part for parts in prepared[len(paths) :] for part in parts]
     journal = Journal(out, fingerprint(robot, [*motions, *other], terms, options.seed))
-    diagnosis = diagnose(
-        robot, terms, motions, seed=options.seed, progress=progress, journal=journal, other=other,
-        budget=budget,
-    )  # fmt: skip
-    band = diagnosis.final.model.filtering
-    unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
-    search = None
-    if options.discover:
-        diagnosis, search = discover(diagnosis, unseen, options.seed, progress)
-    result, left = conclude(diagnosis, unseen, options.seed, progress, search)
-    result["reasons"] += reasons
-    _tell_source(result, logs, scored, [*paths, *further], declare, options)
-    write_report(diagnosis, left, result, unseen, out, progress, search)
+    with Drawing() as drawing:
+        diagnosis = diagnose(
+            robot, terms, motions, seed=options.seed, progress=progress, journal=journal,
+            other=other, budget=budget,
+        )  # fmt: skip
+        band = diagnosis.final.model.filtering
+        unseen = [part for log in scored for part in prepare_segments(log, band)[1]]
+        search = None
+        if options.discover:
+            diagnosis, search = discover(diagnosis, unseen, options.seed, progress)
+        order_pictures(drawing, diagnosis, unseen)
+        result, left = conclude(diagnosis, unseen, options.seed, progress, search)
+        result["reasons"] += reasons
+        _tell_source(result, logs, scored, [*paths, *further], declare, options)
+        write_report(diagnosis, left, result, drawing, out, progress, search)
     journal.close(done=diagnosis.spent is None)
     return result
 
@@ -146,17 +151,21 @@ def write_report(
     diagnosis: Diagnosis,
     left: list[Unexplained],
     result: dict,
-    unseen: list[Motion],
+    drawing: Drawing,
     out: Path,
     progress: Callable[[str], None] = lambda text: None,
     search: Search | None = None,
 ) -> None:
-    """Write ``diagnosis.json``, ``model.json``, ``report.html`` and the pictures, whole or not at all."""
+    """Write ``diagnosis.json``, ``model.json``, ``report.html`` and the pictures, whole or not at all.
+
+    ``drawing`` has the orders of :func:`order_pictures`.
+    """
     progress("writing the report")
+    # Loaded while the other process draws: half a second.
+    plots = importlib.import_module("jaxswarm.plots")
+    pictures = importlib.import_module("jaxswarm.diagnose.report.figures")
     final = diagnosis.final
     robot, motion = final.model.robot, final.motions[0]
-    shown = unseen[0] if unseen else motion
-    low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
     figures = {"ladder.png": pictures.ladder(result)}
     for number, step in enumerate(diagnosis.kept, 1):
         figures[f"effect_{number}.png"] = pictures.evidence(step, final.model, motion)
@@ -176,19 +185,8 @@ def write_report(
             robot.joints[item.joint],
             units(robot)[item.joint],
         )
-    figures["torque.png"] = plots.torque_overlay(
-        shown.t[kept],
-        low.apply(shown.tau),
-        low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
-        robot.joints,
-        units(robot),
-        f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model",
-    )
-    figures["residual_before.png"] = pictures.remaining(
-        replace(diagnosis, final=diagnosis.declared), "what the declared model leaves"
-    )
-    figures["residual.png"] = pictures.remaining(diagnosis, "what the final model leaves")
     images = {name: plots.png_bytes(figure) for name, figure in figures.items()}
+    images |= drawing.finished()
     outputs.write_results(
         out,
         {

@@ -10,6 +10,8 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.memory import refuse_too_large
+from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
 from jaxswarm.diagnose.run import write_report
 from jaxswarm.diagnose.selection.budget import given_budget
@@ -18,6 +20,7 @@ from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import proven
+from jaxswarm.drawing import Drawing
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
@@ -82,19 +85,22 @@ def compare_files(
     motions = [part for parts in prepared[: len(paths)] for part in parts]
     refuse_weak(motions, 10 * robot.num_joints, options.accept)
     unseen = [part for parts in prepared[len(paths) :] for part in parts]
+    refuse_too_large(motions)
     text = Path(model_path).read_text(encoding="utf-8")
     journal = Journal(out, fingerprint(robot, motions, text, options.seed))
-    found = compare(
-        model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
-    )
-    result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
-    result["model"] = Path(model_path).name
-    result["findings"] = findings(read)
-    given = {"robot": robot.name, **vars(options)}
-    result["provenance"] = provenance([*paths, *further, model_path], given)
-    result["logs"] = described(read[: len(paths)])
-    result["validation_logs"] = described(read[len(paths) :])
-    write_report(diagnosis, left, result, unseen, out, progress)
+    with Drawing() as drawing:
+        found = compare(
+            model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
+        )
+        result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
+        order_pictures(drawing, diagnosis, unseen)
+        result["model"] = Path(model_path).name
+        result["findings"] = findings(read)
+        given = {"robot": robot.name, **vars(options)}
+        result["provenance"] = provenance([*paths, *further, model_path], given)
+        result["logs"] = described(read[: len(paths)])
+        result["validation_logs"] = described(read[len(paths) :])
+        write_report(diagnosis, left, result, drawing, out, progress)
     journal.close(done=found.spent is None)
     return result
 

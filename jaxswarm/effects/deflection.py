@@ -96,8 +96,10 @@ def deflection(
 def contact_stiffness(
     inertia: jax.Array | np.ndarray, frequency: jax.Array | float
 ) -> tuple[jax.Array, jax.Array]:
-    """Stiffness and damping of a closed gear, on which a link of inertia (T,) swings at a frequency [Hz]."""
-    # Known numbers need no program, which would be one for every length of log.
-    of = jnp if isinstance(inertia, jax.Array) else np
-    m, w = of.median(of.abs(inertia)) + 1e-9, 2 * np.pi * frequency
+    """Stiffness and damping of a closed gear, on which a link of inertia (T,) swings at a frequency [Hz].
+
+    Arrays of NumPy give numbers of NumPy.
+    """
+    arrays = np if isinstance(inertia, np.ndarray) else jnp
+    m, w = arrays.median(arrays.abs(inertia)) + 1e-9, 2 * np.pi * frequency
     return m * w**2, 2 * _CONTACT_DAMPING * m * w

@@ -9,9 +9,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.physical.enforce import consistency_of, consistency_report, with_bodies
 from jaxswarm.identify.physical.physical_model import PULL
-from jaxswarm.identify.simulation_error.from_log import by_instruments, by_output_error
 from jaxswarm.robot.load import load_robot
-from jaxswarm.swarm import find_optimizer
 
 
 @dataclass(frozen=True)
@@ -34,10 +32,23 @@ class Options:
     discover: bool = False
 
 
+# Simulation and swarms are loaded for those who ask for them.
+def _by_instruments(found: Estimate) -> tuple[Estimate, dict]:
+    from jaxswarm.identify.simulation_error.from_log import by_instruments
+
+    return by_instruments(found)
+
+
+def _by_output_error(found: Estimate) -> tuple[Estimate, dict]:
+    from jaxswarm.identify.simulation_error.from_log import by_output_error
+
+    return by_output_error(found)
+
+
 ESTIMATORS: dict[str, Callable[[Estimate], tuple[Estimate, dict]]] = {
     "least_squares": lambda found: (found, {"name": "least_squares"}),
-    "instrumental": by_instruments,
-    "output_error": by_output_error,
+    "instrumental": _by_instruments,
+    "output_error": _by_output_error,
 }
 
 
@@ -48,6 +59,8 @@ def check_options(options: Options) -> None:
             f"unknown estimator {options.estimator!r}. {nearest(options.estimator, ESTIMATORS)}"
         )
     if options.optimizer != "least_squares":
+        from jaxswarm.swarm import find_optimizer
+
         find_optimizer(options.optimizer)
         if options.estimator != "least_squares":
             raise InputError("a swarm searches the least-squares problem: leave out one of both")

@@ -4,24 +4,28 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import jax
 import numpy as np
 
 from jaxswarm import outputs
+from jaxswarm.drawing import Drawing
 from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
-from jaxswarm.identify.estimation.swarm_fit import swarm_fit
 from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.options import Options, check_options, refined
-from jaxswarm.identify.report.report import pictures_of, report_of
+from jaxswarm.identify.report.report import order_pictures, report_of
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
+
+if TYPE_CHECKING:
+    from jaxswarm.identify.estimation.swarm_fit import SwarmFit
 
 
 def read_motions(
@@ -155,50 +159,60 @@ def identify_files(
     check_options(options)
     refuse_undeclarable(terms)
     outputs.check_folder(out)
-    progress("reading logs")
-    further = [] if validation is None else [validation]
-    filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
-    logs, motions = read_motions([*paths, *further], robot, filtering, accept=options.accept)
-    unseen = motions.pop() if further else None
-    validated = logs[len(paths) :]
-    logs = logs[: len(paths)]
-    refuse_resting_joints(logs, robot)
-    refuse_weak([m for parts in motions for m in parts], 10 * robot.num_joints, options.accept)
-    refuse_missing_channels(terms, [*logs, *validated])
-    progress("fitting")
-    found = estimate(robot, terms, [part for parts in motions for part in parts])
-    search = None
-    if options.optimizer != "least_squares":
-        progress(f"searching with {options.optimizer}")
-        lower, upper = parameter_bounds(found.model.terms, robot.joints)
-        search = swarm_fit(
-            found.fit,
-            options.optimizer,
-            jax.random.key(options.seed),
-            runs=options.runs,
-            num_steps=options.steps,
-            whiten=options.whiten,
-            lower=lower,
-            upper=upper,
+    with Drawing() as drawing:
+        progress("reading logs")
+        further = [] if validation is None else [validation]
+        filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
+        logs, motions = read_motions([*paths, *further], robot, filtering, accept=options.accept)
+        unseen = motions.pop() if further else None
+        validated = logs[len(paths) :]
+        logs = logs[: len(paths)]
+        refuse_resting_joints(logs, robot)
+        refuse_weak([m for parts in motions for m in parts], 10 * robot.num_joints, options.accept)
+        refuse_missing_channels(terms, [*logs, *validated])
+        progress("fitting")
+        found = estimate(robot, terms, [part for parts in motions for part in parts])
+        found, search = _searched(found, options, progress)
+        found, told, consistency = refined(found, options, progress)
+        shown = max(unseen or found.motions, key=lambda motion: len(motion.t))
+        order_pictures(drawing, found, shown, search)
+        progress("scoring")
+        report = report_of(found, logs, unseen, validation, search)
+        report |= {"estimator": told, "physical_consistency": consistency}
+        report["validation_logs"] = described(validated)
+        report["findings"] = findings([*logs, *validated])
+        progress("writing")
+        outputs.write_results(
+            out,
+            {
+                "model.json": lambda path: save_model(found.model, path),
+                "identification.json": outputs.to_json(report),
+                **drawing.finished(),
+            },
         )
-        found = with_values(found, search.values)
-    found, told, consistency = refined(found, options, progress)
-    progress("scoring")
-    report = report_of(found, logs, unseen, validation, search)
-    report |= {"estimator": told, "physical_consistency": consistency}
-    report["validation_logs"] = described(validated)
-    report["findings"] = findings([*logs, *validated])
-    shown = max(unseen or found.motions, key=lambda motion: len(motion.t))
-    progress("writing")
-    outputs.write_results(
-        out,
-        {
-            "model.json": lambda path: save_model(found.model, path),
-            "identification.json": outputs.to_json(report),
-            **pictures_of(found, shown, search),
-        },
-    )
     return report
+
+
+def _searched(found: Estimate, options: Options, progress) -> "tuple[Estimate, SwarmFit | None]":
+    """The estimate with what a swarm finds, where one is asked for, and its search."""
+    if options.optimizer == "least_squares":
+        return found, None
+    progress(f"searching with {options.optimizer}")
+    # The engine is loaded for those who ask for it.
+    from jaxswarm.identify.estimation.swarm_fit import swarm_fit
+
+    lower, upper = parameter_bounds(found.model.terms, found.model.robot.joints)
+    search = swarm_fit(
+        found.fit,
+        options.optimizer,
+        jax.random.key(options.seed),
+        runs=options.runs,
+        num_steps=options.steps,
+        whiten=options.whiten,
+        lower=lower,
+        upper=upper,
+    )
+    return with_values(found, search.values), search
 
 
 def with_values(found: Estimate, values: np.ndarray) -> Estimate:

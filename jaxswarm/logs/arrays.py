@@ -57,7 +57,7 @@ def log_from_arrays(
 
 def _numbers(name: str, values, source: str) -> np.ndarray:
     try:
-        array = as_numbers(np.asarray(values))
+        array = as_numbers(np.array(values))  # the log has its own
     except (ValueError, TypeError) as error:
         raise InputError(
             f"{source}: {name} is no array ({error}). Give one row a sample."

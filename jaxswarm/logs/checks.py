@@ -56,14 +56,14 @@ def drop_repeated_rows(table: Table, arranged: Arranged) -> tuple[np.ndarray, st
     Returns:
         Mask of the rows to keep, shape (T,), and a sentence about the others, or None.
     """
-    everything = [
-        arranged.t[:, None],
-        *arranged.joint.values(),
-        *(x[:, None] for x in arranged.shared.values()),
-    ]
-    stacked = np.concatenate(everything, axis=1)
-    same = (stacked[1:] == stacked[:-1]) | (np.isnan(stacked[1:]) & np.isnan(stacked[:-1]))
-    keep = np.concatenate([[True], ~same.all(axis=1)])
+    same = arranged.t[1:] == arranged.t[:-1]
+    others = (
+        *(x for values in arranged.joint.values() for x in values.T),
+        *arranged.shared.values(),
+    )
+    for x in others if same.any() else ():  # by their time nearly all rows differ already
+        same &= (x[1:] == x[:-1]) | (np.isnan(x[1:]) & np.isnan(x[:-1]))
+    keep = np.concatenate([[True], ~same])
     count = int(np.sum(~keep))
     if not count:
         return keep, None

@@ -64,7 +64,10 @@ def arrange(table: Table, joints: tuple[str, ...]) -> Arranged:
                 f"{joints[index]}. Keep one of them."
             )
         labels[quantity, index] = label
-        joint.setdefault(quantity, np.full((len(time), len(joints)), np.nan))[:, index] = column
+        if quantity not in joint:
+            joint[quantity] = np.full((len(time), len(joints)), np.nan)
+        if not np.shares_memory(joint[quantity], column):
+            joint[quantity][:, index] = column
 
     for name, values in table.columns.items():
         if name == "t":
@@ -74,7 +77,11 @@ def arrange(table: Table, joints: tuple[str, ...]) -> Arranged:
         if index is not None:
             put(quantity, index, name, _vector(table, name, values, len(time)))
         elif name in QUANTITIES or per_joint:
-            matrix = _matrix(table, name, values, len(time), joints)[:, order]
+            matrix = _matrix(table, name, values, len(time), joints)
+            if order != sorted(order):
+                matrix = matrix[:, order]
+            if name not in joint:  # whole, without a copy: no further column may belong to it
+                joint[name] = matrix
             for k, column in enumerate(matrix.T):
                 label = name if len(joints) == 1 else f"{name}[:, {order[k]}] ({joints[k]})"
                 put(name, k, label, column)

@@ -11,6 +11,8 @@ NAME = "lost_samples"
 _DOUBLE, _REPEATED = 1.6, 0.4
 # Neighbors on either side whose median step is the usual one.
 _SIDE = 4
+# Rows whose windows stand in memory at a time.
+_ROWS = 50_000
 # Share of the steps that tell: fewer are jitter; and so many more doubled than repeated ones.
 _LEAST_SHARE, _MORE = 0.03, 4.0
 # Steps tell where the usual step is this many times the noise of a step; so many have to.
@@ -26,13 +28,16 @@ def lost_samples(log: Log) -> list[Finding]:
     noise = np.maximum(noise, 1e-3 * np.abs(speed).max(axis=0)) + 1e-300
     scaled = speed / noise
     windows = np.lib.stride_tricks.sliding_window_view(scaled, 2 * _SIDE + 1, axis=0)
-    usual = np.median(windows, axis=2)
-    step = scaled[_SIDE:-_SIDE]
-    size = (usual**2).sum(axis=1)
+    size, along = np.empty((2, len(windows)))
+    for start in range(0, len(windows), _ROWS):  # a median copies all its windows
+        rows = slice(start, start + _ROWS)
+        usual = np.median(windows[rows], axis=2)
+        size[rows] = (usual**2).sum(axis=1)
+        along[rows] = (windows[rows, :, _SIDE] * usual).sum(axis=1)
     clear = size > _CLEAR**2
     if clear.sum() < _LEAST_STEPS:
         return []
-    factor = (step * usual).sum(axis=1)[clear] / size[clear]
+    factor = along[clear] / size[clear]
     doubled, repeated = np.mean(factor > _DOUBLE), np.mean(factor < _REPEATED)
     if doubled < _LEAST_SHARE or doubled < _MORE * repeated:
         return []

@@ -8,7 +8,7 @@ eight times the motion's band, and design the decimator that torque and model co
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import interpolate, signal
+from scipy import interpolate
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
@@ -238,5 +238,7 @@ def _thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
     """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
     if stride == 1:
         return np.asarray(x, dtype=float)
+    from scipy import signal  # loads for half a second what a log at a low rate does not need
+
     sections = signal.butter(6, 0.4 * rate / stride, fs=rate, output="sos")
     return signal.sosfiltfilt(sections, x, axis=0)[::stride]

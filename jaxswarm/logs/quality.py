@@ -161,21 +161,24 @@ def longest_run(mask: np.ndarray) -> int:
     return int(np.max(edges[1::2] - edges[::2])) if len(edges) else 0
 
 
-def held_share(values: np.ndarray) -> float:
+def held_share(*signals: np.ndarray) -> float:
     """Share of samples that repeat the one before in every column, apart from long rests.
 
     Args:
-        values: Signals, shape (T, k).
+        signals: Each of shape (T, k).
 
     >>> round(held_share(np.repeat(np.arange(100.0), 4)[:, None]), 2)
     0.75
     """
-    held = np.concatenate([[0], (np.diff(values, axis=0) == 0).all(axis=1), [0]]).astype(np.int8)
+    same = np.ones(len(signals[0]) - 1, dtype=bool)
+    for column in (column for values in signals for column in values.T):
+        same &= column[1:] == column[:-1]
+    held = np.concatenate([[0], same, [0]]).astype(np.int8)
     edges = np.flatnonzero(np.diff(held))
     lengths = edges[1::2] - edges[::2]
     short = int(np.sum(lengths[lengths <= _LONGEST_HOLD]))
     rest = int(np.sum(lengths[lengths > _LONGEST_HOLD]))
-    return short / max(len(values) - rest, 1)
+    return short / max(len(signals[0]) - rest, 1)
 
 
 def longest_stuck(values: np.ndarray, position: np.ndarray, least_motion: float) -> int:

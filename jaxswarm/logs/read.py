@@ -73,8 +73,10 @@ def log_of_table(
         raise InputError(f"{table.source}: no samples. Was the log cut?")
     check_values(table, arranged)
     keep, repeated = drop_repeated_rows(table, arranged)
+    rows = np.flatnonzero(keep)
+    keep = slice(None) if keep.all() else keep  # a copy of a long log is a large one
     time = arranged.t[keep]
-    check_time(table, time, np.flatnonzero(keep))
+    check_time(table, time, rows)
     others = [name for name in table.columns if name.split("_")[0] not in QUANTITIES]
     tau, torque_notes = torque(
         table, arranged, joints, drive_gain, require_torque, offer("tau", joints[0], 1, others)
@@ -142,11 +144,11 @@ def _neighbors(path: Path) -> str:
     return f" {nearest(path.name, names)}" if 0 < len(names) <= 20 else ""
 
 
-def _kept(arranged: Arranged, name: str, keep: np.ndarray) -> np.ndarray | None:
+def _kept(arranged: Arranged, name: str, keep: np.ndarray | slice) -> np.ndarray | None:
     return arranged.joint[name][keep] if name in arranged.joint else None
 
 
-def _channels(arranged: Arranged, keep: np.ndarray) -> dict[str, np.ndarray]:
+def _channels(arranged: Arranged, keep: np.ndarray | slice) -> dict[str, np.ndarray]:
     """Everything that is not q, dq, ddq or tau; currents stay, for effects that use them."""
     channels = {**arranged.joint, **arranged.shared}
     return {

@@ -119,12 +119,9 @@ def summarize(log: Log) -> LogSummary:
     moves = [
         bool(np.ptp(log.q[:, k]) > max(_LEAST_RANGE, _LEAST_QUANTA * steps[k])) for k in columns
     ]
-    derived = np.stack([velocity(log.t, log.q[:, k]) for k in columns], axis=1)
-    speed = np.abs(derived if log.dq is None else log.dq)
-    threshold = [
-        slowest_motion(log.t, log.q[:, k], np.abs(derived[:, k]), steps[k]) for k in columns
-    ]
-    moving = np.stack([moves[k] & (np.abs(derived[:, k]) > threshold[k]) for k in columns], axis=1)
+    derived = [velocity(log.t, log.q[:, k]) for k in columns]
+    threshold = [slowest_motion(log.t, log.q[:, k], np.abs(derived[k]), steps[k]) for k in columns]
+    moving = np.stack([moves[k] & (np.abs(derived[k]) > threshold[k]) for k in columns], axis=1)
     any_moves = moving.any(axis=1)
     joints = []
     for k, name in enumerate(log.joints):
@@ -138,9 +135,9 @@ def summarize(log: Log) -> LogSummary:
                 position_min=float(log.q[:, k].min()),
                 position_max=float(log.q[:, k].max()),
                 moves=moves[k],
-                speed_max=float(speed[:, k].max()),
+                speed_max=float(np.abs(derived[k] if log.dq is None else log.dq[:, k]).max()),
                 moving_share=float(np.mean(moving[:, k])),
-                reversals=reversals(derived[:, k], threshold[k]) if moves[k] else 0,
+                reversals=reversals(derived[k], threshold[k]) if moves[k] else 0,
                 torque_min=None if tau is None else float(tau.min()),
                 torque_max=None if tau is None else float(tau.max()),
                 position_quantum=steps[k],
@@ -148,7 +145,7 @@ def summarize(log: Log) -> LogSummary:
                 saturated=0 if tau is None else saturated(tau, any_moves, torque_step),
                 stuck=stuck if stuck >= 10 else 0,
                 wraps=int(np.sum(np.abs(np.abs(np.diff(log.q[:, k])) - 2 * np.pi) < 0.5)),
-                velocity_ratio=None if log.dq is None else _ratio(log.dq[:, k], derived[:, k]),
+                velocity_ratio=None if log.dq is None else _ratio(log.dq[:, k], derived[k]),
             )
         )
     return LogSummary(
@@ -157,7 +154,7 @@ def summarize(log: Log) -> LogSummary:
         duration=float(log.t[-1] - log.t[0]),
         sampling=sampling(log.t, log.q),
         moving_share=float(np.mean(any_moves)),
-        held_share=held_share(log.q if log.tau is None else np.hstack([log.q, log.tau])),
+        held_share=held_share(*(x for x in (log.q, log.tau) if x is not None)),
         joints=tuple(joints),
     )
 

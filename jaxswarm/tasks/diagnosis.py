@@ -7,6 +7,7 @@ from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.decision.score import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
 from jaxswarm.diagnose.discovery.discover import discover as find_formulas
+from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.result import place
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
 from jaxswarm.diagnose.run import conclude
@@ -90,6 +91,7 @@ def diagnose(
         result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
         result["findings"] = findings(read)
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
+    refuse_too_large(motions)
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
     unseen = []
     if validation is not None:
@@ -115,6 +117,7 @@ def _against(
     if validation is not None:
         scored, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
         refuse_shared(read, scored)
+    refuse_too_large(motions)
     found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
     result["findings"] = findings(read)

@@ -15,7 +15,7 @@ VALUES = [{"vs": 0.1, "delta": 2.0}]
 def memory_of(residual, share, least):
     memory = Memory(least=least)
     memory.keep(TERM, residual[None], VALUES)
-    memory.judged(TERM, share)
+    memory.explained(TERM, share)
     return memory
 
 
@@ -48,6 +48,6 @@ def test_only_the_first_judgment_counts():
     """It was made on the residuals that are kept."""
     old = np.ones(50)
     memory = memory_of(old, 0.9, 0.2)
-    memory.judged(TERM, 0.0)
+    memory.explained(TERM, 0.0)
     assert memory.recall(TERM, 0.9 * old[None]) is None
-    memory.judged(Term("hysteresis", 1), 0.5)
+    memory.explained(Term("hysteresis", 1), 0.5)

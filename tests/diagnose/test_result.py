@@ -15,9 +15,11 @@ from jaxswarm.diagnose.decision.verdict import verdict
 from jaxswarm.diagnose.report import figures as pictures
 from jaxswarm.diagnose.report.errors import grown
 from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.run import conclude, write_report
+from jaxswarm.drawing import Drawing
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import load_model, model_torque
 from jaxswarm.logs.motion import prepare
@@ -150,7 +152,9 @@ def test_result_is_json_and_every_rejection_has_a_reason(result):
 
 def test_report_is_self_contained_with_an_image_per_effect(found, result, unseen, tmp_path):
     result = {**result, "logs": []}
-    write_report(found, [], result, unseen, tmp_path)
+    with Drawing() as drawing:
+        order_pictures(drawing, found, unseen)
+        write_report(found, [], result, drawing, tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert not re.search(r"(src|href)\s*=\s*\"(?!data:)", page)
     bare = re.sub(r'="data:[^"]*"', "", page)

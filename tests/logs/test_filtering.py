@@ -1,5 +1,8 @@
 """Responses, derivatives and the decimator, against formulas and SciPy's Butterworth."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -10,6 +13,7 @@ from jaxswarm.logs.filtering import (
     derivatives,
     design_decimator,
     noise_floor,
+    power_density,
 )
 from jaxswarm.logs.smoothing import find_cutoffs, smooth
 
@@ -200,6 +204,27 @@ def test_the_found_cutoff_is_near_the_one_that_estimates_acceleration_best():
     for j in range(2):
         best = min(error(f, j) for f in np.geomspace(2.0, 90.0, 30))
         assert error(found.cutoff[j], j) < 1.3 * best
+
+
+@pytest.mark.parametrize("length", [200, 257, 900])
+def test_power_density_is_the_one_of_scipy(length):
+    x = np.cumsum(np.random.default_rng(1).normal(size=(900, 2)), axis=0)
+    frequency, density = power_density(x, RATE, length)
+    expected = signal.welch(x, RATE, nperseg=length, axis=0, detrend="linear")
+    np.testing.assert_allclose(frequency, expected[0])
+    np.testing.assert_allclose(density, expected[1], rtol=1e-9, atol=1e-14)
+
+
+@pytest.mark.parametrize("cutoff", [1.0, 4.3, 10.0, 60.0])
+def test_the_decimating_low_pass_is_the_one_of_scipy(cutoff):
+    length, beta = signal.kaiserord(70.0, 0.5 * cutoff / (0.5 * RATE))
+    taps = signal.firwin(length | 1, cutoff, window=("kaiser", beta), fs=RATE)
+    np.testing.assert_allclose(design_decimator(RATE, cutoff).taps, taps / taps.sum(), atol=1e-14)
+
+
+def test_reading_and_filtering_load_no_statistics():
+    code = "import sys, jaxswarm.identify.predict; sys.exit('scipy.stats' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
 def test_a_velocity_that_belongs_to_another_motion_leaves_the_system_solvable():

@@ -43,9 +43,9 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
     along = stand.rotor(j)
     divided = bool(along.any())
 
-    def curves_at(points: list[_Point], substeps: int) -> np.ndarray:
+    def curves_at(points: list[_Point], substeps: int, own: bool = False) -> np.ndarray:
         parts = [
-            _curves(stand, term, list(group), pi - share * along, substeps)
+            _curves(stand, term, list(group), pi - share * along, substeps, own)
             for share, group in groupby(points, lambda p: p.share)
         ]
         return np.concatenate(parts)
@@ -53,9 +53,8 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
     inertia = float(np.median(np.abs(stand.sensed(j)[0].inertia(stand.pi))))
     lattice = [(o["gap"], o["flank"]) for o in term.law.lattice(inertia)]
     coarse = [_Point(g, s, f) for s in (ROTOR_SHARES if divided else (0.0,)) for g, f in lattice]
-    shares_of = _explained(
-        curves_at(coarse, SUBSTEPS // 2), residual, np.ones(len(residual), dtype=bool), j
-    )
+    curves = curves_at(coarse, SUBSTEPS // 2, own=True)[:, :, 0]
+    shares_of = _explained(curves, residual[:, j])
     if shares_of.max() < 0.5 * _MOST:
         return None
     best = coarse[int(np.argmax(shares_of))]
@@ -63,9 +62,9 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
     fine = [_Point(best.gap * g, s, f) for s in shares for f in _FLANKS for g in _FINE_GAPS]
     curves = curves_at(fine, SUBSTEPS)
     folds = stand.background.folds
-    picks = [int(np.argmax(_explained(curves, residual, f.train, j))) for f in folds]
+    picks = [int(np.argmax(_explained(curves[:, f.train, j], residual[f.train, j]))) for f in folds]
     unseen = [
-        _explained(curves[[pick]], residual, ~fold.train, j)[0]
+        _explained(curves[[pick]][:, ~fold.train, j], residual[~fold.train, j])[0]
         for pick, fold in zip(picks[1:], folds[1:], strict=True)
     ]
     if min(unseen) < _MOST:
@@ -79,27 +78,26 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
     )
 
 
-def _explained(
-    curves: np.ndarray, residual: np.ndarray, rows: np.ndarray, joint: int
-) -> np.ndarray:
-    """Share of the squares of a joint's residual that curves take off on some rows, (m,).
-
-    Curves are (m, T', n), the residual (T', n).
-    """
-    own, target = curves[:, rows, joint], residual[rows, joint]
+def _explained(own: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Share of the squares of a joint's residual (T',) that curves (m, T') of it take off, (m,)."""
     size, inner = (own**2).sum(axis=1), np.maximum(own @ target, 0.0)
     return inner**2 / np.maximum(size * (target @ target), 1e-300)
 
 
 def _curves(
-    stand: Linearization, term: Term, points: list[_Point], pi: np.ndarray, substeps: int
+    stand: Linearization,
+    term: Term,
+    points: list[_Point],
+    pi: np.ndarray,
+    substeps: int,
+    own: bool = False,
 ) -> np.ndarray:
-    """Torque (m, T', n) that the link changes for each of the points, all logs."""
+    """Torque (m, T', n) that the link changes for each of the points, all logs; its own (m, T', 1)."""
     motions, sensed = stand.found.motions, stand.sensed(term.joint)
     options = [{"gap": p.gap, "flank": p.flank} for p in points]
     terms = stand.found.model.terms
     parts = [
-        lag_torque(motion, own, pi[None], *gears(term.law, options, own, pi), substeps, terms)
-        for motion, own in zip(motions, sensed, strict=True)
+        lag_torque(motion, one, pi[None], *gears(term.law, options, one, pi), substeps, terms, own)
+        for motion, one in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

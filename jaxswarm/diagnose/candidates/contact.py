@@ -14,7 +14,8 @@ _SHORTEST, _LENGTHS = 3, 32
 
 def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
     """The window whose constant torques explain most, found on running sums of the residual."""
-    regression, residual = stand.found.regression, stand.background.whole.residual
+    regression = stand.found.regression
+    residual = stand.background.as_event(stand.background.whole.residual)
     total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
     best, pick = 0.0, None
     for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):

@@ -9,17 +9,12 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.columns import Load, rigid_columns, term_columns
-from jaxswarm.identify.forward.link_lag import link_motion
-from jaxswarm.identify.forward.measuring_chain import (
-    assemble,
-    moves_links,
-    report,
-    report_own,
-    tilted,
-)
+from jaxswarm.identify.forward.body import body_along, moves_links, tilted
+from jaxswarm.identify.forward.columns import rigid_columns, term_columns
+from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
+from jaxswarm.identify.forward.torque_along import torque_along
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9
@@ -36,21 +31,14 @@ class Linearization:
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = tilted(model.robot, model.terms)
         self.loads, self.outputs, self.moved = [], [], []
-        plain = not moves_links(model.terms)
         for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
             own = model.during(k)
-            if plain:
-                moved, full, static = (motion.q, motion.dq, motion.ddq), rigid.full, rigid.static
-            else:
-                moved = link_motion(self.arm, model.terms, motion, self.pi, rigid)
-                full = rigid_columns(self.arm, *moved)
-                static = rigid_columns(self.arm, moved[0], moved[1], np.zeros_like(moved[2]))
-            self.loads.append(Load(full @ self.pi, static @ self.pi))
+            body = body_along(model.robot, model.terms, motion, self.pi, rigid)
+            self.loads.append(body.load())
             self.outputs.append(
-                assemble(own.robot, own.terms, motion, own.width, self.pi, rigid)
-                @ linear_values(own)
+                torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
             )
-            self.moved.append(moved)
+            self.moved.append(body.moved)
 
     def carried(self, k: int) -> np.ndarray:
         """Rigid columns (T, n, 10 n) of a log, in the gravity and motion of the model's links."""

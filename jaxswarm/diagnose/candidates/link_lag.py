@@ -1,8 +1,10 @@
 """The torque that a link behind its motor changes, for many values of its parameters at once."""
 
 from dataclasses import replace
+from functools import partial
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
@@ -11,7 +13,7 @@ from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.measuring_chain import report
+from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
 
@@ -29,6 +31,7 @@ def lag_torque(
     gap: np.ndarray,
     substeps: int = 2,
     terms: tuple[Term, ...] = (),
+    own: bool = False,
 ) -> np.ndarray:
     """Decimated torque (m, T', n) that a lagging link changes, for m options with their parameters.
 
@@ -39,29 +42,43 @@ def lag_torque(
         k, d, gap: Stiffness, damping and dead zone, each (m,).
         substeps: Integration steps per sample.
         terms: The model's, whose drives report the torque.
+        own: Whether the torque of the joint itself is enough: (m, T', 1).
     """
-    torque, by_q, by_dq, by_ddq = (np.moveaxis(x, 2, 0) for x in sensed.at(pis))
+    joint, rows = sensed.joint, slice(None)
+    if own:
+        joint, rows = 0, slice(sensed.joint, sensed.joint + 1)
+    torque, by_q, by_dq, by_ddq = sensed.at(pis, rows)
+    felt = filled(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)))
+    lags = _lags(*felt, k, d, gap, 1.0 / motion.rate, substeps)
+    e, v, a = (np.asarray(x)[: len(motion.t)] for x in lags)
+    # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
+    alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
+    e, v, a = (np.where(alive, x, 0.0)[:, None] for x in (e, v, a))
+    change = e * by_q
+    change += v * by_dq
+    change += a * by_ddq
+    told = report_own(terms, motion, change[:, 0], sensed.joint) if own else change
+    told = told[:, None] if own else report(terms, motion, told)
+    return -np.moveaxis(motion.decimator.apply(told), 2, 0)
+
+
+@partial(jax.jit, static_argnames="substeps")
+def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, step, substeps):
+    """Lags (T, m) and their derivatives of m options; see :func:`deflection`."""
 
     def lag(tau, s, c, m, k, d, gap):
-        return deflection(m, c, s, tau, k, d, gap, 1.0 / motion.rate, substeps)
+        return deflection(m, c, s, tau, k, d, gap, step, substeps)
 
-    shape = (len(k), len(motion.t))
-    own = [np.broadcast_to(x[:, :, sensed.joint], shape) for x in (torque, by_q, by_dq, by_ddq)]
-    lags = jax.vmap(lag)(*filled(own, axis=1), k, d, gap)
-    e, v, a = (np.asarray(x)[:, : len(motion.t)] for x in lags)
-    # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
-    alive = np.isfinite(a).all(axis=1) & (np.abs(e).max(axis=1) < _MOST_LAG)
-    e, v, a = (np.where(alive[:, None], x, 0.0)[:, :, None] for x in (e, v, a))
-    change = -(e * by_q + v * by_dq + a * by_ddq)
-    told = report(terms, motion, np.moveaxis(change, 0, 2))
-    return np.moveaxis(motion.decimator.apply(told), 2, 0)
+    driven = (jnp.broadcast_to(x, (len(x), len(k))) for x in (torque, by_q, by_dq, by_ddq))
+    return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0), out_axes=1)(*driven, k, d, gap)
 
 
 def gears(
     law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
-    inertia = np.asarray(sensed.inertia(pi))
+    # A gear is as stiff as the median inertia asks for: taken once, not for every option.
+    inertia = np.median(np.abs(sensed.inertia(pi)), keepdims=True)
     found = [law.gear(option, inertia) for option in options]
     return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
 

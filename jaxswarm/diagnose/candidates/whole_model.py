@@ -1,22 +1,23 @@
 """Candidates that change the whole model: its gravity, what it carries, how its torque is written down."""
 
 from dataclasses import replace
+from functools import partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.window import windowed_candidate
 from jaxswarm.effects.distortion import distortion_columns
-from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
 from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.identify.forward.body import body_basis
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
-from jaxswarm.identify.forward.measuring_chain import body_basis, report_own
+from jaxswarm.identify.forward.measuring_chain import report_own
 from jaxswarm.identify.forward.placement import placement_columns
 
 
@@ -36,19 +37,9 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
             output = output[:, term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
         ends = 2 * output[[0, -1]] - output[[1, -2]]
-        longer = jnp.asarray(filled(np.concatenate([ends[:1], output, ends[1:]])))
-        start = {name: jnp.asarray(value, float) for name, value in neutral.items()}
-
-        def slope(name):
-            to = law.probe.get(name)
-            if to is None:
-                one = jax.jacfwd(lambda x: law.report({**start, name: x}, longer, step))
-                return one(start[name])
-            way = to - neutral[name]
-            return (law.report({**start, name: to}, longer, step) - longer) / way
-
-        own = slice(1, 1 + len(output))
-        return np.stack([np.asarray(slope(p.name))[own] for p in law.parameters], axis=-1)
+        longer = filled(np.concatenate([ends[:1], output, ends[1:]]))
+        slope, own = _report_slopes(law, _numbers(neutral), longer, step), slice(1, 1 + len(output))
+        return np.stack([np.asarray(slope[p.name])[own] for p in law.parameters], axis=-1)
 
     low = stand.low(slopes)
     if term.joint is None:
@@ -58,20 +49,46 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
 
 
+# Whole programs: each operation by itself would be traced, lowered and loaded on its own.
+@partial(jax.jit, static_argnames="law")
+def _report_slopes(law: MeasurementLaw, values: dict, x: jax.Array, step: float) -> dict:
+    """How a torque is written down by each parameter: a derivative, or a difference to its probe."""
+
+    def slope(name):
+        to = law.probe.get(name)
+        if to is None:
+            return jax.jacfwd(lambda one: law.report({**values, name: one}, x, step))(values[name])
+        return (law.report({**values, name: to}, x, step) - x) / (to - values[name])
+
+    return {p.name: slope(p.name) for p in law.parameters}
+
+
+@partial(jax.jit, static_argnames="law")
+def _gravity_slopes(law: BodyChange, values: dict, gravity: jax.Array) -> dict:
+    return jax.jacfwd(lambda p: law.gravity(p, gravity))(values)
+
+
+def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
+    """Values that are data of a program, and no constants of it."""
+    return {name: np.float64(value) for name, value in values.items()}
+
+
 def _distorted(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
-    own = distortion_columns(term.law, stand.outputs[k][:, term.joint])
+    torque = stand.outputs[k][:, term.joint]
+    own = distortion_columns(term.law, filled(torque))[: len(torque)]
     terms = stand.found.model.terms
     return report_own(terms, stand.found.motions[k], own, term.joint)
 
 
 def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
-    along = read_motion(term, stand.found.motions[k])
+    motion = stand.found.motions[k]
+    along, own = filled(read_motion(term, motion)), slice(len(motion.t))
     slopes = misreading_slopes(term.law, term.law.neutral(), along)
     by = stand.sensed(term.joint)[k].at(stand.pi)[1:]
     columns = [
-        -sum(x * np.asarray(e[p.name])[:, None] for x, e in zip(by, slopes, strict=True))
+        -sum(x * np.asarray(e[p.name])[own, None] for x, e in zip(by, slopes, strict=True))
         for p in term.law.parameters
     ]
     return np.stack(columns, axis=2)
@@ -101,8 +118,8 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
 
 def _directions(stand: Linearization, term: Term) -> np.ndarray:
     """Change of gravity by each parameter, (p, 3)."""
-    start = {n: jnp.asarray(x, float) for n, x in term.law.neutral().items()}
-    slopes = jax.jacfwd(lambda p: term.law.gravity(p, jnp.asarray(stand.arm.gravity)))(start)
+    gravity = np.asarray(stand.arm.gravity, float)
+    slopes = _gravity_slopes(term.law, _numbers(term.law.neutral()), gravity)
     return np.stack([np.asarray(slopes[p.name]) for p in term.law.parameters])
 
 
@@ -139,7 +156,7 @@ def _by_gravity(stand: Linearization, directions: np.ndarray) -> list[np.ndarray
         return memory.gravity[places][1]
 
     def columns(gravity):
-        arm = stand.arm.replace(gravity=jnp.asarray(gravity))
+        arm = stand.arm.replace(gravity=np.asarray(gravity))
 
         def rows(k):
             q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])

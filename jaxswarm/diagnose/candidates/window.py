@@ -13,6 +13,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.lengths import filled
 
 # Points of time per log between which windows lie, on the first look and on the second around the best,
 # and the least share of a log that a window holds: two of the blocks that decide on it.
@@ -41,7 +42,7 @@ def windowed_candidate(stand: Linearization, term: Term, columns: np.ndarray) ->
     t, log = stand.found.regression.t, stand.found.regression.log
 
     def within(window):
-        weight = np.asarray(term.law.weight(window, t)) * (log == window["log"])
+        weight = np.asarray(term.law.weight(window, filled(t)))[: len(t)] * (log == window["log"])
         return weight[:, None, None] * columns
 
     placed = replace(term, values={p.name: values[0][p.name] for p in term.law.nonlinear})

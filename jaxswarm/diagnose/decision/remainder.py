@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import row_noise
@@ -84,7 +83,11 @@ def _windows(found: Estimate, over: np.ndarray) -> tuple:
 
 def _band(found: Estimate, own: np.ndarray) -> tuple[float, float]:
     rows = found.regression.log == found.regression.log[0]
-    frequency, power = signal.periodogram(own[rows], 1.0 / found.regression.step[0])
+    left = own[rows] - own[rows].mean()
+    frequency = np.fft.rfftfreq(len(left), found.regression.step[0])
+    power = np.abs(np.fft.rfft(left)) ** 2
+    # All but these two have a twin among the negative frequencies.
+    power[1 : None if len(left) % 2 else -1] *= 2.0
     grown = np.cumsum(power)
     if grown[-1] <= 0.0:
         return (0.0, 0.0)

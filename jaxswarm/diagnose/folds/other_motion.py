@@ -6,7 +6,6 @@ time. What a wrong law has learned in one region it gets wrong in another.
 """
 
 import numpy as np
-from scipy.cluster.vq import kmeans2
 
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -16,6 +15,8 @@ _GROUPS, _LEAST_ROWS = (6, 4, 3), 15
 
 def regions(found: Estimate) -> np.ndarray | None:
     """Region of every row, (T,); None where the log is too short for any."""
+    from scipy.cluster.vq import kmeans2  # asked for only where something is about to be added
+
     states = []
     for motion in found.motions:
         kept = motion.decimator.kept(len(motion.t))

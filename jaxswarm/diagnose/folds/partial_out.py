@@ -93,6 +93,7 @@ class CrossFit:
         effective: Independent residuals in the data.
         noise: Standard deviation of the torque's noise, (n,).
         size: RMS of the torque, (n,).
+        plain: ``weight`` as if the motion were known alike in all rows.
         structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
     """
 
@@ -103,6 +104,7 @@ class CrossFit:
     effective: float
     noise: np.ndarray
     size: np.ndarray
+    plain: np.ndarray
     structure: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -114,6 +116,10 @@ class CrossFit:
         """The stage of a model that has further weighted columns, given for every fold."""
         whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
         return replace(self, whole=whole, halves=tuple(halves), structure={})
+
+    def as_event(self, rows: np.ndarray) -> np.ndarray:
+        """Weighted rows (T, n) in plain weights: an event has sharp edges without any doubt of motion."""
+        return rows * np.divide(self.plain, self.weight, where=self.weight > 0, out=0.0 * rows)
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
         """Columns (T, n, k) in units of the noise."""
@@ -152,7 +158,11 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     whole, first, second = (replace(fold, solve=fold.solve[:size]) for fold in folds)
     torque_size = np.sqrt((regression.torque**2).mean(axis=0))
     halves = (first, second)
-    return CrossFit(weight, block, whole, halves, error.size / length, noise_of(found), torque_size)
+    used = 1.0 if regression.used is None else regression.used[:, None]
+    return CrossFit(
+        weight, block, whole, halves, error.size / length, noise_of(found), torque_size,
+        robust_weight(solution.residual) * used,
+    )  # fmt: skip
 
 
 def width_slopes(found: Estimate) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what remains."""
+"""The pictures of a diagnosis: the ladder of errors, the evidence for each effect, what no law explains."""
 
 from textwrap import wrap
 
@@ -9,7 +9,6 @@ from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.stages import stages
-from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -119,29 +118,6 @@ def _bars(axis, stages: list[dict], j: int, floor: float) -> None:
     axis.set_xlim(0, 2.1 * max(max(rms), floor) or 1.0)
     axis.locator_params(axis="x", nbins=4)
     axis.tick_params(labelsize=9)
-
-
-def remaining(diagnosis: Diagnosis, title: str) -> Figure:
-    """Final residual against position, velocity, acceleration, load and time."""
-    found = diagnosis.final
-    motion, regression = found.motions[0], found.regression
-    kept = motion.decimator.kept(len(motion.t))
-    rows = regression.log == 0
-    own = Model(found.model.robot, (), found.model.width, found.model.filtering, found.model.sigma)
-    load = model_torque(own, motion)[kept]
-    return plots.residual_dependence(
-        found.fit.residual[rows],
-        {
-            "q": motion.q[kept],
-            "dq": motion.dq[kept],
-            "ddq": motion.ddq[kept],
-            "load": load,
-            "time [s]": motion.t[kept],
-        },
-        found.model.robot.joints,
-        units(found.model.robot),
-        title,
-    )
 
 
 def structure(item: Unexplained, residual: np.ndarray, joint: str, unit: str) -> Figure:

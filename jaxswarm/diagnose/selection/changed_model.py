@@ -15,8 +15,8 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
+from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import rigid_columns
-from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 

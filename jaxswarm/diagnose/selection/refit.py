@@ -11,7 +11,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths
-from jaxswarm.identify.forward.measuring_chain import tilted
+from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.regression import Diverged
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 

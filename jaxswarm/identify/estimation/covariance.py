@@ -5,6 +5,8 @@ from scipy import linalg
 
 # Rows with more leverage than this are fitted whatever they hold.
 _MOST_LEVERAGE = 0.9
+# Rows that are worked on at a time.
+_ROWS = 4096
 
 
 def correlation_length(error: np.ndarray, log: np.ndarray) -> float:
@@ -23,13 +25,35 @@ def correlation_length(error: np.ndarray, log: np.ndarray) -> float:
     return total
 
 
-def sandwich(factor, scores, error, log) -> tuple[np.ndarray, float]:
-    """Newey-West covariance of the base parameters, and the effective number of samples."""
+def scored(
+    factor: np.ndarray, columns: np.ndarray, kept: np.ndarray, sigma: np.ndarray, error: np.ndarray
+) -> np.ndarray:
+    """Rows u (T, b) of the sandwich: leave-one-out residuals along the orthogonal factor of the columns.
+
+    A row that decides a parameter alone hides its own error: by its leverage it is made good.
+
+    Args:
+        factor: Triangular factor of the weighted base columns, (b, b).
+        columns: Of all parameters, (T, n, p); ``kept`` (b,) are those of the base.
+        sigma: Standard deviations of the joints, (n,).
+        error: Residual over ``sigma``, (T, n).
+    """
+    u = np.empty((len(error), len(kept)))
+    for start in range(0, len(error), _ROWS):
+        rows = slice(start, start + _ROWS)
+        weighted = columns[rows][:, :, kept] / sigma[:, None]
+        flat = weighted.reshape(-1, len(kept)).T
+        q = linalg.solve_triangular(factor, flat, trans="T", check_finite=False).T
+        q = q.reshape(weighted.shape)
+        leverage = np.minimum((q**2).sum(axis=2), _MOST_LEVERAGE)
+        u[rows] = np.einsum("tjb,tj->tb", q, error[rows] / (1.0 - leverage))
+    return u
+
+
+def sandwich(factor, u, error, log) -> tuple[np.ndarray, float]:
+    """Newey-West covariance of the base parameters from :func:`scored`, and the effective samples."""
     length, size = len(error), factor.shape[0]
     inflation = correlation_length(error, log)
-    # A row that decides a parameter alone hides its own error: leave-one-out residuals.
-    leverage = np.minimum((scores**2).sum(axis=2), _MOST_LEVERAGE)
-    u = np.einsum("tjb,tj->tb", scores, error / (1.0 - leverage))
     # Andrews' automatic lag for a first-order process of the measured correlation length.
     rho = (inflation - 1.0) / (inflation + 1.0)
     lag_limit = int(

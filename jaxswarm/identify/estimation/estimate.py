@@ -25,9 +25,9 @@ from jaxswarm.identify.estimation.gauss_newton import (
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.estimation.sign_width import best_widths, width_groups, width_range
 from jaxswarm.identify.estimation.usable import check_usable
+from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
-from jaxswarm.identify.forward.measuring_chain import tilted
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty

@@ -19,9 +19,16 @@ from jaxswarm.identify.estimation.free_parameters import (
     with_values,
     write,
 )
-from jaxswarm.identify.estimation.least_squares import Fit, fit, weighted_cost
+from jaxswarm.identify.estimation.least_squares import (
+    Fit,
+    compress,
+    fit,
+    triangular_factor,
+    weighted_cost,
+)
+from jaxswarm.identify.forward.body import moves_links
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, moves_links, term_block, uses_load
+from jaxswarm.identify.forward.measuring_chain import assemble, term_block, uses_load
 from jaxswarm.identify.forward.regression import Diverged, Regression, build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -172,12 +179,16 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     )
     if regression.used is not None:
         slopes[~regression.used] = 0.0
-    columns = np.concatenate([regression.columns[:, :, solution.base.kept], slopes], axis=2)
-    weighted = (columns / solution.sigma[:, None]).reshape(-1, columns.shape[2])
-    scale = np.linalg.norm(weighted, axis=0)
+    # Joint by joint, so that no weighted copy of all rows is made.
+    factors = []
+    for j, sigma in enumerate(solution.sigma):
+        kept = regression.columns[:, j, solution.base.kept]
+        factors.append(compress(np.hstack([kept, slopes[:, j]]), solution.residual[:, j]) / sigma)
+    triangle = triangular_factor(np.concatenate(factors))
+    matrix, target = triangle[:, :-1], triangle[:, -1]
+    scale = np.linalg.norm(matrix, axis=0)
     scale[scale == 0] = 1.0
-    target = (solution.residual / solution.sigma).ravel()
-    step = np.linalg.lstsq(weighted / scale, target, rcond=1e-8)[0] / scale
+    step = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
     return np.clip(step[-len(moving) :], -0.2, 0.2)
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from scipy import linalg, optimize
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
-from jaxswarm.identify.estimation.covariance import sandwich
+from jaxswarm.identify.estimation.covariance import sandwich, scored
 from jaxswarm.identify.forward.regression import Regression
 
 _BLOCK_ROWS = 512
@@ -179,17 +179,15 @@ def fit(
     for _ in range(1 if fixed else 5):
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
-        residual = regression.target - regression.columns[:, :, base.kept] @ values
+        residual = regression.target - regression.columns @ base.expand(values)
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
             sigma = np.maximum(new, 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12))
     size = base.size
     factor, target = triangle[:size, :size], triangle[:size, size]
-    weighted = (regression.columns[:, :, base.kept] / sigma[:, None]).reshape(-1, size)
-    scores = linalg.solve_triangular(factor, weighted.T, trans="T", check_finite=False).T
-    scores = scores.reshape(len(residual), joints, size)
     error = residual / sigma
-    covariance, effective = sandwich(factor, scores, error, regression.log)
+    u = scored(factor, regression.columns, base.kept, sigma, error)
+    covariance, effective = sandwich(factor, u, error, regression.log)
     covariance[at_bound, :] = 0.0
     covariance[:, at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
@@ -209,10 +207,15 @@ def fit(
     )
 
 
-def values_on(regression: Regression, like: Fit) -> np.ndarray:
-    """Base parameters (b,) of other rows, in the basis, with the weights and within the bounds of a fit."""
-    pick = np.append(like.base.kept, len(regression.names))
-    factors = [f[:, pick] for f in joint_factors(regression)]
+def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:
+    """Base parameters (b,) of other rows, in the basis, with the weights and within the bounds of a fit.
+
+    Args:
+        factors: Of those rows, :func:`joint_factors`.
+        like: The fit.
+    """
+    pick = np.append(like.base.kept, len(like.base.names))
+    factors = [f[:, pick] for f in factors]
     size = like.base.size
     free = np.full(size, np.inf)
     low = -free if like.lower is None else like.lower

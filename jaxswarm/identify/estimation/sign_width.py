@@ -8,7 +8,6 @@ logs: own widths left 3 to 13 times the error of shared ones on unseen motion).
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -72,7 +71,8 @@ def best_widths(
     regression = build_regression(robot, terms, motions, _USUAL * scale, pi, rigids)
     costs, sigma = [], None
     for part in grid:
-        columns, k = regression.columns.copy(), 10 * robot.num_joints
+        # All that depends on the width is written anew for each.
+        columns, k = regression.columns, 10 * robot.num_joints
         for term in terms:
             size = len(term.columns(robot.joints))
             if term.law.uses_direction:
@@ -85,7 +85,7 @@ def best_widths(
             k += size
         if regression.used is not None:
             columns[~regression.used] = 0.0
-        solution = fit(replace(regression, columns=columns), sigma=sigma)
+        solution = fit(regression, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(((solution.residual / sigma) ** 2).sum(axis=0))
     parts = np.full(robot.num_joints, _USUAL)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import values_on
+from jaxswarm.identify.estimation.least_squares import joint_factors, values_on
 from jaxswarm.identify.forward.metrics import is_moving, torque_errors
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
@@ -62,11 +62,15 @@ def held_out_residual(
     regression, solution = found.regression, found.fit
     block = time_blocks(regression.log, count) if block is None else block
     residual = np.empty_like(solution.residual)
-    for b in np.unique(block):
+    # Each block is factored once: what is left without it is the factors of all others.
+    numbers = np.unique(block)
+    factors = {b: joint_factors(regression.rows(block == b)) for b in numbers}
+    for b in numbers:
+        others = [factors[k] for k in numbers if k != b]
+        values = values_on([np.concatenate(parts) for parts in zip(*others, strict=True)], solution)
         out = block == b
-        values = values_on(regression.rows(~out), solution)
-        columns = regression.columns[out][:, :, solution.base.kept]
-        residual[out] = regression.target[out] - columns @ values
+        columns = regression.columns[out]
+        residual[out] = regression.target[out] - columns @ solution.base.expand(values)
     return residual
 
 

@@ -7,11 +7,10 @@ load torque enter as given numbers. Torque and columns then pass the same decima
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.kinds import TorqueLaw
@@ -19,12 +18,16 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import regressor, standard_parameter_names
 from jaxswarm.robot.model import Robot
 
 # Samples evaluated in one call: one compiled program for logs of any length, bounded memory.
 _CHUNK = 2048
+# Samples whose columns stand in memory at a time where only what follows from them is kept, and numbers
+# of a log's columns that are kept nevertheless, because they are asked for again and again.
+_BLOCK, _KEPT = 8 * _CHUNK, 64_000_000
 
 
 class _Kinematics:
@@ -62,40 +65,99 @@ def _law(law: TorqueLaw, nonlinear: dict, series: Sample) -> jax.Array:
 
 def rigid_columns(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
     """Columns of the standard parameters, shape (T, n, 10 n), for (T, n) motion."""
-    size, chunk = len(q), _CHUNK
-    padded = [np.concatenate([x, np.repeat(x[-1:], -size % chunk, axis=0)]) for x in (q, dq, ddq)]
-    kinematics, gravity = _Kinematics(robot), jnp.asarray(robot.gravity, float)
+    kinematics, gravity = _Kinematics(robot), np.asarray(robot.gravity, float)
+    size, n = q.shape
+    columns = np.empty((size, n, 10 * n))
+    for start in range(0, size, _CHUNK):
+        part = [x[start : start + _CHUNK] for x in (q, dq, ddq)]
+        count = len(part[0])
+        if count < _CHUNK:
+            part = [np.concatenate([x, np.repeat(x[-1:], _CHUNK - count, axis=0)]) for x in part]
+        columns[start : start + count] = np.asarray(_rigid(kinematics, gravity, *part))[:count]
+    return columns
+
+
+def rigid_torque(
+    robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, pi: np.ndarray
+) -> np.ndarray:
+    """Rigid-body torque (T, n) for parameters (10 n,); the columns of a part of the log at a time."""
+    torque = np.empty(q.shape)
+    for start in range(0, len(q), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        torque[part] = rigid_columns(robot, q[part], dq[part], ddq[part]) @ pi
+    return torque
+
+
+def low_columns(
+    robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, decimator: Decimator
+) -> np.ndarray:
+    """Decimated rigid columns (T', n, 10 n); those of a part of the log at a time."""
     parts = [
-        np.asarray(_rigid(kinematics, gravity, *(x[k : k + chunk] for x in padded)))
-        for k in range(0, len(padded[0]), chunk)
+        decimator.apply(rigid_columns(robot, q[part], dq[part], ddq[part]))
+        for part in decimator.blocks(len(q), _BLOCK)
     ]
-    return np.concatenate(parts)[:size]
+    return np.concatenate(parts)
 
 
 @dataclass(frozen=True)
 class Rigid:
     """Rigid-body columns of one log, kept because every model on it needs them.
 
+    Those on the working clock, a few hundred times as large as the motion, are made where they are asked
+    for; a torque does not ask for those of a long log.
+
     Attributes:
-        full: On the working clock, shape (T, n, 10 n).
+        robot: What they are made with.
+        motion: The log.
         low: Through the decimator, shape (T', n, 10 n).
-        static: On the working clock, without acceleration.
-        gravity: What they were made with, (3,).
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
     """
 
-    full: np.ndarray
+    robot: Robot
+    motion: Motion
     low: np.ndarray
-    static: np.ndarray
-    gravity: np.ndarray
     sensed: dict = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """What they are made with, (3,)."""
+        return np.asarray(self.robot.gravity)
+
+    @cached_property
+    def full(self) -> np.ndarray:
+        """On the working clock, shape (T, n, 10 n)."""
+        return rigid_columns(self.robot, self.motion.q, self.motion.dq, self.motion.ddq)
+
+    @cached_property
+    def static(self) -> np.ndarray:
+        """On the working clock, without acceleration."""
+        rest = np.zeros_like(self.motion.ddq)
+        return rigid_columns(self.robot, self.motion.q, self.motion.dq, rest)
+
+    @property
+    def _long(self) -> bool:
+        return self.motion.q.size * 10 * self.robot.num_joints > _KEPT
+
+    def torque(self, pi: np.ndarray) -> np.ndarray:
+        """Rigid-body torque (T, n) for parameters (10 n,)."""
+        if not self._long:
+            return self.full @ pi
+        motion = self.motion
+        return rigid_torque(self.robot, motion.q, motion.dq, motion.ddq, pi)
+
+    def load(self, pi: np.ndarray) -> "Load":
+        """Load torque for rigid parameters (10 n,)."""
+        if not self._long:
+            return Load(self.torque(pi), self.static @ pi)
+        motion = self.motion
+        rest = np.zeros_like(motion.ddq)
+        return Load(self.torque(pi), rigid_torque(self.robot, motion.q, motion.dq, rest, pi))
 
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
     """The rigid-body columns of a log in nominal gravity and motion."""
-    full = rigid_columns(robot, motion.q, motion.dq, motion.ddq)
-    static = rigid_columns(robot, motion.q, motion.dq, np.zeros_like(motion.ddq))
-    return Rigid(full, motion.decimator.apply(full), static, np.asarray(robot.gravity))
+    moved = (motion.q, motion.dq, motion.ddq)
+    return Rigid(robot, motion, low_columns(robot, *moved, motion.decimator))
 
 
 class Load(NamedTuple):
@@ -112,9 +174,11 @@ class Load(NamedTuple):
     whole: np.ndarray | None = None
 
 
-def load_of(full: np.ndarray, static: np.ndarray, pi: np.ndarray) -> Load:
-    """Load torque for rigid parameters ``pi`` (10 n,), from columns with and without acceleration."""
-    return Load(full @ pi, static @ pi)
+def load_along(arm: Robot, moved: Sequence[np.ndarray], pi: np.ndarray) -> Load:
+    """Load torque along a motion (q, dq, ddq) of the links, for rigid parameters (10 n,)."""
+    q, dq, ddq = moved
+    rest = rigid_torque(arm, q, dq, np.zeros_like(ddq), pi)
+    return Load(rigid_torque(arm, q, dq, ddq, pi), rest)
 
 
 def direction(dq: np.ndarray, width: float) -> np.ndarray:

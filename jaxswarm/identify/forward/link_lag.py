@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from functools import partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from scipy import ndimage
 
@@ -68,7 +67,7 @@ def flank_compression(
 
 def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
     """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
-    values = {n: jnp.asarray(x) for n, x in _values(term).items()}
+    values = {n: np.float64(x) for n, x in _values(term).items()}
     return term.law.gear(values, np.asarray(inertia))
 
 
@@ -84,7 +83,7 @@ def link_motion(
     for term in of_kind(terms, MeasurementLaw):
         if term.law.excess is not None:
             for x, e in zip((q, dq, ddq), excess_of(term, motion, _values(term)), strict=True):
-                x[:, term.joint] -= np.asarray(e)
+                x[:, term.joint] -= e
     for term in of_kind(terms, TransmissionLaw):
         lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
@@ -92,9 +91,10 @@ def link_motion(
     return q, dq, ddq
 
 
-def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[jax.Array, ...]:
+def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[np.ndarray, ...]:
     """What an encoder says too much along a log, and its two derivatives, each (T,)."""
-    return misreading(term.law, dict(values), read_motion(term, motion))
+    along = misreading(term.law, dict(values), filled(read_motion(term, motion)))
+    return tuple(np.asarray(e)[: len(motion.t)] for e in along)
 
 
 def read_motion(term: Term, motion: Motion) -> tuple[np.ndarray, ...]:

@@ -5,12 +5,10 @@ The order in which a torque comes about fixes the order here: the links move beh
 (:class:`TorqueLaw`, :class:`ExternalTorque`), and the drives write them down (:class:`MeasurementLaw`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import singledispatch
-from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
@@ -25,40 +23,17 @@ from jaxswarm.effects.kinds import (
 from jaxswarm.effects.measurement import shift
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.columns import Load, Rigid, load_of, rigid_columns, term_columns
+from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
+from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.identify.forward.placement import placement_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
 
-def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
-    """The robot in the gravity its terms say."""
-    for term in of_kind(terms, BodyChange):
-        if term.law.gravity is not None:
-            gravity = term.law.gravity(term.values, jnp.asarray(robot.gravity))
-            robot = robot.replace(gravity=gravity)
-    return robot
-
-
 def uses_load(terms: tuple[Term, ...]) -> bool:
     """Whether a term's columns depend on the rigid torque."""
     return any(t.law.uses_load for t in terms)
-
-
-def moves_links(terms: tuple[Term, ...]) -> bool:
-    """Whether a term changes the rigid columns themselves."""
-    return any(t.law.changes_rigid_columns for t in terms)
-
-
-class _Body(NamedTuple):
-    """A rigid body on its way: the arm in its gravity, motion of the links, parameters and their columns."""
-
-    arm: Robot
-    moved: tuple[np.ndarray, ...]
-    pi: np.ndarray
-    columns: np.ndarray
 
 
 def assemble(
@@ -87,71 +62,101 @@ def assemble(
         Standard parameters first, then the linear parameters of the terms in their order.
     """
     low = motion.decimator.apply if decimate else np.asarray
-    measured = of_kind(terms, MeasurementLaw)
-    if moves_links(terms) or rigid is None:
-        arm, kept = tilted(robot, terms), None
-        moved = link_motion(arm, terms, motion, pi, rigid)
-        full = rigid_columns(arm, *moved)
-        static = None
+    body = body_along(robot, terms, motion, pi, rigid)
+    load = body.load() if uses_load(terms) else None
+    if distorted(terms):
+        names = [term.linear_names(motion.joints) for term in terms]
+        values = [
+            np.array([t.values.get(name, 0.0) for name in own])
+            for t, own in zip(terms, names, strict=True)
+        ]
+        load = load._replace(whole=true_torque(terms, values, body, width, load))
+    if decimate and not of_kind(terms, MeasurementLaw):
+        parts = [body.low]
     else:
-        arm, moved = robot, (motion.q, motion.dq, motion.ddq)
-        full, static = rigid.full, rigid.static
-        kept = rigid.low if decimate and not measured else None
-    load = None
-    if uses_load(terms):
-        if static is None:
-            static = rigid_columns(arm, moved[0], moved[1], np.zeros_like(moved[2]))
-        load = load_of(full, static, pi)
-    body = _Body(arm, moved, pi, full)
-    if any(t.law.distortion for t in measured):
-        load = load._replace(whole=_whole_torque(terms, motion, width, load, body))
-
-    parts = [kept if kept is not None else low(full)]
-    if measured:
-        parts = [low(report(terms, motion, full))]
+        parts = [low(report(terms, motion, body.columns))]
     for term in terms:
         if term.columns(robot.joints):
-            block = _supplied(term, motion, width, load, body)
+            block = _block(terms, term, body, width, load, low)
             here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
-            parts.append(low(report(terms, motion, block if here else 0.0 * block)))
+            parts.append(block if here else np.zeros_like(block))
     return np.concatenate(parts, axis=2)
 
 
-def _whole_torque(
+def distorted(terms: tuple[Term, ...]) -> bool:
+    """Whether drives write down something that follows from the true torque, and is not linear in it."""
+    return any(_distorts(t) for t in terms)
+
+
+def _distorts(term: Term) -> bool:
+    return isinstance(term.law, MeasurementLaw) and term.law.distortion is not None
+
+
+def true_torque(
     terms: tuple[Term, ...],
-    motion: Motion,
+    values: Sequence[np.ndarray],
+    body: Body,
     width: Sequence[float],
-    load: Load,
-    body: _Body,
+    load: Load | None,
 ) -> np.ndarray:
-    """Torque (T, n) that drives distort: of the rigid body and of all terms by the values they have."""
-    whole = load.full.copy()
-    for term in terms:
-        if not (isinstance(term.law, MeasurementLaw) and term.law.distortion):
-            names = term.linear_names(motion.joints)
-            values = np.array([term.values.get(name, 0.0) for name in names])
-            whole += _supplied(term, motion, width, load, body) @ values
+    """Torque (T, n) that drives report: of the rigid body and of all terms but those that distort it.
+
+    Args:
+        terms: The model's.
+        values: Of each term's linear parameters, (k,).
+        body: The rigid body.
+        width: Width of the smooth sign.
+        load: Its load torque, where a term asks for it.
+    """
+    whole = body.torque(body.pi) if load is None else load.full.copy()
+    for term, own in zip(terms, values, strict=True):
+        if not len(own) or _distorts(term):
+            continue
+        if isinstance(term.law, TorqueLaw):
+            whole[:, term.joint] += term_columns(term, body.motion, width, load) @ own
+        elif isinstance(term.law, BodyChange) and term.law.window:
+            # The torque of a body, so that the columns of a long log need not stand in memory.
+            pi = np.zeros(len(body.pi))
+            pi[-10:] = body_basis(term.law) @ own
+            whole += carried(term, body.motion)[:, None] * body.torque(pi)
+        else:
+            whole += _supplied(term, body, width, load) @ own
     return whole
 
 
-def _supplied(
-    term: Term, motion: Motion, width: Sequence[float], load: Load | None, body: _Body
+def _block(
+    terms: tuple[Term, ...],
+    term: Term,
+    body: Body,
+    width: Sequence[float],
+    load: Load | None,
+    low: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
+    """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
+    motion = body.motion
+    if not isinstance(term.law, TorqueLaw):
+        return low(report(terms, motion, _supplied(term, body, width, load)))
+    own = low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
+    return placed(own, term.joint, motion.q.shape[1])
+
+
+def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
+    """Columns (T, k) of one joint as those of all, (T, n, k)."""
+    block = np.zeros((len(own), joints, own.shape[1]))
+    block[:, joint] = own
+    return block
+
+
+def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None) -> np.ndarray:
     """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
     law = term.law
     if isinstance(law, BodyChange) and law.placement is not None:
         return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
     if isinstance(law, BodyChange) and law.window:
-        weight = np.asarray(law.weight(term.values, motion.t))
-        return weight[:, None, None] * (body.columns[:, :, -10:] @ body_basis(law))
-    return own_columns(term, motion, width, load)
-
-
-def body_basis(law: BodyChange) -> np.ndarray:
-    """Inertial parameters of the last link by each parameter of a body, (10, 10)."""
-    names = law.candidate_names(())
-    unit = [{name: float(name == one) for name in names} for one in names]
-    return np.stack([np.asarray(law.body(p)) for p in unit], axis=1)
+        return carried(term, body.motion)[:, None, None] * (
+            body.columns[:, :, -10:] @ body_basis(law)
+        )
+    return own_columns(term, body.motion, width, load)
 
 
 def own_columns(
@@ -179,16 +184,14 @@ def _(law, term, motion, width, load):
 def _(law: MeasurementLaw, term, motion, width, load):
     block = np.zeros((*motion.q.shape, len(law.linear)))
     if law.distortion is not None:
-        block[:, term.joint] = distortion_columns(law, load.whole[:, term.joint])
+        told = distortion_columns(law, filled(load.whole[:, term.joint]))
+        block[:, term.joint] = told[: len(block)]
     return block
 
 
 @law_block.register
 def _(law: TorqueLaw, term, motion, width, load):
-    own = term_columns(term, motion, width, load)
-    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
-    block[:, term.joint] = own
-    return block
+    return placed(term_columns(term, motion, width, load), term.joint, motion.q.shape[1])
 
 
 @law_block.register
@@ -210,9 +213,7 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
     """Columns (T, k) that act on one joint as its drive reports them."""
     if not of_kind(terms, MeasurementLaw):
         return own
-    block = np.zeros((len(own), motion.q.shape[1], own.shape[1]))
-    block[:, joint] = own
-    return report(terms, motion, block)[:, joint]
+    return report(terms, motion, placed(own, joint, motion.q.shape[1]))[:, joint]
 
 
 def lateness(terms: tuple[Term, ...]) -> float:
@@ -239,8 +240,9 @@ def term_block(
     rigid: Rigid,
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
-    load = load_of(rigid.full, rigid.static, pi) if term.law.uses_load else None
-    return motion.decimator.apply(report(terms, motion, own_columns(term, motion, width, load)))
+    body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
+    load = body.load() if term.law.uses_load else None
+    return _block(terms, term, body, width, load, motion.decimator.apply)
 
 
 _shift = jax.jit(shift)

@@ -11,9 +11,9 @@ from jaxswarm.effects import formula
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward import uncertainty
-from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model_check import check_content
 from jaxswarm.identify.forward.smooth import Smooth, from_json, to_json
+from jaxswarm.identify.forward.torque_along import torque_along
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
@@ -64,8 +64,8 @@ def linear_values(model: Model) -> np.ndarray:
 
 def model_torque(model: Model, motion: Motion) -> np.ndarray:
     """Torque of the whole model on a log's working clock, shape (T, n)."""
-    pi = np.asarray(model.robot.parameters).ravel()
-    torque = assemble(model.robot, model.terms, motion, model.width, pi) @ linear_values(model)
+    theta = linear_values(model)
+    torque = torque_along(model.robot, model.terms, motion, model.width, theta)
     return torque + smooth_torque(model, motion)
 
 

@@ -7,9 +7,10 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
+from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, column_names
 from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms
-from jaxswarm.identify.forward.measuring_chain import assemble, report, tilted
+from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot

@@ -32,13 +32,14 @@ class Sensitivity:
     by_dq: np.ndarray
     by_ddq: np.ndarray
 
-    def at(self, pi: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Torque and its three derivatives, (T, n) each, for rigid parameters (10 n,).
+    def at(self, pi: np.ndarray, joints: slice = slice(None)) -> tuple[np.ndarray, ...]:
+        """Torque of joints and its three derivatives, (T, n) each, for rigid parameters (10 n,).
 
         Of several sets of parameters (k, 10 n) they are (T, n, k).
         """
         felt = pi[..., 10 * self.joint :].T
-        return (self.full @ pi.T, self.by_q @ felt, self.by_dq @ felt, self.by_ddq @ felt)
+        slopes = (slope[:, joints] @ felt for slope in (self.by_q, self.by_dq, self.by_ddq))
+        return (self.full[:, joints] @ pi.T, *slopes)
 
     def inertia(self, pi: np.ndarray) -> np.ndarray:
         """The joint's own inertia along the log, (T,)."""

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxswarm import plots
+from jaxswarm.drawing import Drawing
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.swarm_fit import SwarmFit
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
@@ -83,46 +83,45 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
     return report
 
 
-def pictures_of(found: Estimate, motion: Motion, search: SwarmFit | None) -> dict:
-    """Writers of the pictures by file name: torque, residual, and the swarm's convergence."""
+def order_pictures(
+    drawing: Drawing, found: Estimate, motion: Motion, search: SwarmFit | None
+) -> None:
+    """Order the pictures by file name: torque, residual, and the swarm's convergence."""
     robot = found.model.robot
     low = motion.decimator
     kept = low.kept(len(motion.t))
     measured, predicted = low.apply(motion.tau), low.apply(model_torque(found.model, motion))
     labels = units(robot)
-    pictures = {
-        "torque.png": plots.png(
-            plots.torque_overlay(
-                motion.t[kept],
-                measured,
-                predicted,
-                robot.joints,
-                labels,
-                f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz, {Path(motion.source).name}",
-            )
-        ),
-        "residual.png": plots.png(
-            plots.residual_dependence(
-                measured - predicted,
-                {
-                    "q": motion.q[kept],
-                    "dq": motion.dq[kept],
-                    "ddq": motion.ddq[kept],
-                    "torque": measured,
-                    "time [s]": motion.t[kept],
-                },
-                robot.joints,
-                labels,
-                f"{robot.name}: what the model leaves",
-            )
-        ),
-    }
+    drawing.ask(
+        "torque.png",
+        "torque_overlay",
+        motion.t[kept],
+        measured,
+        predicted,
+        robot.joints,
+        labels,
+        f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz, {Path(motion.source).name}",
+    )
+    drawing.ask(
+        "residual.png",
+        "residual_dependence",
+        measured - predicted,
+        {
+            "q": motion.q[kept],
+            "dq": motion.dq[kept],
+            "ddq": motion.ddq[kept],
+            "torque": measured,
+            "time [s]": motion.t[kept],
+        },
+        robot.joints,
+        labels,
+        f"{robot.name}: what the model leaves",
+    )
     if search is not None:
-        pictures["convergence.png"] = plots.png(
-            plots.convergence(
-                {search.optimizer: search.history},
-                search.optimum,
-                f"{search.optimizer}: {len(search.costs)} runs against least squares",
-            )
+        drawing.ask(
+            "convergence.png",
+            "convergence",
+            {search.optimizer: np.asarray(search.history)},
+            float(search.optimum),
+            f"{search.optimizer}: {len(search.costs)} runs against least squares",
         )
-    return pictures

@@ -1,0 +1,56 @@
+"""The large pictures of a diagnosis as orders of plain arrays, which another process may draw."""
+
+from dataclasses import replace
+
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.drawing import Drawing
+from jaxswarm.identify.forward.model import Model, model_torque
+from jaxswarm.identify.report.summary import units
+from jaxswarm.logs.motion import Motion
+
+
+def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion]) -> None:
+    """Order the torque of the final model, and what the declared and the final model leave."""
+    final = diagnosis.final
+    robot = final.model.robot
+    shown = unseen[0] if unseen else final.motions[0]
+    low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
+    drawing.ask(
+        "torque.png",
+        "torque_overlay",
+        shown.t[kept],
+        low.apply(shown.tau),
+        low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
+        robot.joints,
+        units(robot),
+        f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model",
+    )
+    before = replace(diagnosis, final=diagnosis.declared)
+    for name, one, title in (
+        ("residual_before.png", before, "what the declared model leaves"),
+        ("residual.png", diagnosis, "what the final model leaves"),
+    ):
+        drawing.ask(name, "residual_dependence", *remaining(one, title))
+
+
+def remaining(diagnosis: Diagnosis, title: str) -> tuple:
+    """Final residual against position, velocity, acceleration, load and time."""
+    found = diagnosis.final
+    motion, regression = found.motions[0], found.regression
+    kept = motion.decimator.kept(len(motion.t))
+    rows = regression.log == 0
+    own = Model(found.model.robot, (), found.model.width, found.model.filtering, found.model.sigma)
+    load = model_torque(own, motion)[kept]
+    return (
+        found.fit.residual[rows],
+        {
+            "q": motion.q[kept],
+            "dq": motion.dq[kept],
+            "ddq": motion.ddq[kept],
+            "load": load,
+            "time [s]": motion.t[kept],
+        },
+        found.model.robot.joints,
+        units(found.model.robot),
+        title,
+    )

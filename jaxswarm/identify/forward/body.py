@@ -1,0 +1,116 @@
+"""The rigid body of a model along a log: in which gravity its links move, and how."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import jax
+import numpy as np
+
+from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.identify.forward.columns import (
+    Load,
+    Rigid,
+    load_along,
+    low_columns,
+    rigid_columns,
+    rigid_torque,
+)
+from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+
+def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
+    """The robot in the gravity its terms say."""
+    for term in of_kind(terms, BodyChange):
+        if term.law.gravity is not None:
+            values = {name: np.float64(value) for name, value in term.values.items()}
+            robot = robot.replace(gravity=_gravity(term.law, values, robot.gravity))
+    return robot
+
+
+@partial(jax.jit, static_argnames="law")
+def _gravity(law: BodyChange, values: dict, gravity: jax.Array) -> jax.Array:
+    return law.gravity(values, gravity)
+
+
+def moves_links(terms: tuple[Term, ...]) -> bool:
+    """Whether a term changes the rigid columns themselves."""
+    return any(t.law.changes_rigid_columns for t in terms)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body on its way. Its columns are made where they are asked for, and then kept.
+
+    Attributes:
+        arm: The robot in its gravity.
+        moved: Motion of the links, q, dq, ddq, each (T, n).
+        motion: The log.
+        pi: Rigid parameters, (10 n,).
+        rigid: What is known of the log's columns where the links do as it says; else None.
+    """
+
+    arm: Robot
+    moved: Sequence[np.ndarray]
+    motion: Motion
+    pi: np.ndarray
+    rigid: Rigid | None
+
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """On the working clock, (T, n, 10 n)."""
+        return rigid_columns(self.arm, *self.moved) if self.rigid is None else self.rigid.full
+
+    @property
+    def low(self) -> np.ndarray:
+        """Through the decimator, (T', n, 10 n)."""
+        if self.rigid is not None:
+            return self.rigid.low
+        return low_columns(self.arm, *self.moved, self.motion.decimator)
+
+    def torque(self, pi: np.ndarray) -> np.ndarray:
+        """Torque (T, n) for rigid parameters (10 n,), its own or others."""
+        if self.rigid is not None:
+            return self.rigid.torque(pi)
+        return rigid_torque(self.arm, *self.moved, pi)
+
+    def load(self) -> Load:
+        """Load torque of its own parameters."""
+        if self.rigid is not None:
+            return self.rigid.load(self.pi)
+        return load_along(self.arm, self.moved, self.pi)
+
+
+def body_along(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    pi: np.ndarray,
+    rigid: Rigid | None = None,
+) -> Body:
+    """The rigid body of a model along a log; ``rigid``: columns of the plain motion, where known."""
+    if rigid is not None and not moves_links(terms):
+        return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
+    arm = tilted(robot, terms)
+    return Body(arm, link_motion(arm, terms, motion, pi, rigid), motion, pi, None)
+
+
+def carried(term: Term, motion: Motion) -> np.ndarray:
+    """How much of a term's body is carried along a log, (T,)."""
+    return np.asarray(term.law.weight(term.values, filled(motion.t)))[: len(motion.t)]
+
+
+def body_basis(law: BodyChange) -> np.ndarray:
+    """Inertial parameters of the last link by each parameter of a body, (10, 10)."""
+    names = law.candidate_names(())
+    unit = [{name: float(name == one) for name in names} for one in names]
+    return np.stack([np.asarray(_added(law, p)) for p in unit], axis=1)
+
+
+@partial(jax.jit, static_argnames="law")
+def _added(law: BodyChange, values: dict) -> jax.Array:
+    return law.body(values)

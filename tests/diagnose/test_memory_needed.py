@@ -1,0 +1,60 @@
+"""A diagnosis that would not fit into memory is refused before it begins, with numbers."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+from jaxswarm.diagnose import memory
+from jaxswarm.errors import InputError
+from jaxswarm.identify.forward.columns import rigid_of
+from jaxswarm.identify.forward.sensitivity import sensitivity_of
+from jaxswarm.identify.synthetic import demo_case, synthetic_log
+from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import rx60
+
+
+@pytest.fixture(scope="module")
+def motion():
+    arm, declared, _ = demo_case(rx60(), 1)
+    return prepare(synthetic_log(arm, declared, 1, duration=8.0))
+
+
+def test_what_is_needed_holds_the_columns_and_their_derivatives(motion):
+    rigid = rigid_of(rx60(), motion)
+    held = rigid.full.nbytes + rigid.static.nbytes
+    for joint in range(3):
+        own = sensitivity_of(rx60(), motion, joint, rigid)
+        held += own.by_q.nbytes + own.by_dq.nbytes + own.by_ddq.nbytes
+    told = 2**30 * memory.needed([motion])
+    assert held < told < 3 * held
+    assert memory.needed([motion, motion]) == pytest.approx(2 * memory.needed([motion]))
+
+
+def test_too_large_is_refused_with_what_is_needed_and_what_there_is(motion, monkeypatch):
+    memory.refuse_too_large([motion])
+    monkeypatch.setattr(memory, "free", lambda: None)
+    memory.refuse_too_large([motion])
+    monkeypatch.setattr(memory, "free", lambda: 1e-3)
+    with pytest.raises(InputError, match=r"GiB to diagnose, and 0\.001 GiB are free; .*cutoff"):
+        memory.refuse_too_large([motion])
+
+
+def test_the_task_refuses_it(motion, monkeypatch):
+    import jaxswarm
+
+    arm, declared, _ = demo_case(rx60(), 1)
+    log = synthetic_log(arm, declared, 1, duration=8.0)
+    monkeypatch.setattr(importlib.import_module("jaxswarm.diagnose.memory"), "free", lambda: 0.0)
+    with pytest.raises(InputError, match="GiB to diagnose"):
+        jaxswarm.diagnose(log, "rx60", "viscous_friction,coulomb_friction")
+
+
+def test_a_container_may_have_less_than_the_machine(tmp_path):
+    assert memory._group(tmp_path) == []
+    (tmp_path / "memory.max").write_text("3000\n")
+    (tmp_path / "memory.current").write_text("1000\n")
+    assert memory._group(tmp_path) == [2000.0]
+    (tmp_path / "memory.max").write_text("max\n")
+    assert memory._group(tmp_path) == []
+    assert np.isfinite(memory.free() or 0.0)

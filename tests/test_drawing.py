@@ -1,0 +1,59 @@
+"""Pictures on order: the other process draws what this one would, and what it cannot is drawn here."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from jaxswarm import drawing, plots
+
+T = np.linspace(0.0, 4.0, 60)
+TORQUE = np.stack([np.sin(T), np.cos(T)], axis=1)
+ORDER = ("torque_overlay", T, TORQUE, 0.9 * TORQUE, ("a", "b$c"), ("N m", "N"), "title")
+
+
+def here() -> bytes:
+    return plots.png_bytes(plots.torque_overlay(*ORDER[1:]))
+
+
+def test_another_process_draws_the_same(monkeypatch):
+    with drawing.Drawing() as own:
+        if own._process is None:
+            pytest.skip("a single core draws here")
+        own.ask("one.png", *ORDER)
+        monkeypatch.setattr(drawing, "draw", None)  # nothing is left for this process
+        assert own.finished() == {"one.png": here()}
+
+
+@pytest.mark.parametrize("failure", ["one core", "no process", "killed", "unknown"])
+def test_what_it_cannot_draw_is_drawn_here(monkeypatch, failure):
+    def refuse(*args, **more):
+        raise OSError("no more processes")
+
+    if failure == "one core":
+        monkeypatch.setattr(drawing, "_cores", lambda: 1)
+    if failure == "no process":
+        monkeypatch.setattr(drawing.subprocess, "Popen", refuse)
+    with drawing.Drawing() as own:
+        if failure == "killed" and own._process:
+            own._process.kill()
+            own._process.wait()
+        own.ask("one.png", *ORDER)
+        if failure == "unknown" and own._folder:  # the other process ends with an error
+            for order in drawing.Path(own._folder.name).glob("*.order"):
+                order.write_bytes(b"no pickle")
+        assert own.finished() == {"one.png": here()}
+
+
+def test_nothing_stays_behind():
+    with drawing.Drawing() as own:
+        process, folder = own._process, own._folder
+        own.ask("one.png", *ORDER)
+    if process is not None:
+        assert process.poll() is not None and not drawing.Path(folder.name).exists()
+
+
+def test_drawing_needs_no_jax():
+    code = "import sys, jaxswarm.drawing, jaxswarm.plots; sys.exit('jax' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -1,0 +1,38 @@
+"""What is loaded for what: help needs no numbers, numbers no pictures, a forecast no swarm."""
+
+import subprocess
+import sys
+
+import pytest
+
+LOADED = "import sys; sys.stderr.write(' '.join(m for m in {0!r} if m in sys.modules))"
+
+
+def loaded(code: str, *modules: str) -> set[str]:
+    """Which modules are there after the code has run in a fresh process."""
+    told = f"{code}\n{LOADED.format(modules)}"
+    done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True)
+    return set(done.stderr.split())
+
+
+@pytest.mark.parametrize("words", ["'--help'", "'diagnose', '--help'", "'predict', '--help'"])
+def test_help_loads_no_numbers(words):
+    code = f"""
+import sys
+sys.argv = ['jaxswarm', {words}]
+from jaxswarm.cli import main
+try:
+    main()
+except SystemExit:
+    pass"""
+    assert loaded(code, "jax", "numpy", "scipy", "matplotlib") == set()
+
+
+@pytest.mark.parametrize("command", ["identify.run", "identify.predict"])
+def test_identification_loads_no_library_for_pictures_statistics_or_simulation(command):
+    code = f"import jaxswarm.{command}"
+    assert loaded(code, "jax", "matplotlib", "scipy.stats", "jaxswarm.simulate") == {"jax"}
+
+
+def test_a_diagnosis_loads_no_library_for_pictures():
+    assert loaded("import jaxswarm.diagnose.run", "jax", "matplotlib") == {"jax"}
