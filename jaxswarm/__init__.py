@@ -16,6 +16,9 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
+# The one place of the version; what changed in it is in CHANGES.md beside this file.
+__version__ = "0.1.0"
+
 _PLACES = {
     "jaxswarm.swarm": (
         *("Bound", "Space", "minimize", "minimize_runs", "minimize_resumable", "minimize_sharded"),

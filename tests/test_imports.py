@@ -44,6 +44,7 @@ ALLOWED = {
     "runtime": {"terminal"},
     "cli": {"commands", "console", "work"},
     "__main__": {"cli"},
+    "reference": {"effects", "swarm", "cli"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {

@@ -25,7 +25,7 @@ from jaxswarm.work import work
 
 # What the commands write into their folder, and would overwrite there.
 _IDENTIFIED = ("model.json", "identification.json")
-_EXCITED = ("trajectory.csv", "excitation.json")
+_EXCITED = ("trajectory.csv", "trajectory.yaml", "excitation.json")
 
 
 def register(app: typer.Typer) -> None:
@@ -131,15 +131,26 @@ def register(app: typer.Typer) -> None:
         duration: Annotated[
             float | None, typer.Option(min=0.1, help="Length [s]; default one period.")
         ] = None,
+        separate: Annotated[
+            str | None,
+            typer.Option(help="Two effects to tell apart: effect@joint,effect@joint."),
+        ] = None,
+        given: Annotated[
+            Path | None,
+            typer.Option(help="model.json whose effects are taken for granted, for --separate."),
+        ] = None,
         seed: Seed = 0,
         json: Json = False,
     ) -> None:
-        """Plan a motion within limits on which the parameters can be told apart best."""
+        """Plan a motion within limits on which the parameters, or two effects, can be told apart best."""
         start()
         from jaxswarm.identify.excite_run import excite_file, print_excitation
 
-        with work(out, (limits, Path(robot)), _EXCITED) as status:
-            result = excite_file(robot, limits, out, effects, duration, seed, status)
+        inputs = (limits, Path(robot), *([] if given is None else [given]))
+        with work(out, inputs, _EXCITED) as status:
+            result = excite_file(
+                robot, limits, out, effects, duration, seed, status, separate, given
+            )
         console.show(
             result, json, lambda: print_excitation(console.safe(result), console.safe(out))
         )

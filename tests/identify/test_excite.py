@@ -17,7 +17,7 @@ from jaxswarm.identify.excitation.columns import planned_columns
 from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
 from jaxswarm.identify.excitation.limits import Limits, parse_limits, read_limits
 from jaxswarm.identify.excitation.search import excite
-from jaxswarm.identify.excite_run import schedule
+from jaxswarm.identify.excite_plan import schedule
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.robot import rx60
 
@@ -163,7 +163,7 @@ def test_the_command_writes_a_trajectory_at_the_rate(tmp_path):
     result = json.loads(out)
     assert result == json.loads((tmp_path / "out" / "excitation.json").read_text())
     assert {p.name for p in (tmp_path / "out").glob("[!.]*")} == {
-        "trajectory.csv", "excitation.json", "trajectory.png",
+        "trajectory.csv", "trajectory.yaml", "excitation.json", "trajectory.png",
     }  # fmt: skip
     text = (tmp_path / "out" / "trajectory.csv").read_text().splitlines()
     assert text[0] == "t,q_slide,dq_slide,ddq_slide"

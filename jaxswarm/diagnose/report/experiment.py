@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.excitation.columns import plannable
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.filtering import Decimator, derivatives
 from jaxswarm.logs.motion import Motion
@@ -49,6 +51,17 @@ def best_experiment(one: Model, other: Model, motion: Motion, joint: int | None)
         if best is None or ratio[where] > best.ratio:
             best = Experiment(text, float(ratio[where]), where)
     return best
+
+
+def separating_command(one: Term, other: Term, joints: tuple[str, ...]) -> str:
+    """The command that plans a better motion, as the end of a sentence; empty where it cannot."""
+    if not all(plannable(term, joints, load_known=True) for term in (one, other)):
+        return ""
+    pair = f"{one.label(joints)},{other.label(joints)}"
+    return (
+        "; the best motion within the limits of the robot plans: jaxswarm excite --robot ROBOT "
+        f"--limits LIMITS.toml --separate {pair} --given model.json --out DIR"
+    )
 
 
 def _candidates(motion: Motion, joint: int | None):

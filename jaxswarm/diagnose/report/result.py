@@ -19,7 +19,7 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report import discovered
 from jaxswarm.diagnose.report.errors import UnseenErrors, grown
-from jaxswarm.diagnose.report.experiment import best_experiment
+from jaxswarm.diagnose.report.experiment import best_experiment, separating_command
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -229,7 +229,8 @@ def _undecided(step: Step, joints: tuple[str, ...]) -> list[dict]:
                 "joint": where,
                 "effects": names,
                 "experiment": f"{trial.text}: there the two differ by {trial.ratio:.1f} times the "
-                f"torque noise on {joints[trial.joint]}",
+                f"torque noise on {joints[trial.joint]}"
+                + separating_command(step.added, rival.candidate.term, joints),
             }
         )
     return found

@@ -10,7 +10,7 @@ import numpy as np
 
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
-from jaxswarm.effects.series import law_columns
+from jaxswarm.effects.series import law_columns, law_torque
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.fourier import within_limits
@@ -21,20 +21,42 @@ from jaxswarm.robot.model import Robot
 _WIDTH = 0.01  # of the smooth sign, as a share of the velocity limit
 
 
-def refuse_terms(terms: tuple[Term, ...], joints: tuple[str, ...]) -> None:
+def plannable(term: Term, joints: tuple[str, ...], load_known: bool = False) -> bool:
+    """Whether the columns of a term follow from the motion, or from it and the load where that is known."""
+    if not isinstance(term.law, TorqueLaw):
+        return False
+    columns = _law_columns(term, *np.ones((4, len(joints), 2)), 1.0, None)
+    return not np.isnan(columns).any() and (load_known or not term.law.uses_load)
+
+
+def refuse_terms(
+    terms: tuple[Term, ...],
+    joints: tuple[str, ...],
+    load_known: bool = False,
+    option: str = "--effects",
+) -> None:
     """Refuse effects whose columns do not follow from the motion alone.
 
     Raises:
-        InputError: On an effect that is no torque of a joint, or on a law that needs the load or a temperature.
+        InputError: On an effect that is no torque of a joint, on a law that needs a temperature, or on one
+            that needs the load where that is not known.
     """
     for term in terms:
-        law = term.law
-        heat = bool(np.isnan(_law_columns(term, *np.ones((4, len(joints), 2)), 1.0)).any())
-        if not isinstance(law, TorqueLaw) or law.uses_load or heat:
-            raise InputError(
-                f"effect {term.label(joints)} has no columns that follow from the motion alone, so no "
-                "motion can be planned for it; leave it out of --effects"
+        if plannable(term, joints, load_known):
+            continue
+        if isinstance(term.law, TorqueLaw) and term.law.uses_load and not load_known:
+            remedy = (
+                f"leave it out of {option}, or give the load by --separate A,B --given MODEL.json"
             )
+        else:
+            remedy = (
+                f"leave it out of {option}: possible are torques of a joint that follow from position, "
+                "velocity and acceleration, such as frictions, springs, ripple, inertias and couplings"
+            )
+        raise InputError(
+            f"effect {term.label(joints)} has no columns that follow from the motion alone, so no "
+            f"motion can be planned for it; {remedy}"
+        )
 
 
 def log_condition(columns: jax.Array) -> jax.Array:
@@ -66,32 +88,63 @@ def planned(x: jax.Array, limits: Limits, fundamental: float, samples: int) -> t
 
 
 def planned_columns(
-    robot: Robot, terms: tuple[Term, ...], limits: Limits, q, dq, ddq, period: float
+    robot: Robot,
+    terms: tuple[Term, ...],
+    limits: Limits,
+    q,
+    dq,
+    ddq,
+    period: float,
+    pi: np.ndarray | None = None,
+    tangents: bool = False,
 ) -> jax.Array:
-    """Columns of a model along a motion given as (n, K), shape (p, n K)."""
+    """Columns of a model along a motion given as (n, K), shape (p, n K).
+
+    Args:
+        robot: Kinematics.
+        terms: Effects; nonlinear parameters at their values, or at nominal ones.
+        limits: Whose velocities set the width of the smooth sign.
+        q, dq, ddq: One period of the motion.
+        period: Its length [s].
+        pi: Rigid-body parameters (10 n,) for laws that need the load; None: it is not known.
+        tangents: Whether each term has columns for its nonlinear parameters too, at usual linear ones.
+    """
     n, samples = q.shape
-    parts = [jnp.swapaxes(regressor(robot, q, dq, ddq), 0, 1)]
+    rigid = jnp.swapaxes(regressor(robot, q, dq, ddq), 0, 1)
+    parts, load = [rigid], None
+    if pi is not None and any(term.law.uses_load for term in terms):
+        still = jnp.swapaxes(regressor(robot, q, dq, jnp.zeros_like(ddq)), 0, 1)
+        load = jnp.tensordot(pi, rigid, 1), jnp.tensordot(pi, still, 1)
     t = jnp.broadcast_to(np.arange(samples) * period / samples, q.shape)
     for term in terms:
-        own = _law_columns(term, t, q, dq, ddq, _WIDTH * limits.velocity[term.joint])
+        width = _WIDTH * limits.velocity[term.joint]
+        own = _law_columns(term, t, q, dq, ddq, width, load, tangents)
         block = jnp.zeros((own.shape[1], n, samples), q.dtype)
         parts.append(block.at[:, term.joint].set(own.T))
     return jnp.concatenate(parts).reshape(-1, n * samples)
 
 
-def _law_columns(term: Term, t, q, dq, ddq, width) -> jax.Array:
-    """Columns (K, k) of one term's linear parameters on its own joint."""
-    if not isinstance(term.law, TorqueLaw):
-        return jnp.zeros((q.shape[1], len(term.law.linear)))
+def _law_columns(term: Term, t, q, dq, ddq, width, load, tangents=False) -> jax.Array:
+    """Columns (K, k) of one term's linear parameters on its own joint; then of its nonlinear ones."""
     j = term.joint
     other = j if term.other is None else term.other
     zero = jnp.zeros_like(q[j])
     sample = Sample(
         t=t[j], q=q[j], dq=dq[j], ddq=ddq[j], direction=jnp.tanh(dq[j] / width),
-        load=zero, static_load=zero, temperature=zero + jnp.nan,
+        load=zero if load is None else load[0][j],
+        static_load=zero if load is None else load[1][j],
+        temperature=zero + jnp.nan,
         dq_other=dq[other], ddq_other=ddq[other],
         direction_sum=jnp.tanh((dq[j] + dq[other]) / width), state=zero,
         q_other=q[other],
     )  # fmt: skip
-    nonlinear = {p.name: jnp.asarray(p.nominal, q.dtype) for p in term.law.nonlinear}
-    return law_columns(term.law, nonlinear, sample)
+    known = {**term.law.nominal(), **term.values}
+    nonlinear = {p.name: jnp.asarray(known[p.name], q.dtype) for p in term.law.nonlinear}
+    columns = law_columns(term.law, nonlinear, sample)
+    free = {p.name: nonlinear[p.name] for p in term.law.free(known)}
+    if not (tangents and free):
+        return columns
+    # The usual linear values: those of a fit may be zero, and then nothing bends.
+    usual = {p.name: jnp.asarray(p.nominal, q.dtype) for p in term.law.linear}
+    bent = jax.jacfwd(lambda p: law_torque(term.law, {**usual, **nonlinear, **p}, sample))(free)
+    return jnp.concatenate([columns, jnp.stack(list(bent.values()), axis=1)], axis=1)

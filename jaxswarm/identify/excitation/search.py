@@ -37,7 +37,7 @@ from jaxswarm.robot.model import Robot
 from jaxswarm.swarm import Space, cma_es, minimize_runs
 
 # Samples of a period for each harmonic: in the search, and where the result is looked at.
-_COARSE, _FINE = 20, 100
+_COARSE, FINE = 20, 100
 _RANDOM = 20
 
 
@@ -71,6 +71,7 @@ def excite(
     seed: int = 0,
     runs: int = 2,
     num_steps: int = 250,
+    pi: np.ndarray | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Excitation:
     """Search the motion with the smallest condition number of the scaled base columns.
@@ -83,6 +84,7 @@ def excite(
         seed: Seed of the search.
         runs: Independent searches; the best one counts.
         num_steps: Steps of each.
+        pi: Rigid-body parameters (10 n,), for effects that depend on the load.
         progress: Called with one line per stage.
 
     Raises:
@@ -91,17 +93,17 @@ def excite(
     Reference: see the module text. Needs double precision: in single, condition numbers above a
     thousand are lost in rounding.
     """
-    refuse_terms(terms, robot.joints)
+    refuse_terms(terms, robot.joints, pi is not None)
     # Known numbers make a far smaller program than traced ones.
     arm = jax.tree.map(np.asarray, robot)
     size = num_coordinates(robot.num_joints, limits.harmonics)
     build = partial(planned, limits=limits, fundamental=fundamental)
-    fine = _FINE * limits.harmonics
+    fine = FINE * limits.harmonics
     period = 1.0 / fundamental
 
     @jax.jit
     def value(x: jax.Array) -> jax.Array:
-        return planned_columns(arm, terms, limits, *build(x, samples=fine), period)
+        return planned_columns(arm, terms, limits, *build(x, samples=fine), period, pi)
 
     progress("random motions")
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
@@ -114,7 +116,7 @@ def excite(
     def log_conditions(population: jax.Array, _: None) -> jax.Array:
         def one(x: jax.Array) -> jax.Array:
             moved = build(x, samples=_COARSE * limits.harmonics)
-            return log_condition(planned_columns(arm, terms, limits, *moved, period)[kept])
+            return log_condition(planned_columns(arm, terms, limits, *moved, period, pi)[kept])
 
         return jax.vmap(one)(population)
 
@@ -142,7 +144,7 @@ def excite(
 def used_shares(trajectory: Fourier, limits: Limits) -> np.ndarray:
     """Position range, speed and acceleration of a motion as shares of their limits, (n, 3)."""
     size = trajectory.sine.shape[1]
-    t = np.arange(_FINE * size) / (_FINE * size * trajectory.fundamental)
+    t = np.arange(FINE * size) / (FINE * size * trajectory.fundamental)
     q, dq, ddq = trajectory.motion(t)
     reach = np.ptp(q, axis=0) / (limits.upper - limits.lower)
     top = np.abs(dq).max(axis=0) / limits.velocity
