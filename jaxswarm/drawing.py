@@ -22,8 +22,9 @@ _PATIENCE = 60.0
 class Drawing:
     """Pictures on order: a context that starts the other process and ends it.
 
+    >>> import numpy as np
     >>> with Drawing() as drawing:
-    ...     drawing.ask("a.png", "convergence", {"one": [[3.0, 2.0]]}, 1.0)
+    ...     drawing.ask("a.png", "convergence", {"one": np.array([[3.0, 2.0]])}, 1.0)
     ...     drawing.finished()["a.png"][1:4]
     b'PNG'
     """

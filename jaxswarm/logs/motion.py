@@ -79,6 +79,7 @@ class Motion:
             (n,): that of the sample-to-sample noise, taken as white; None without torque.
         model_noise: What the doubt of the motion makes of a model's torque on every decimated row,
             (T', n) [N m or N]; None: not known yet.
+        sharp_noise: What is sharper than the motion is known makes of it, likewise.
     """
 
     source: str
@@ -100,6 +101,7 @@ class Motion:
     position_noise: np.ndarray | None = None
     velocity_ratio: np.ndarray | None = None
     model_noise: np.ndarray | None = None
+    sharp_noise: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:

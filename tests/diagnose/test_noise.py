@@ -8,7 +8,7 @@ from planted import BAND, blank, log_with, small_arm
 
 from jaxswarm.diagnose.decision.remainder import MATERIAL, Remainder, material, remainders
 from jaxswarm.diagnose.decision.unexplained import Unexplained
-from jaxswarm.diagnose.folds.noise import noise_of, row_noise, with_motion_noise
+from jaxswarm.diagnose.folds.noise import noise_of, row_doubt, row_noise, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import Noise
@@ -43,7 +43,7 @@ def test_rows_in_which_a_joint_turns_round_are_known_less_and_count_less():
         turning = slow[:, j] < np.quantile(slow[:, j], 0.03)
         moving = slow[:, j] > np.median(slow[:, j])
         assert np.median(rows[turning, j]) > 1.05 * np.median(rows[moving, j])
-    doubt = row_noise(found)
+    doubt = row_doubt(found)
     assert (np.corrcoef(doubt.ravel(), weight.ravel())[0, 1]) < -0.5
 
 

@@ -40,25 +40,48 @@ def noise_of(found: Estimate) -> np.ndarray:
 
 def row_noise(found: Estimate) -> np.ndarray:
     """The same of every row, (T', n)."""
-    measured = np.min([m.torque_noise for m in found.motions], axis=0)
-    size = np.sqrt((found.regression.torque**2).mean(axis=0))
-    sensor = np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
+    sensor = _sensor(found)
+    if any(m.model_noise is None for m in found.motions):
+        return np.broadcast_to(sensor, found.regression.torque.shape)
+    parts = [np.maximum(m.model_noise, m.sharp_noise) for m in found.motions]
+    return np.hypot(sensor, np.concatenate(parts))
+
+
+def row_doubt(found: Estimate) -> np.ndarray:
+    """The noise of every row (T', n) by which it counts: without what is sharp.
+
+    A strike of a gear or the edge of a touch is sharp too, and is what has to be explained.
+    """
+    sensor = _sensor(found)
     if any(m.model_noise is None for m in found.motions):
         return np.broadcast_to(sensor, found.regression.torque.shape)
     return np.hypot(sensor, np.concatenate([m.model_noise for m in found.motions]))
 
 
+def _sensor(found: Estimate) -> np.ndarray:
+    """Noise of the torque's sensor (n,), the least of the logs."""
+    measured = np.min([m.torque_noise for m in found.motions], axis=0)
+    size = np.sqrt((found.regression.torque**2).mean(axis=0))
+    return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
+
+
 def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     """The same fit, with what the doubt of its logs' motion makes of the model, row by row."""
-    motions = tuple(replace(m, model_noise=_model_noise(found, m, seed)) for m in found.motions)
+    motions = tuple(
+        replace(
+            m,
+            model_noise=np.sqrt(_drawn_power(found, m, seed)),
+            sharp_noise=_sharp_noise(found, m),
+        )
+        for m in found.motions
+    )
     return replace(found, motions=motions)
 
 
-def _model_noise(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
-    """Standard deviation (T', n) of what a log's motion makes of the model below the torque cutoff."""
+def _sharp_noise(found: Estimate, motion: Motion) -> np.ndarray:
+    """Standard deviation (T', n) below the torque cutoff of what is sharp, beyond the sensor's noise."""
     sensor = np.zeros(motion.q.shape[1]) if motion.torque_noise is None else motion.torque_noise
-    sharp = np.sqrt(np.maximum(_sharp_power(found, motion) - sensor**2, 0.0))
-    return np.maximum(sharp, np.sqrt(_drawn_power(found, motion, seed)))
+    return np.sqrt(np.maximum(_sharp_power(found, motion) - sensor**2, 0.0))
 
 
 def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:

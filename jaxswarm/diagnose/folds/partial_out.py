@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import linalg
 
-from jaxswarm.diagnose.folds.noise import noise_of, row_noise
+from jaxswarm.diagnose.folds.noise import row_doubt
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
@@ -91,7 +91,7 @@ class CrossFit:
         whole: The fit to all rows.
         halves: The two fits to alternating blocks.
         effective: Independent residuals in the data.
-        noise: Standard deviation of the torque's noise, (n,).
+        noise: Standard deviation of the noise but for what is sharp, (n,).
         size: RMS of the torque, (n,).
         plain: ``weight`` as if the motion were known alike in all rows.
         structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
@@ -159,8 +159,9 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     torque_size = np.sqrt((regression.torque**2).mean(axis=0))
     halves = (first, second)
     used = 1.0 if regression.used is None else regression.used[:, None]
+    noise = np.sqrt((row_doubt(found) ** 2).mean(axis=0))
     return CrossFit(
-        weight, block, whole, halves, error.size / length, noise_of(found), torque_size,
+        weight, block, whole, halves, error.size / length, noise, torque_size,
         robust_weight(solution.residual) * used,
     )  # fmt: skip
 
@@ -191,7 +192,7 @@ def width_slopes(found: Estimate) -> np.ndarray:
 
 def row_weight(found: Estimate) -> np.ndarray:
     """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
-    doubt = row_noise(found)
+    doubt = row_doubt(found)
     relative = doubt.min(axis=0) / doubt
     return relative * robust_weight(found.fit.residual * relative)
 
