@@ -17,6 +17,7 @@ the true effect.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 
 import jax
 import jax.numpy as jnp
@@ -29,7 +30,7 @@ from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, withi
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.excitation.search import Excitation
 from jaxswarm.robot.model import Robot
-from jaxswarm.swarm import Space, cma_es, minimize_runs
+from jaxswarm.swarm import cma_es
 
 # Added to the squares of unit columns: dependent columns of R drop out, and an angle of 1e-4 is still seen.
 _RIDGE = 1e-9
@@ -38,6 +39,8 @@ _EQUAL = 1e-3
 _DRAWN = 4
 # Samples of a period for each harmonic; friction turns over within a few of them.
 _SAMPLES = 40
+# Steps after which progress is told.
+_TOLD = 10
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,7 @@ class Separation:
         return float(np.nanmin(self.reached) / max(np.nanmin(self.ordinary), 1e-12))
 
 
-def unexplained(own: jax.Array, others: jax.Array, directions: np.ndarray) -> jax.Array:
+def unexplained(own: np.ndarray, others: np.ndarray, directions: np.ndarray) -> float:
     """Least length that is left of ``own`` columns (k, N) without ``others`` (p, N), in given directions.
 
     Args:
@@ -88,18 +91,18 @@ def unexplained(own: jax.Array, others: jax.Array, directions: np.ndarray) -> ja
         others: What may imitate them.
         directions: Orthonormal combinations of the own columns, (k, r).
 
-    >>> left = unexplained(jnp.array([[3.0, 4.0]]), jnp.array([[1.0, 0.0]]), np.eye(1))
-    >>> round(float(left), 4)
+    >>> left = unexplained(np.array([[3.0, 4.0]]), np.array([[1.0, 0.0]]), np.eye(1))
+    >>> round(left, 4)
     4.0
     """
-    size = jnp.linalg.norm(others, axis=1, keepdims=True)
-    unit = others / jnp.maximum(size, 1e-30)
-    # By eigenvalues: batched triangular solves inside a scan have been seen to hang on CPU.
-    squares, vectors = jnp.linalg.eigh(unit @ unit.T)
-    weight = 1.0 / jnp.sqrt(jnp.maximum(squares, 0.0) + _RIDGE)
+    own, others = np.asarray(own), np.asarray(others)
+    size = np.linalg.norm(others, axis=1, keepdims=True)
+    unit = others / np.maximum(size, 1e-30)
+    squares, vectors = np.linalg.eigh(unit @ unit.T)
+    weight = 1.0 / np.sqrt(np.maximum(squares, 0.0) + _RIDGE)
     mixed = weight[:, None] * (vectors.T @ (unit @ own.T))
     left = own @ own.T - mixed.T @ mixed
-    return jnp.sqrt(jnp.maximum(jnp.linalg.eigvalsh(directions.T @ left @ directions)[0], 0.0))
+    return float(np.sqrt(max(np.linalg.eigvalsh(directions.T @ left @ directions)[0], 0.0)))
 
 
 def separate(
@@ -110,7 +113,7 @@ def separate(
     *,
     seed: int = 0,
     runs: int = 2,
-    num_steps: int = 200,
+    num_steps: int = 300,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Separation:
     """Search the motion within limits on which two effects are furthest apart.
@@ -148,30 +151,37 @@ def separate(
             "makes every torque of the other; name other effects, or leave one out of the model"
         )
 
-    def left(parts: list) -> jax.Array:
+    def left(parts: list) -> np.ndarray:
         """What is left of each rival that has a direction of its own, infinite for another."""
-        return jnp.stack(
+        return np.array(
             [
-                unexplained(own / scale, others, d) if d.shape[1] else jnp.inf
+                unexplained(np.asarray(own) / scale, others, d) if d.shape[1] else np.inf
                 for (own, others), scale, d in zip(parts, scales, directions, strict=True)
             ]
         )
 
-    def values(population: jax.Array, _: None) -> jax.Array:
-        def one(x: jax.Array) -> jax.Array:
-            return -jnp.min(left(blocks(*build(x, samples=samples))))
-
-        return jax.vmap(one)(population)
-
-    progress("searching the motion that separates")
-    found = minimize_runs(
-        values,
-        cma_es(),
-        Space.vector(-np.ones(size), np.ones(size)),
-        jax.random.split(jax.random.key(seed), runs),
-        num_steps=num_steps,
-    )
-    best = np.asarray(found.params)[int(np.argmin(np.asarray(found.value)))]
+    made = jax.jit(jax.vmap(lambda x: blocks(*build(x, samples=samples))))
+    optimizer = cma_es()
+    update = jax.jit(optimizer.update)
+    best, least, tried = np.zeros(size), np.inf, 0
+    for run, key in enumerate(jax.random.split(jax.random.key(seed), runs), 1):
+        state = optimizer.init(key, size)
+        for step in range(num_steps):
+            if step % _TOLD == 0:
+                progress(
+                    f"searching the motion that separates: run {run}, step {step} of {num_steps}"
+                )
+            population = 2.0 * np.asarray(state.position) - 1.0
+            # The programs make columns only: projections of a few dozen rows are NumPy's.
+            parts = jax.tree.map(np.asarray, made(population))
+            value = np.array(
+                [-left(jax.tree.map(itemgetter(k), parts)).min() for k in range(len(population))]
+            )
+            tried += len(population)
+            if value.min() < least:
+                least, best = value.min(), population[value.argmin()]
+            key, own = jax.random.split(key)
+            state, _ = update(own, state, value)
     before, after = np.asarray(left(usual)), np.asarray(left(blocks(*build(best, samples=samples))))
     better = after.min() > before.min()
     shape = map(np.asarray, within_limits(best, limits, fundamental, samples))
@@ -179,7 +189,7 @@ def separate(
         trajectory=Fourier(*shape, fundamental) if better else ordinary.trajectory,
         reached=_told(after if better else before),
         ordinary=_told(before),
-        evaluations=int(np.sum(np.asarray(found.num_evaluations))),
+        evaluations=tried,
     )
 
 
