@@ -96,7 +96,7 @@ TOYS = {
             **NOVEL,
             report=lambda p, x, step: x + p["c"] * jnp.roll(x, 1, axis=1),
         ),
-        Term("crosstalk", values={"c": 0.25}),
+        Term("crosstalk", values={"c": 0.2}),
     ),
 }
 

@@ -134,7 +134,9 @@ def _block(
 ) -> np.ndarray:
     """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
     motion = body.motion
-    if not isinstance(term.law, TorqueLaw):
+    # What is written down of the whole arm may mix its joints: then no term stays with its own.
+    mixed = any(t.joint is None for t in of_kind(terms, MeasurementLaw))
+    if mixed or not isinstance(term.law, TorqueLaw):
         return low(report(terms, motion, _supplied(term, body, width, load)))
     own = low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
     return placed(own, term.joint, motion.q.shape[1])
