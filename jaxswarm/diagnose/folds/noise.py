@@ -11,6 +11,7 @@ On clean logs of another simulator (11 worlds, some with 15-bit encoders, stick-
 residual is 0.4 to 1.4 times this noise on 44 of 47 joints, and up to 15 times one that is the same in all rows.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -40,11 +41,7 @@ def noise_of(found: Estimate) -> np.ndarray:
 
 def row_noise(found: Estimate) -> np.ndarray:
     """The same of every row, (T', n)."""
-    sensor = _sensor(found)
-    if any(m.model_noise is None for m in found.motions):
-        return np.broadcast_to(sensor, found.regression.torque.shape)
-    parts = [np.maximum(m.model_noise, m.sharp_noise) for m in found.motions]
-    return np.hypot(sensor, np.concatenate(parts))
+    return _with_sensor(found, lambda m: np.maximum(m.model_noise, m.sharp_noise))
 
 
 def row_doubt(found: Estimate) -> np.ndarray:
@@ -52,10 +49,15 @@ def row_doubt(found: Estimate) -> np.ndarray:
 
     A strike of a gear or the edge of a touch is sharp too, and is what has to be explained.
     """
+    return _with_sensor(found, lambda m: m.model_noise)
+
+
+def _with_sensor(found: Estimate, part: Callable[[Motion], np.ndarray]) -> np.ndarray:
+    """Noise of the torque's sensor and a part of what the logs' motion makes, (T', n)."""
     sensor = _sensor(found)
     if any(m.model_noise is None for m in found.motions):
         return np.broadcast_to(sensor, found.regression.torque.shape)
-    return np.hypot(sensor, np.concatenate([m.model_noise for m in found.motions]))
+    return np.hypot(sensor, np.concatenate([part(m) for m in found.motions]))
 
 
 def _sensor(found: Estimate) -> np.ndarray:
