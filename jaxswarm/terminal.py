@@ -19,6 +19,11 @@ INTERRUPTED, TERMINATED, PIPE_CLOSED = 130, 143, 141  # 128 and the number of th
 _AGAIN = 3.0  # seconds after which a termination that was not heeded is repeated
 
 
+class Interrupted(KeyboardInterrupt):
+    """SIGINT. A class of its own: CPython kills the process at its end, whatever the exit code, where the
+    built-in one has passed through ``exec`` of a text (as within ``dataclass`` and ``namedtuple``)."""
+
+
 class Terminated(KeyboardInterrupt):
     """SIGTERM: the work ends as it does on an interrupt, with another word and exit code."""
 
@@ -49,7 +54,7 @@ def show_notices() -> None:
 
 @contextmanager
 def catch_termination() -> Iterator[None]:
-    """Turn SIGTERM into :class:`Terminated`, and keep SIGINT from being lost, for as long as a command runs."""
+    """Turn SIGTERM and SIGINT into exceptions that are not lost, for as long as a command runs."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -64,7 +69,7 @@ def catch_termination() -> Iterator[None]:
 
         return end
 
-    kinds = {signal.SIGTERM: Terminated, signal.SIGINT: KeyboardInterrupt}
+    kinds = {signal.SIGTERM: Terminated, signal.SIGINT: Interrupted}
     before = {number: signal.signal(number, ending(error)) for number, error in kinds.items()}
     try:
         yield

@@ -116,6 +116,25 @@ def test_signals_end_the_work_with_a_word(tmp_path, number, code, word):
     assert not out.exists()
 
 
+def test_an_interrupt_within_code_made_from_text(tmp_path):
+    """Where a dataclass is being made, say: CPython would end the process by the signal itself."""
+    (tmp_path / "made_from_text.py").write_text("""
+import os, signal, time
+from jaxswarm import work
+text = "os.kill(os.getpid(), signal.SIGINT); time.sleep(5.0)"
+work.run(lambda: exec(text, {"os": os, "signal": signal, "time": time}))
+""")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "made_from_text"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    code, _, err = finish(process)
+    assert (code, err) == (130, "interrupted\n")
+
+
 def test_names_that_are_no_unicode_or_too_long(tmp_path):
     log = tmp_path / os.fsdecode(b"log\xff.csv")
     log.write_text("\n".join(slide_log()) + "\n")
