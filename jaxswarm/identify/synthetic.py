@@ -102,21 +102,7 @@ def synthetic_log(
     rng = np.random.default_rng(seed)
     moving = rng if motion_seed is None else np.random.default_rng(motion_seed)
     t, q, dq, ddq = fourier_motion(robot.num_joints, moving, duration, rate)
-    motion = Motion(
-        source=f"synthetic {robot.name}, seed {seed}",
-        joints=robot.joints,
-        t=t,
-        q=q,
-        dq=dq,
-        ddq=ddq,
-        tau=None,
-        channels={},
-        decimator=Decimator(np.ones(1), 1),
-        motion_cutoff=(np.inf,) * robot.num_joints,
-        torque_cutoff=np.inf,
-        interval=1.0 / rate,
-        torque_noise=None,
-    )
+    motion = _exact_motion(robot, f"synthetic {robot.name}, seed {seed}", rate, t, q, dq, ddq)
     model = Model(robot, terms, (width,) * robot.num_joints, Filtering(), (1.0,) * robot.num_joints)
     clean = model_torque(model, motion)
     return Log(
@@ -160,3 +146,22 @@ def demo_case(robot: Robot, seed: int) -> tuple[Robot, tuple[Term, ...], tuple[T
     if hidden.effect == "load_dependent_friction" and joint == 0:
         hidden = Term(hidden.effect, 1, values=hidden.values)
     return arm, declared, (hidden,)
+
+
+def _exact_motion(robot: Robot, source: str, rate: float, t, q, dq, ddq) -> Motion:
+    """A motion (T,), (T, n) at a rate [Hz] that nothing was measured of and no filter has changed."""
+    return Motion(
+        source=source,
+        joints=robot.joints,
+        t=t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        tau=None,
+        channels={},
+        decimator=Decimator(np.ones(1), 1),
+        motion_cutoff=(np.inf,) * robot.num_joints,
+        torque_cutoff=np.inf,
+        interval=1.0 / rate,
+        torque_noise=None,
+    )

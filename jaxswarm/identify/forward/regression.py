@@ -111,17 +111,11 @@ def build_regression(
         log.append(np.full(len(kept), k))
         used.append(~touched_rows(terms, motion, k))
         _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
-    names = column_names(robot, terms)
     stacked = np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
-    if stacked.shape[0] * stacked.shape[1] < stacked.shape[2]:
-        raise InputError(
-            f"{motions[0].source}: {stacked.shape[0]} independent samples of {stacked.shape[1]} "
-            f"joints are fewer than the {stacked.shape[2]} parameters; log a longer motion or "
-            "declare fewer effects"
-        )
+    _check_rows(stacked, motions[0].source)
     return Regression(
-        names,
+        column_names(robot, terms),
         stacked,
         np.concatenate(torque),
         np.concatenate(moving),
@@ -154,6 +148,16 @@ def _leave_out(rows: np.ndarray, *arrays: np.ndarray) -> None:
     """Set rows of arrays to zero, in place: neither fitted nor judged."""
     for array in arrays:
         array[rows] = 0.0
+
+
+def _check_rows(columns: np.ndarray, source: str) -> None:
+    """Refuse columns (T, n, p) of which there are more than rows."""
+    rows, joints, count = columns.shape
+    if rows * joints < count:
+        raise InputError(
+            f"{source}: {rows} independent samples of {joints} joints are fewer than the {count} "
+            "parameters; log a longer motion or declare fewer effects"
+        )
 
 
 def _check_finite(columns: np.ndarray, terms: tuple[Term, ...], motion: Motion) -> None:

@@ -66,11 +66,7 @@ def refine_output(
         InputError: If a start is missing, the simulation diverges there, or a free parameter has
             no influence on the motion.
     """
-    missing = [name for name in problem.free if name not in start]
-    if missing:
-        raise InputError(
-            f"no start for {', '.join(missing)}: give a value for each free parameter."
-        )
+    _check_start(problem, start)
     extra = start_names(problem, len(experiments))
     names, start = problem.free + extra, {**dict.fromkeys(extra, 0.0), **start}
     residual = output_residual(problem)
@@ -127,3 +123,12 @@ def _standard_errors(jacobian: np.ndarray, value: float, count: int) -> Any:
     freedom = max(count - jacobian.shape[1], 1)
     inverse = np.linalg.pinv(upper)
     return np.sqrt(value / freedom * np.sum(inverse**2, axis=1))
+
+
+def _check_start(problem: OutputProblem, start: dict[str, float]) -> None:
+    """Refuse a start without a value for every free parameter."""
+    missing = [name for name in problem.free if name not in start]
+    if missing:
+        raise InputError(
+            f"no start for {', '.join(missing)}: give a value for each free parameter."
+        )
