@@ -8,6 +8,7 @@ from planted import BAND, DECLARED, blank, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.report.result import to_result
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, load_model, model_torque, save_model
 from jaxswarm.identify.forward.regression import touched_rows
@@ -36,7 +37,7 @@ def found():
 def test_several_short_touches_are_found_with_their_torques_and_nothing_else(found):
     terms = sorted((s.added for s in found.kept), key=lambda t: t.values["start"])
     assert [t.effect for t in terms] == ["contact"] * 3
-    result = to_result(found, [])
+    result = to_result(outcome_of(found))
     entries = sorted(result["effects"], key=lambda e: e["parameters"]["start"]["value"])
     for entry, (start, end, *torque) in zip(entries, TOUCHES, strict=True):
         told = entry["parameters"]

@@ -17,6 +17,7 @@ from jaxswarm.diagnose.discovery.sums import polished, unexplained
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.dimensions import parse_unit, unit_of
 from jaxswarm.effects.formula import DISCOVERED
 from jaxswarm.effects.postfix import check_program, fields_of
@@ -150,7 +151,7 @@ def test_a_damaged_formula_in_a_model_file_is_refused(tmp_path):
 
 def test_the_result_tells_the_law_its_evidence_and_what_fits_alike():
     _, after, search = searched("magnet")
-    result = to_result(after, [], search=search)
+    result = to_result(outcome_of(after, laws=search.found), search=search)
     (entry,) = result["discovered"]
     assert entry["joint"] == "joint2" and entry["formula"] == "a*q_joint2*exp(-(q_joint2/s)^2)"
     assert entry["latex"].startswith(r"a\,q_{\mathrm{joint2}}")

@@ -16,6 +16,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.report.figures import evidence
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.effects import (
@@ -140,7 +141,7 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     assert (after.fit.sigma < 0.8 * found.fit.sigma).any()
     # Its values, intervals and pictures in the report; the model in its file.
     step = Step(added, score, (), (), found, after, ())
-    result = to_result(Diagnosis(found, after, (step,), (), cross_fit(after), 20), [])
+    result = to_result(outcome_of(Diagnosis(found, after, (step,), (), cross_fit(after), 20)))
     names = {p.name for p in law.parameters} | set(law.linear_names(small_arm().joints))
     assert set(result["effects"][0]["parameters"]) == names
     assert isinstance(evidence(step, after.model, after.motions[0]), Figure)

@@ -6,18 +6,19 @@ grammar does not hold. Then the model is refitted with it, and it must survive o
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
-from jaxswarm.diagnose.discovery.as_term import as_term, candidate_of
+from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
-from jaxswarm.diagnose.discovery.front import Point, alike, front
-from jaxswarm.diagnose.discovery.grammar import programs, skeleton
+from jaxswarm.diagnose.discovery.front import Point, front
+from jaxswarm.diagnose.discovery.grammar import programs
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
+from jaxswarm.diagnose.discovery.rivals import fit_alike, fitted_rivals
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, without_stand_ins
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -28,14 +29,12 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
-# Formulas of one joint that are put to the proof, and that are told beside the chosen one.
-_PROVED, _TOLD = 5, 3
+# Formulas of one joint that are put to the proof.
+_PROVED = 5
 # A formula reaches at least this part of what a smooth function of one or two variables explains.
 _OF_SMOOTH = 0.8
 # Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
 _MOST_LEFT = 0.5
-# Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
-_TIE, _NEAR = 2.0, 1.2
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ def discover(
             vain.append(outcome)
             continue
         diagnosis, outcome = without_stand_ins(diagnosis, outcome, seed)
-        found.append(outcome)
+        found.append(replace(outcome, rivals=fitted_rivals(outcome)))
 
 
 def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
@@ -144,7 +143,7 @@ def _discover_on(
             find_term(after, term),
             item,
             one,
-            _alternatives(problem, one, [p for own, p in ranked if own is problem]),
+            fit_alike(problem, one, [p for own, p in ranked if own is problem]),
             tuple(front([p for _, p in ranked])),
             tried,
             _known_shapes(one),
@@ -190,27 +189,6 @@ def _prove(
         harm = harmful(final, [Step(term, item, (), (), final, after, ())], after, other)
         why = harm and harm[1]
     return f"the best formula {why}" if why else (term, item, after)
-
-
-def _alternatives(
-    problem: Joint, one: Point, points: Sequence[Point]
-) -> tuple[tuple[Point, Term], ...]:
-    """Formulas of another form that fit alike, the shortest first."""
-    told = []
-    for point in points:
-        near = abs(alike(point, one)) < _TIE or point.error < _NEAR * one.error
-        if near and not _extends(point, one) and len(told) < _TOLD:
-            told.append((point, as_term(problem, point.formula)))
-    return tuple(told)
-
-
-def _extends(point: Point, one: Point) -> bool:
-    """Whether a formula is the other one, or the other one with further factors or terms."""
-    terms = [skeleton(p) for p in point.formula.programs]
-    return all(
-        any(all(own.count(f) >= inner.count(f) for f in inner) for own in terms)
-        for inner in (skeleton(p) for p in one.formula.programs)
-    )
 
 
 def _known_shapes(one: Point) -> tuple[str, ...]:

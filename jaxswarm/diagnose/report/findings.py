@@ -55,7 +55,7 @@ def errors(result: dict, images: dict[str, bytes]) -> str:
 
 def _ladder_words(result: dict) -> str:
     names = "; ".join(f"{k}: {stage.name}" for k, stage in enumerate(stages(result)))
-    return f"Bars: error of every joint. {names}. Dashed: noise of the torque sensor."
+    return f"Bars: error of every joint. {names}. Dashed: noise."
 
 
 def doubts(result: dict) -> str:

@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.score import Rules
-from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.decision.score import Rules, Score
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -22,6 +23,10 @@ class Search:
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
         asked: Candidates scored in the first round.
+        background: The current model on all folds.
+        scores: Of all candidates in the latest round.
+        spent: The budget that ended the search; None: none has.
+        ended: Whether it ended by its number of rounds, and more might be added.
         skews: Clock skews that were allowed for.
         settled: Whether every choice was made again already.
         withdrawn, refused: As :class:`Diagnosis` tells them.
@@ -38,6 +43,10 @@ class Search:
     steps: list[Step] = field(default_factory=list)
     banned: set = field(default_factory=set)
     asked: int = 0
+    background: CrossFit | None = None
+    scores: list[Score] = field(default_factory=list)
+    spent: Spent | None = None
+    ended: bool = False
     skews: list[float] = field(default_factory=list)
     settled: bool = False
     withdrawn: tuple[Term, ...] = ()
