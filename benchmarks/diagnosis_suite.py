@@ -9,8 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.diagnosis_cases import RATE, VISIBLE, Case, make_case
+from benchmarks.diagnosis_cases import VISIBLE, Case, make_case
 from benchmarks.diagnosis_practice import explain, same
+from benchmarks.diagnosis_soft import RATE
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.logs.motion import prepare
