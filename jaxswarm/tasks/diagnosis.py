@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
 from jaxswarm.diagnose.discovery.discover import discover as find_formulas
 from jaxswarm.diagnose.memory import refuse_too_large

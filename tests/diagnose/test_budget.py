@@ -11,7 +11,7 @@ from slide import run
 import jaxswarm
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.journal import FILE
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import evidence_sentence
 from jaxswarm.diagnose.selection.budget import Budget

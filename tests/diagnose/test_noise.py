@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.decision.remainder import MATERIAL, Remainder, material, remainders
+from jaxswarm.diagnose.decision.remainder import Remainder, material, remainders
+from jaxswarm.diagnose.decision.rules import MATERIAL
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, row_doubt, row_noise, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import row_weight

@@ -9,7 +9,8 @@ import pytest
 from planted import BAND, blank, diagnose_log, log_with, small_arm
 
 from jaxswarm.diagnose import Rules, diagnose
-from jaxswarm.diagnose.decision.remainder import NEAR, Remainder
+from jaxswarm.diagnose.decision.remainder import Remainder
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import verdict
 from jaxswarm.diagnose.report import figures as pictures

@@ -7,11 +7,9 @@ Econometrics J. 5 (2002) for doing it under autocorrelation.
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.score import Rules, Score, coefficients, score
+from jaxswarm.diagnose.decision.rules import AS_GOOD, OVERLAP, SPECIAL_CASE, Rules
+from jaxswarm.diagnose.decision.score import Score, coefficients, score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-
-# Candidates that say the same thing to this degree compete for one explanation.
-OVERLAP = 0.7
 
 
 def difference(one: Score, other: Score) -> float:
@@ -30,7 +28,7 @@ def is_special_case(inner: Candidate, outer: Candidate, background: CrossFit) ->
     b = fold.free_part(outer.columns[0]).reshape(-1, outer.columns[0].shape[2])
     b = b / np.maximum(np.linalg.norm(b, axis=0), 1e-300)
     left = a - b @ np.linalg.lstsq(b, a, rcond=1e-6)[0]
-    return bool(np.linalg.norm(left) < 0.1 * np.linalg.norm(a))
+    return bool(np.linalg.norm(left) < SPECIAL_CASE * np.linalg.norm(a))
 
 
 def overlap(one: Candidate, other: Candidate, background: CrossFit) -> float:
@@ -71,7 +69,7 @@ def choose(passed: list[Score], rules: Rules, background: CrossFit) -> tuple[Sco
         if s is best
         or (
             overlap(best.candidate, s.candidate, background) > OVERLAP
-            and (difference(best, s) < rules.tie or s.gain > 0.97 * best.gain)
+            and (difference(best, s) < rules.tie or s.gain > AS_GOOD * best.gain)
         )
     ]
     standing = [

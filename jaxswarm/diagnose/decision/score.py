@@ -22,36 +22,8 @@ import numpy as np
 from scipy import special
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.rules import DENSE, SELECTED, WEIGHTY, Rules
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
-
-# A window is the best of all its lengths and places, and residuals have heavier tails than the normal's:
-# what it explains counts by this part.
-_SELECTED = 2.0
-# An event explains at least this many times what a window of its length does on average.
-_DENSE = 4.0
-
-
-@dataclass(frozen=True)
-class Rules:
-    """Thresholds of the decision.
-
-    Attributes:
-        significance: Chance that anything is added to a log without a missing effect.
-        share: Least share of a joint's held-out squared error that an effect has to take off.
-        repeat: Least share of blocks in which it has to help.
-        over_noise, over_torque: Least RMS torque that it has to take off its joint's error, over that of
-            the noise and of the torque: a fifth of a residual that is nothing is nothing.
-        tie: Rivals whose gains differ by fewer standard errors than this are not told apart,
-        rival: unless one explains what another leaves with less than this chance of error.
-    """
-
-    significance: float = 0.01
-    share: float = 0.2
-    repeat: float = 0.6
-    over_noise: float = 0.3
-    over_torque: float = 0.001
-    tie: float = 2.0
-    rival: float = 0.001
 
 
 @dataclass(frozen=True)
@@ -136,7 +108,7 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
     rms /= background.weight[:, joint].max()
     allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
     allowed = allowed and candidate.term.law.credible(whole[0], interval)
-    weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
+    weighty = np.abs(blocks) > WEIGHTY * abs(blocks.mean())
     return Score(
         candidate=candidate,
         gain=float(blocks.sum()),
@@ -173,8 +145,8 @@ def _score_event(candidate: Candidate, background: CrossFit) -> Score:
     memory = residual.size / background.effective
     windows = len(residual) / max(int(inside.sum()), 1)
     blocks = np.bincount(background.block, fall.sum(axis=1))
-    chance = special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / _SELECTED) * windows
-    dense = shares[joint] * windows >= _DENSE
+    chance = special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
+    dense = shares[joint] * windows >= DENSE
     return Score(
         candidate=candidate,
         gain=gain,

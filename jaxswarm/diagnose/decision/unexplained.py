@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg
 
+from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.score import slope_p_value
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -23,9 +24,6 @@ from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
 _FEATURES = {1: 14, 2: 96}
 # Ridge, in units of the mean squared feature; less fits the noise of one half and fails on the other.
 _RIDGE = 0.03
-# Least share of a joint's held-out squared error to call structure, and to add a second variable.
-_LEAST, _SECOND = 0.2, 0.06
-_SIGNIFICANCE = 0.01
 
 
 @dataclass(frozen=True)
@@ -111,10 +109,10 @@ def _look(
     ]
     asked = len(singles) + len(pairs)
     pairs.sort(key=lambda item: -item[0][0])
-    if pairs and pairs[0][0][0] > best[0] + _SECOND:
+    if pairs and pairs[0][0][0] > best[0] + SECOND_VARIABLE:
         best, pick = pairs[0]
     share, p_value = best
-    if share < _LEAST or p_value * asked > _SIGNIFICANCE:
+    if share < STRUCTURE or p_value * asked > STRUCTURE_SIGNIFICANCE:
         return None
     return _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
+from jaxswarm.diagnose.decision.rules import MOST_LEFT, OF_SMOOTH
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import candidate_of
@@ -31,10 +32,6 @@ from jaxswarm.logs.motion import Motion
 
 # Formulas of one joint that are put to the proof.
 _PROVED = 5
-# A formula reaches at least this part of what a smooth function of one or two variables explains.
-_OF_SMOOTH = 0.8
-# Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
-_MOST_LEFT = 0.5
 
 
 @dataclass(frozen=True)
@@ -172,13 +169,13 @@ def _prove(
 ) -> tuple[Term, Score, Estimate] | str:
     """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
     final = diagnosis.final
-    if one.error > _MOST_LEFT:
+    if one.error > MOST_LEFT:
         return "the best formula leaves most of the error in regions of the motion it was not fitted to"
     candidate, term = candidate_of(problem, one.formula)
     item = score(candidate, diagnosis.background, max(m.interval for m in final.motions))
     if not passes(item, tried + diagnosis.asked, diagnosis.rules):
         return "the best formula may be chance, given how many programs were tried, or is too small"
-    if item.share < _OF_SMOOTH * left.share:
+    if item.share < OF_SMOOTH * left.share:
         return "a smooth function explains clearly more than the best formula"
     after = refit_with(final, item)
     if after is None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.rules import FORMULA_NEAR, FORMULA_TIE
 from jaxswarm.diagnose.discovery.as_term import as_term
 from jaxswarm.diagnose.discovery.front import Point, alike
 from jaxswarm.diagnose.discovery.grammar import skeleton
@@ -16,8 +17,6 @@ from jaxswarm.identify.forward.regression import Diverged
 
 # Formulas that are told beside the chosen one.
 _TOLD = 3
-# Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
-_TIE, _NEAR = 2.0, 1.2
 
 
 def fit_alike(
@@ -26,7 +25,7 @@ def fit_alike(
     """Formulas of another form that fit alike, the shortest first."""
     told = []
     for point in points:
-        near = abs(alike(point, one)) < _TIE or point.error < _NEAR * one.error
+        near = abs(alike(point, one)) < FORMULA_TIE or point.error < FORMULA_NEAR * one.error
         if near and not _extends(point, one) and len(told) < _TOLD:
             told.append((point, as_term(problem, point.formula)))
     return tuple(told)

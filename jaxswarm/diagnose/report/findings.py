@@ -1,6 +1,6 @@
 """The upper half of the page: verdict, errors, effects, what remains and what to do."""
 
-from jaxswarm.diagnose.decision.remainder import NEAR
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
 from jaxswarm.diagnose.report.markup import bullets, folded, image, table, text

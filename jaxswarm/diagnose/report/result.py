@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import Remainder
-from jaxswarm.diagnose.decision.score import Rules, Score
+from jaxswarm.diagnose.decision.rules import HARM, Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import CANNOT, hopeless, verdict
 from jaxswarm.diagnose.discovery.discover import Search
@@ -15,7 +16,6 @@ from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (

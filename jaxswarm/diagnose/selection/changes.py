@@ -16,7 +16,8 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.score import Rules, Score
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes

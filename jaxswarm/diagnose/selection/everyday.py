@@ -9,15 +9,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, Rules
+from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# A term stays if its value is beyond so many standard errors and its torque beyond this part of the noise.
-_CERTAIN, _MATERIAL = 4.0, 0.3
 _TURNS = 4
 
 
@@ -63,6 +62,6 @@ def _is_needed(after: Estimate, term: Term, noise: np.ndarray) -> bool:
     torque = after.regression.columns[:, term.joint, own] @ values
     return bool(
         (values >= [p.lower for p in fitted.law.linear]).all()
-        and (np.abs(values) > _CERTAIN * np.nan_to_num(doubts, nan=np.inf)).any()
-        and np.sqrt((torque**2).mean()) > _MATERIAL * noise[term.joint]
+        and (np.abs(values) > EVERYDAY_CERTAIN * np.nan_to_num(doubts, nan=np.inf)).any()
+        and np.sqrt((torque**2).mean()) > EVERYDAY_MATERIAL * noise[term.joint]
     )

@@ -13,7 +13,8 @@ from scipy import special
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term

@@ -13,8 +13,8 @@ import numpy as np
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose, is_special_case
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.remainder import NEAR
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, SAVED, Rules
+from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
@@ -22,12 +22,6 @@ from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimation.estimate import Estimate
-
-# Residuals beyond this multiple of the noise are looked at for two laws in one if they show structure; those
-# far from it in any case.
-_LOUD = 1.25
-# A law that was chosen anew may leave this much more of a joint's squared error.
-_PRICE = 1.02
 
 
 def choose_again(
@@ -58,7 +52,7 @@ def choose_again(
     over = current.fit.sigma / noise_of(current)
     acted = {step.score.joint for step in steps}
     far = {j for j in acted if over[j] > NEAR}
-    unclear = sorted(j for j in acted - far if over[j] > _LOUD)
+    unclear = sorted(j for j in acted - far if over[j] > LOUD)
     left = find_unexplained(current, background, seed, unclear) if unclear else []
     where = sorted(far | {item.joint for item in left})
     if where:
@@ -143,7 +137,7 @@ def _replacement(
         if after is None:
             continue
         if pick is chosen:
-            fits = _cost(after, pick.joint, rest) <= _PRICE * _cost(current, pick.joint, rest)
+            fits = _cost(after, pick.joint, rest) <= PRICE * _cost(current, pick.joint, rest)
         else:
             fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
         if fits:
@@ -163,7 +157,7 @@ def _simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
 
 def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
     """Whether a model that saves parameters leaves no more than two standard errors each, on all joints."""
-    price = 1.0 + 4.0 * saved / cross_fit(full).effective
+    price = 1.0 + SAVED * saved / cross_fit(full).effective
     return _cost(simple, slice(None), full) <= price * _cost(full, slice(None), full)
 
 

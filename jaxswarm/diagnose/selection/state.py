@@ -4,7 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.score import Rules, Score
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.step import Step
