@@ -17,6 +17,7 @@ from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import outcome_of
+from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.diagnose.unfit import undecided_by
@@ -25,7 +26,8 @@ from jaxswarm.effects.formula import with_values
 from jaxswarm.effects.formula_file import law_file, law_name
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.weak import resting_joints
-from jaxswarm.identify.forward.model import save_model
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import Model, save_model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_undeclarable
 from jaxswarm.logs.motion import Motion
@@ -109,6 +111,12 @@ def conclude(
     return to_result(outcome_of(diagnosis, left, unseen, laws), search=search), left
 
 
+def _where_seen(step: Step, final: Estimate) -> tuple[Model, Motion]:
+    """The log in which an effect shows itself, its own if it is an event, and the model during it."""
+    log = int(step.added.values.get("log", 0)) if step.added.law.in_one_log else 0
+    return final.model.during(log), final.motions[log]
+
+
 def write_report(
     diagnosis: Diagnosis,
     left: list[Unexplained],
@@ -127,15 +135,15 @@ def write_report(
     plots = importlib.import_module("jaxswarm.plots")
     pictures = importlib.import_module("jaxswarm.diagnose.report.figures")
     final = diagnosis.final
-    robot, motion = final.model.robot, final.motions[0]
+    robot = final.model.robot
     figures = {"ladder.png": pictures.ladder(result)}
     for number, step in enumerate(diagnosis.kept, 1):
-        figures[f"effect_{number}.png"] = pictures.evidence(step, final.model, motion)
+        figures[f"effect_{number}.png"] = pictures.evidence(step, *_where_seen(step, final))
     laws = {}
     for one in search.found if search else ():
         term = one.added
         where = [None if k is None else robot.joints[k] for k in (term.joint, term.other)]
-        figures[f"{law_name(where[0])}.png"] = pictures.evidence(one, final.model, motion)
+        figures[f"{law_name(where[0])}.png"] = pictures.evidence(one, *_where_seen(one, final))
         laws[f"{law_name(where[0])}.py"] = law_file(with_values(term.formula, term.values), *where)
     for item in left:
         rows = final.regression.log >= 0

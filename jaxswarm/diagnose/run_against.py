@@ -171,5 +171,5 @@ def _as_diagnosis(found: Comparison) -> Diagnosis:
         steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
     return Diagnosis(
         found.before, found.after, tuple(steps), found.last, found.background, found.asked,
-        spent=found.spent,
+        rules=found.rules, spent=found.spent,
     )  # fmt: skip

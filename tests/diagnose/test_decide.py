@@ -85,6 +85,19 @@ def test_truth_scores_and_passes_and_noise_does_not(stage, truth):
     assert not passes(score(candidate(stage, noise), stage[1]), 100, Rules())
 
 
+def test_the_share_of_a_joint_effect_is_that_of_its_own_joint(stage):
+    """A column that takes more off another joint, as one of shared parameters may, does not count there."""
+    found, background = stage
+    q = position(stage)
+    columns = np.zeros((*background.weight.shape, 1))
+    columns[:, 0, 0], columns[:, 1, 0] = 1e-3 * q, q
+    told = score(
+        Candidate(Term("joint_spring", 0), (background.weigh(columns),) * 3, 1), background
+    )
+    before = sum((half.residual[~half.train] ** 2).sum(axis=0) for half in background.halves)
+    assert told.joint == 0 and told.share < 0.2 < 0.8 < (told.per_joint / before)[1]
+
+
 def test_every_threshold_can_refuse(stage, truth):
     good, rules = score(truth, stage[1]), Rules()
     assert passes(good, 100, rules)

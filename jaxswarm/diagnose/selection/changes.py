@@ -50,6 +50,7 @@ class Comparison:
         asked: Candidates asked in the first round.
         refused: Candidates that explain something with values that cannot be believed, and why.
         spent: The budget that ended the search; None: it came to its own end.
+        rules: Thresholds that decided.
     """
 
     before: Estimate
@@ -62,6 +63,7 @@ class Comparison:
     asked: int
     refused: tuple[tuple[Term, str], ...] = ()
     spent: Spent | None = None
+    rules: Rules = Rules()
 
 
 def compare(
@@ -97,6 +99,7 @@ def compare(
     return Comparison(
         before, search.current, found.changes, tuple(found.stages), tuple(found.unseen),
         tuple(search.scores), search.background, search.asked, tuple(search.refused), search.spent,
+        rules,
     )  # fmt: skip
 
 

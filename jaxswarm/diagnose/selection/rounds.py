@@ -62,7 +62,8 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
             return
         stand = Linearization(search.current, search.background, search.memory)
         eligible = question.eligible(search)
-        if question.allow(search, stand, eligible):
+        # The last look is at the model as it will be told.
+        if number <= most and question.allow(search, stand, eligible):
             continue
         signed = partial(question.signed, search)
         search.scores = score_terms(stand, eligible, search.seed, signed)

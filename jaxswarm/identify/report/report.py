@@ -32,7 +32,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
     """
     model, solution = found.model, found.fit
     robot = model.robot
-    train = [log_errors(model, motion) for motion in found.motions]
+    train = [{"log": Path(m.source).name, **log_errors(model, m)} for m in found.motions]
     report = {
         "robot": robot.name,
         "joints": list(robot.joints),
@@ -120,7 +120,7 @@ def order_pictures(
         },
         robot.joints,
         labels,
-        f"{robot.name}: what the model leaves",
+        f"{robot.name}: what the model leaves, {Path(motion.source).name}",
     )
     if search is not None:
         drawing.ask(
