@@ -86,16 +86,15 @@ def test_truth_scores_and_passes_and_noise_does_not(stage, truth):
 
 
 def test_the_share_of_a_joint_effect_is_that_of_its_own_joint(stage):
-    """A column that takes more off another joint, as one of shared parameters may, does not count there."""
-    found, background = stage
-    q = position(stage)
-    columns = np.zeros((*background.weight.shape, 1))
-    columns[:, 0, 0], columns[:, 1, 0] = 1e-3 * q, q
-    told = score(
-        Candidate(Term("joint_spring", 0), (background.weigh(columns),) * 3, 1), background
-    )
-    before = sum((half.residual[~half.train] ** 2).sum(axis=0) for half in background.halves)
-    assert told.joint == 0 and told.share < 0.2 < 0.8 < (told.per_joint / before)[1]
+    """What it takes off another joint, by the parameters that both share, does not count."""
+    background, rng = stage[1], np.random.default_rng(0)
+    more = np.zeros_like(background.weight)
+    more[:, 0] = 10.0 * background.whole.residual.std() * rng.normal(size=len(more))
+    loud = [replace(f, residual=f.residual + more) for f in background.folds]
+    background = replace(background, whole=loud[0], halves=tuple(loud[1:]))
+    truth = candidate(stage, position(stage)[:, None])
+    own, other = (score(replace(truth, term=Term("joint_spring", j)), background) for j in (1, 0))
+    assert own.joint == 1 and own.share > 0.8 and other.joint == 0 and other.share < 0.2
 
 
 def test_every_threshold_can_refuse(stage, truth):
