@@ -24,7 +24,7 @@ def run_case(case: Case) -> dict:
     blank = tuple(replace(t, values={}) for t in declared)
     start = time.perf_counter()
     found = diagnose(rx60(), blank, [prepare(log)])
-    left = find_unexplained(found.final, found.background)
+    left = find_unexplained(found.final, found.crossfit)
     seconds = time.perf_counter() - start
     joints = arm.joints
     added = [s.added for s in found.steps]

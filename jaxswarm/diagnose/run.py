@@ -105,7 +105,7 @@ def conclude(
 ) -> tuple[dict, list[Unexplained]]:
     """What remains after the loop, and everything as ``diagnosis.json`` has it."""
     progress("looking at what remains")
-    left = find_unexplained(diagnosis.final, diagnosis.background, seed)
+    left = find_unexplained(diagnosis.final, diagnosis.crossfit, seed)
     left = proven(diagnosis.final, material(left, remainders(diagnosis.final)), unseen)
     laws = search.found if search else ()
     return to_result(outcome_of(diagnosis, left, unseen, laws), search=search), left

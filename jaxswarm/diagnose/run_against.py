@@ -106,7 +106,7 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     """The comparison as ``diagnosis.json`` has it, as a diagnosis for the pictures, and what remains."""
     progress("looking at what remains")
     diagnosis = _as_diagnosis(found)
-    left = find_unexplained(found.after, found.background, seed)
+    left = find_unexplained(found.after, found.crossfit, seed)
     left = proven(found.after, material(left, remainders(found.after)), unseen)
     result = to_result(outcome_of(diagnosis, left, unseen))
     robot = found.before.model.robot
@@ -119,10 +119,12 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     measured, moving = found.before.regression.torque, found.before.regression.moving
     if not unseen:
         before = _errors(measured, found.before.fit.residual, moving)
-        stages = [_errors(measured, r, moving) for r in found.unseen]
+        after_each = [_errors(measured, r, moving) for r in found.unseen]
         result["error"]["before"] = before
-        result["error"]["after"] = stages[-1] if stages else before
-        for step, one, other in zip(result["steps"], [before, *stages], stages, strict=False):
+        result["error"]["after"] = after_each[-1] if after_each else before
+        for step, one, other in zip(
+            result["steps"], [before, *after_each], after_each, strict=False
+        ):
             step["before"], step["after"] = one, other
     result["declared"] = [place(t, robot.joints) for t in found.before.model.terms]
     return result, diagnosis, left
@@ -163,13 +165,13 @@ def _reasons(found: Comparison) -> list[str]:
 
 def _as_diagnosis(found: Comparison) -> Diagnosis:
     """The same outcome in the shape the report knows."""
-    before = (found.before, *found.stages)
+    before = (found.before, *found.after_each)
     steps = []
-    for k, (one, other) in enumerate(zip(before, found.stages, strict=False)):
+    for k, (one, other) in enumerate(zip(before, found.after_each, strict=False)):
         change = found.changes[k]
         rest = with_changes(found.before, found.changes[:k] + found.changes[k + 1 :])
         steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
     return Diagnosis(
-        found.before, found.after, tuple(steps), found.last, found.background, found.asked,
+        found.before, found.after, tuple(steps), found.last, found.crossfit, found.asked,
         rules=found.rules, spent=found.spent,
     )  # fmt: skip

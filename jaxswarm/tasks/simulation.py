@@ -31,7 +31,7 @@ from jaxswarm.simulate import (
     stable_substeps,
     track,
 )
-from jaxswarm.simulate import simulate as play
+from jaxswarm.simulate import simulate as drive
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_logs, as_model, in_double
 from jaxswarm.tasks.words import number
@@ -99,7 +99,7 @@ def simulate(
     start = rest(plant, jnp.asarray(wanted[0][0]), jnp.asarray(wanted[1][0]))
     progress(f"simulating {len(t)} samples of {substeps} steps")
     if playback:
-        motion = jax.jit(lambda p, s, u: play(p, s, u, dt=dt, hold="first", substeps=substeps))(
+        motion = jax.jit(lambda p, s, u: drive(p, s, u, dt=dt, hold="first", substeps=substeps))(
             plant, start, jnp.asarray(tau)
         )
     else:

@@ -114,8 +114,8 @@ def test_what_is_only_noise_in_time_is_refused():
     walk = np.cumsum(rng.normal(size=len(log.t))) * 0.03
     extra = np.zeros_like(log.tau)
     extra[:, 1] = walk - walk.mean()
-    found, background = declared_fit(replace(log, tau=log.tau + extra))
-    _, search = discover(Diagnosis(found, found, (), (), background, 50))
+    found, crossfit = declared_fit(replace(log, tau=log.tau + extra))
+    _, search = discover(Diagnosis(found, found, (), (), crossfit, 50))
     assert [one for one in search.found if "t" not in one.added.formula.fields] == []
 
 
@@ -169,8 +169,8 @@ def test_the_result_tells_the_law_its_evidence_and_what_fits_alike():
 
 
 def test_programs_are_sound_and_none_is_there_twice():
-    found, background = declared_fit(log_with())
-    problem = joint_problem(Linearization(found, background), 1, 0)
+    found, crossfit = declared_fit(log_with())
+    problem = joint_problem(Linearization(found, crossfit), 1, 0)
     pieces = programs(problem.data, problem.units, problem.angles)
     assert len({skeleton(one.program) for one in pieces}) == len(pieces) > 10_000
     for one in pieces[:: len(pieces) // 400]:
@@ -183,15 +183,15 @@ def test_programs_are_sound_and_none_is_there_twice():
 
 
 def test_constants_are_refined_to_the_least_residual():
-    found, background = declared_fit(planted("magnet"))
-    problem = joint_problem(Linearization(found, background), 1, None)
+    found, crossfit = declared_fit(planted("magnet"))
+    problem = joint_problem(Linearization(found, crossfit), 1, None)
     formula = searched("magnet")[2].found[0].chosen.formula
 
     def left(s: float) -> float:
         return float(
-            (unexplained(problem, formula._replace(values={"s": s}), background.whole) ** 2).sum()
+            (unexplained(problem, formula._replace(values={"s": s}), crossfit.whole) ** 2).sum()
         )
 
     near = formula._replace(values={"s": 0.4})
-    best = polished(problem, near, background.whole).values["s"]
+    best = polished(problem, near, crossfit.whole).values["s"]
     assert left(best) <= min(left(0.99 * best), left(1.01 * best)) < left(0.4)

@@ -130,10 +130,10 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     parsed = parse_terms(law.name, small_arm().joints)
     assert [t.joint for t in parsed] == ([None] if law.scope == "global" else [0, 1])
     log = log_of(term)
-    found, background = declared_fit(log)
+    found, crossfit = declared_fit(log)
     assert any(t.place == term.place for t in eligible_terms(found.model, found.motions))
     # A candidate that passes, and the refit that finds the truth.
-    (score,) = score_terms(Linearization(found, background), [replace(term, values={})], 0)
+    (score,) = score_terms(Linearization(found, crossfit), [replace(term, values={})], 0)
     assert passes(score, 20, Rules())
     after = refit_with(found, score)
     added = find_term(after, score.candidate.term)

@@ -48,7 +48,7 @@ def test_rows_in_which_a_joint_turns_round_are_known_less_and_count_less():
     assert (np.corrcoef(doubt.ravel(), weight.ravel())[0, 1]) < -0.5
 
 
-def test_a_strike_is_noise_where_it_is_and_nowhere_else():
+def test_an_impact_is_noise_where_it_is_and_nowhere_else():
     log = log_with()
     quiet = fitted()
     tau = np.array(log.tau)

@@ -32,11 +32,11 @@ def search_of(found, **more):
 
 def test_the_last_look_is_at_the_model_as_it_is_told(fitted):
     """Whatever would still be allowed for: no round ends with scores of another model than its own."""
-    found, background = fitted
+    found, crossfit = fitted
     asked, allowed = [], []
     question = Question(
         told=lambda search: "asking",
-        cross_fit=lambda search: background,
+        cross_fit=lambda search: crossfit,
         eligible=lambda search: asked.append(1) or [replace(SPRING, values={})],
         held=lambda search: set(),
         act=lambda search, passed: True,

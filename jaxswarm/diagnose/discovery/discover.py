@@ -104,7 +104,7 @@ def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
     """Joints that no law explains: those whose structure was found, then those only far from the noise."""
     final = diagnosis.final
     remains = remainders(final)
-    found = material(find_unexplained(final, diagnosis.background, seed), remains)
+    found = material(find_unexplained(final, diagnosis.crossfit, seed), remains)
     told = [_Open(u.joint, u.depends_on, u.share) for u in sorted(found, key=lambda u: -u.share)]
     known = {one.joint for one in told}
     far = [r for r in remains if not r.near and r.joint not in known]
@@ -119,11 +119,11 @@ def _discover_on(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
-    stand = Linearization(final, diagnosis.background)
+    lin = Linearization(final, diagnosis.crossfit)
     ranked: list[tuple[Joint, Point]] = []
     tried = 0
     for partner, wanted in _variables(left, final.model.robot.joints):
-        problem = joint_problem(stand, j, partner, wanted)
+        problem = joint_problem(lin, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
         tried += count
@@ -172,7 +172,7 @@ def _prove(
     if one.error > MOST_LEFT:
         return "the best formula leaves most of the error in regions of the motion it was not fitted to"
     candidate, term = candidate_of(problem, one.formula)
-    item = score(candidate, diagnosis.background, max(m.interval for m in final.motions))
+    item = score(candidate, diagnosis.crossfit, max(m.interval for m in final.motions))
     if not passes(item, tried + diagnosis.asked, diagnosis.rules):
         return "the best formula may be chance, given how many programs were tried, or is too small"
     if item.share < OF_SMOOTH * left.share:

@@ -81,8 +81,8 @@ def without_stand_ins(
             continue
         own = step.added.identity
         rest = refit(after, tuple(t for t in after.model.terms if t.identity != own))
-        stand = Linearization(rest, cross_fit(rest))
-        scores = score_terms(stand, [replace(step.added, values={})], seed)
+        lin = Linearization(rest, cross_fit(rest))
+        scores = score_terms(lin, [replace(step.added, values={})], seed)
         if any(passes(s, diagnosis.asked, diagnosis.rules) for s in scores):
             continue
         after = rest
@@ -99,7 +99,7 @@ def without_stand_ins(
             diagnosis,
             final=after,
             steps=tuple(steps),
-            background=cross_fit(after),
+            crossfit=cross_fit(after),
             withdrawn=(*diagnosis.withdrawn, *gone),
         ),
         replace(found, added=added, before=before, after=after),

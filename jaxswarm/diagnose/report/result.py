@@ -78,7 +78,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
             *grown(outcome.validation, joints, outcome.noise, HARM),
         ],
         **_refusals(diagnosis, rules, joints),
-        "effective_samples": diagnosis.background.effective,
+        "effective_samples": diagnosis.crossfit.effective,
         "sign_width": list(final.model.width),
         "filtering": {
             "motion_cutoff_hz": list(final.motions[0].motion_cutoff),

@@ -46,7 +46,7 @@ class Comparison:
         unseen: After each change, the residual (T, n) of every second block of time with the changes
             fitted to the others.
         last: Scores of the final round.
-        background: Folds of the final round.
+        crossfit: Folds of the final round.
         asked: Candidates asked in the first round.
         refused: Candidates that explain something with values that cannot be believed, and why.
         spent: The budget that ended the search; None: it came to its own end.
@@ -56,10 +56,10 @@ class Comparison:
     before: Estimate
     after: Estimate
     changes: tuple[Change, ...]
-    stages: tuple[Estimate, ...]
+    after_each: tuple[Estimate, ...]
     unseen: tuple[np.ndarray, ...]
     last: tuple[Score, ...]
-    background: CrossFit
+    crossfit: CrossFit
     asked: int
     refused: tuple[tuple[Term, str], ...] = ()
     spent: Spent | None = None
@@ -97,8 +97,8 @@ def compare(
     found = _Found()
     run_rounds(search, _changed(found), _MOST_STEPS)
     return Comparison(
-        before, search.current, found.changes, tuple(found.stages), tuple(found.unseen),
-        tuple(search.scores), search.background, search.asked, tuple(search.refused), search.spent,
+        before, search.current, found.changes, tuple(found.after_each), tuple(found.unseen),
+        tuple(search.scores), search.crossfit, search.asked, tuple(search.refused), search.spent,
         rules,
     )  # fmt: skip
 
@@ -109,7 +109,7 @@ class _Found:
 
     picked: list[tuple[Candidate, Score, tuple[Score, ...]]] = field(default_factory=list)
     changes: tuple[Change, ...] = ()
-    stages: list[Estimate] = field(default_factory=list)
+    after_each: list[Estimate] = field(default_factory=list)
     unseen: list[np.ndarray] = field(default_factory=list)
 
 
@@ -143,17 +143,17 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
     """Add the best change whose values can be believed; whether there was one."""
     before = search.declared
     while passed:
-        chosen, _ = choose(passed, search.rules, search.background)
+        chosen, _ = choose(passed, search.rules, search.crossfit)
         ranked = sorted(search.scores, key=lambda s: -s.gain)
         others = tuple(s for s in ranked if s is not chosen)[:_MOST_OTHERS]
-        raw = _raw(chosen.candidate, search.background)
+        raw = _raw(chosen.candidate, search.crossfit)
         picked = [*found.picked, (raw, chosen, others)]
         changes = changes_of(before, picked)
         doubts = [d for d in map(doubt_of, changes) if d]
         if not doubts:
             found.picked, found.changes = picked, changes
             search.current = freeze(with_changes(before, changes), before.motions)
-            found.stages.append(search.current)
+            found.after_each.append(search.current)
             found.unseen.append(crossed(before, [c for c, _, _ in picked]))
             return True
         search.refused.append((changes[-1].term, doubts[-1]))
@@ -161,9 +161,9 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
     return False
 
 
-def _raw(candidate: Candidate, background: CrossFit) -> Candidate:
+def _raw(candidate: Candidate, crossfit: CrossFit) -> Candidate:
     """The candidate with the columns of the whole log in units of torque."""
-    # Rows that a touch spoils weigh nothing.
-    weight = background.weight[:, :, None]
+    # Rows within an event weigh nothing.
+    weight = crossfit.weight[:, :, None]
     raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
     return replace(candidate, columns=(raw,) * 3)

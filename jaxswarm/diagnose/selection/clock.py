@@ -13,13 +13,13 @@ from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import shift_motion
 
 
-def clock_skew(stand: Linearization, terms: Sequence[Term], seed: int) -> float:
+def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:
     """A delay [s] below half a sample: a matter of the clock, not of the robot, and so always allowed for.
 
     Every sampled and held torque is early or late by a part of a sample. The estimate is shrunk by its own
     certainty, the positive-part rule of W. James and C. Stein (1961): nothing where there is nothing.
     """
-    for s in score_terms(stand, [t for t in of_kind(terms, MeasurementLaw) if t.law.clock], seed):
+    for s in score_terms(lin, [t for t in of_kind(terms, MeasurementLaw) if t.law.clock], seed):
         if not s.allowed and s.gain > 0:
             certainty = float(-special.ndtri(max(s.p_value, 1e-300)))
             return float(s.coefficients[0]) * max(0.0, 1.0 - 1.0 / max(certainty, 1e-9) ** 2)

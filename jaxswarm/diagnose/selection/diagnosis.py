@@ -22,7 +22,7 @@ class Diagnosis:
         final: The estimate after the last step.
         steps: What was added, in order.
         last: Scores of all candidates in the final round, in which nobody passed.
-        background: The folds of the final model.
+        crossfit: The folds of the final model.
         asked: Candidates asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
         ended: Whether the search ended by its number of rounds, and more might be added.
@@ -35,7 +35,7 @@ class Diagnosis:
     final: Estimate
     steps: tuple[Step, ...]
     last: tuple[Score, ...]
-    background: CrossFit
+    crossfit: CrossFit
     asked: int
     withdrawn: tuple[Term, ...] = ()
     refused: tuple[tuple[Term, str], ...] = ()

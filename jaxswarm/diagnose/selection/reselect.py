@@ -27,7 +27,7 @@ from jaxswarm.identify.estimation.estimate import Estimate
 def choose_again(
     steps: Sequence[Step],
     current: Estimate,
-    background: CrossFit,
+    crossfit: CrossFit,
     asked: int,
     rules: Rules,
     seed: int = 0,
@@ -38,7 +38,7 @@ def choose_again(
     Args:
         steps: What was added, in order.
         current: The model with all of it, in which no further candidate passes.
-        background: Its stage.
+        crossfit: Its folds.
         asked: Candidates asked in the first round, for the level of the tests.
         rules: Thresholds.
         seed: Seed of the searches.
@@ -53,7 +53,7 @@ def choose_again(
     acted = {step.score.joint for step in steps}
     far = {j for j in acted if over[j] > NEAR}
     unclear = sorted(j for j in acted - far if over[j] > LOUD)
-    left = find_unexplained(current, background, seed, unclear) if unclear else []
+    left = find_unexplained(current, crossfit, seed, unclear) if unclear else []
     where = sorted(far | {item.joint for item in left})
     if where:
         progress("looking for two laws where one was bent")
@@ -92,9 +92,9 @@ def reconsider(
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
         own = step.added.identity
         rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
-        background = cross_fit(rest)
+        crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
-        scores = score_terms(Linearization(rest, background), terms, seed)
+        scores = score_terms(Linearization(rest, crossfit), terms, seed)
         passed = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not passed:
@@ -102,7 +102,7 @@ def reconsider(
                 del done[place]
                 current, changed = rest, True
             continue
-        chosen, near = choose(passed, rules, background)
+        chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == own
         instead = _replacement(
             _simpler(chosen, passed) if same else [chosen], chosen, rest, current
@@ -117,7 +117,7 @@ def reconsider(
         told = tuple(
             s
             for s in (chosen, *near)
-            if s is not pick and not is_special_case(pick.candidate, s.candidate, background)
+            if s is not pick and not is_special_case(pick.candidate, s.candidate, crossfit)
         )
         done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
         changed = True

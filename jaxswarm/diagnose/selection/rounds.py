@@ -17,7 +17,7 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.term import Term
 
 
-def _never(search: Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
+def _never(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
     return False
 
 
@@ -53,20 +53,20 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
     """Ask until nothing is done any more, at most so many rounds and a last look, or the time is over."""
     for number in range(1, most + 2):
         search.progress(f"round {number}: {question.told(search)}")
-        search.background = question.cross_fit(search)
+        search.crossfit = question.cross_fit(search)
         if search.budget.spent:
             search.spent = Spent(search.budget.seconds, number - 1)
             search.progress(search.spent.sentence)
             held = question.held(search)
             search.scores = [s for s in search.scores if s.candidate.term.identity not in held]
             return
-        stand = Linearization(search.current, search.background, search.memory)
+        lin = Linearization(search.current, search.crossfit, search.memory)
         eligible = question.eligible(search)
         # The last look is at the model as it will be told.
-        if number <= most and question.allow(search, stand, eligible):
+        if number <= most and question.allow(search, lin, eligible):
             continue
         signed = partial(question.signed, search)
-        search.scores = score_terms(stand, eligible, search.seed, signed)
+        search.scores = score_terms(lin, eligible, search.seed, signed)
         search.asked = search.asked or len(search.scores)
         passed = accepted(search.scores, search.rules)
         if number > most:

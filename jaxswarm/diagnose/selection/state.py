@@ -24,7 +24,7 @@ class Search:
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
         asked: Candidates scored in the first round.
-        background: The current model on all folds.
+        crossfit: The current model on all folds.
         scores: Of all candidates in the latest round.
         spent: The budget that ended the search; None: none has.
         ended: Whether it ended by its number of rounds, and more might be added.
@@ -44,7 +44,7 @@ class Search:
     steps: list[Step] = field(default_factory=list)
     banned: set = field(default_factory=set)
     asked: int = 0
-    background: CrossFit | None = None
+    crossfit: CrossFit | None = None
     scores: list[Score] = field(default_factory=list)
     spent: Spent | None = None
     ended: bool = False

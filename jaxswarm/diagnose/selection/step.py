@@ -42,7 +42,7 @@ class Step:
     rest: Model | None = None
 
 
-def near_ones(chosen: Score, passed: Sequence[Score], background: CrossFit) -> tuple[Score, ...]:
+def near_ones(chosen: Score, passed: Sequence[Score], crossfit: CrossFit) -> tuple[Score, ...]:
     """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first."""
     return tuple(
         s
@@ -51,7 +51,7 @@ def near_ones(chosen: Score, passed: Sequence[Score], background: CrossFit) -> t
         and s.joint == chosen.joint
         and s.gain > ASKED_AGAIN * chosen.gain
         and not s.candidate.term.law.recurring
-        and overlap(chosen.candidate, s.candidate, background) > OVERLAP
+        and overlap(chosen.candidate, s.candidate, crossfit) > OVERLAP
     )[:_MOST]
 
 

@@ -78,7 +78,7 @@ def diagnose(
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     _take_back_harm(search)
     return Diagnosis(
-        search.declared, search.current, tuple(search.steps), tuple(search.scores), search.background,
+        search.declared, search.current, tuple(search.steps), tuple(search.scores), search.crossfit,
         search.asked, search.withdrawn, tuple(search.refused), search.ended, rules, search.spent,
     )  # fmt: skip
 
@@ -119,14 +119,14 @@ def _take_back_harm(search: Search) -> None:
         kept = tuple(t for t in search.current.model.terms if t.identity != own)
         search.current = with_motion_noise(refit(search.current, kept), search.seed)
         search.steps = chain(search.steps) if search.steps else []
-        search.background = cross_fit(search.current)
+        search.crossfit = cross_fit(search.current)
 
 
-def _allow_for_skew(search: Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
+def _allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
     """Move the clocks against each other where they are apart; whether they were moved."""
     if len(search.skews) == _MOST_SKEWS:
         return False
-    late = clock_skew(stand, eligible, search.seed)
+    late = clock_skew(lin, eligible, search.seed)
     if abs(late) <= _LEAST_SKEW:
         return False
     search.skews.append(late)
@@ -147,7 +147,7 @@ def _choose_again(search: Search) -> bool:
     search.steps, search.current, changed = choose_again(
         former,
         search.current,
-        search.background,
+        search.crossfit,
         search.asked,
         search.rules,
         search.seed,
@@ -161,16 +161,16 @@ def _choose_again(search: Search) -> bool:
 
 def _add_best(search: Search, best: list[Score]) -> bool:
     """Add what every drive has, else the best candidate if it proves itself; always another round."""
-    current, scores, background = search.current, search.scores, search.background
+    current, scores, crossfit = search.current, search.scores, search.crossfit
     joints = current.model.robot.joints
     together = add_everyday(current, scores, len(scores), search.rules)
     if together:
         search.progress("adding what every drive has")
         search.steps, search.current = [*search.steps, *together[0]], together[1]
         return True
-    chosen, rivals = choose(best, search.rules, background)
+    chosen, rivals = choose(best, search.rules, crossfit)
     term = chosen.candidate.term
-    if stands_in(chosen, current, background, search.seed):
+    if stands_in(chosen, current, crossfit, search.seed):
         search.refuse(term)
         return True
     search.progress(f"adding {term.label(joints)}")
@@ -185,7 +185,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     added = find_term(after, term)
     ranked = sorted(scores, key=lambda s: -s.gain)
     others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
-    near = near_ones(chosen, best, background)
+    near = near_ones(chosen, best, crossfit)
     told = tuple(rivals), tuple(others)
     search.steps.append(Step(added, chosen, *told, current, after, removed, near))
     search.current = after
@@ -202,8 +202,8 @@ def _add_further_events(search: Search, first: Term) -> None:
         if search.budget.spent:
             return
         current = search.current
-        stand = Linearization(current, cross_fit(current), search.memory)
-        told = score_terms(stand, [replace(first, values={})], search.seed)
+        lin = Linearization(current, cross_fit(current), search.memory)
+        told = score_terms(lin, [replace(first, values={})], search.seed)
         if not told or not passes(told[0], search.asked, search.rules):
             return
         after, removed = add(current, told[0])

@@ -37,7 +37,7 @@ from jaxswarm.logs.motion import Motion, shift_motion
 _ENDS = 0.25
 
 
-def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:
+def stands_in(chosen: Score, current: Estimate, crossfit: CrossFit, seed: int) -> bool:
     """Whether a law only stands in for one that no catalog holds.
 
     That is so if it explains a small part of what a smooth function of one or two variables explains
@@ -45,7 +45,7 @@ def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int)
     """
     if chosen.share > SMALL_PART or chosen.candidate.term.joint is None:
         return False
-    smooth = find_unexplained(current, background, seed, [chosen.joint])
+    smooth = find_unexplained(current, crossfit, seed, [chosen.joint])
     return bool(smooth and smooth[0].share > max(NEARLY_ALL, TIMES_OWN * chosen.share))
 
 
