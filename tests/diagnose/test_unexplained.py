@@ -7,6 +7,8 @@ import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.decision.unexplained import (
+    _RIDGE,
+    _ridge,
     find_unexplained,
     residual_variables,
     with_smooth_terms,
@@ -97,3 +99,15 @@ def test_variables_are_named_and_sampled_like_the_residual():
     wanted = {f"{s}_joint{j}" for s in ("q", "dq", "ddq") for j in (1, 2)} | {"t"}
     assert set(table) == wanted
     assert all(x.shape == (len(found.regression.t),) for x in table.values())
+
+
+def test_a_ridge_loses_no_digits_to_its_squares():
+    """Columns that nearly depend on each other: the ridge bounds the condition of their squares themselves."""
+    rng = np.random.default_rng(0)
+    free = rng.normal(size=(400, 20))
+    free[:, 10:] = free[:, :10] + 1e-6 * rng.normal(size=(400, 10))
+    residual = rng.normal(size=400)
+    held = np.sqrt(_RIDGE * (free**2).sum() / free.shape[1])
+    rows = np.concatenate([free, held * np.eye(20)])
+    exact = np.linalg.lstsq(rows, np.append(residual, np.zeros(20)), rcond=None)[0]
+    np.testing.assert_allclose(_ridge(free, residual), exact, rtol=1e-10, atol=1e-14)
