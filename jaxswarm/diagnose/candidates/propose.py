@@ -69,7 +69,7 @@ def propose(law: Effect, lin: Linearization, term: Term) -> Candidate | None:
 
 @propose.register
 def _(law: TorqueLaw, lin, term):
-    return Candidate(term, (lin.law(term),) * 3, len(law.linear))
+    return Candidate(term, lin.on_all(lin.law(term)), len(law.linear))
 
 
 @propose.register

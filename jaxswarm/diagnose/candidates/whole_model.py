@@ -26,10 +26,10 @@ def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
     law, neutral = term.law, term.law.neutral()
     if law.excess is not None:
         columns = lin.stack(lambda k: lin.reported(k, _turned(lin, term, k)))
-        return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+        return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
     if law.distortion is not None:
         columns = lin.on_joint(lin.low(lambda k: _distorted(lin, term, k)), term.joint)
-        return Candidate(term, (columns,) * 3, columns.shape[2])
+        return Candidate(term, lin.on_all(columns), columns.shape[2])
 
     def slopes(k):
         output, step = lin.outputs[k], 1.0 / lin.found.motions[k].rate
@@ -46,7 +46,7 @@ def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
         columns = lin.crossfit.weigh(low)
     else:
         columns = lin.on_joint(low, term.joint)
-    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+    return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
 
 
 # Whole programs: each operation by itself would be traced, lowered and loaded on its own.
@@ -104,7 +104,7 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate:
             return lin.reported(k, placement_columns(law, term.joint, *at))
 
         columns = lin.stack(moved)
-        return Candidate(term, (columns,) * 3, columns.shape[2])
+        return Candidate(term, lin.on_all(columns), columns.shape[2])
     if law.gravity is not None:
         columns = lin.crossfit.weigh(_gravity_columns(lin, term))
     else:
@@ -113,7 +113,7 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate:
         columns = lin.stack(lambda k: lin.reported(k, lin.carried(k)[:, :, last] @ bodies))
         if law.window:
             return windowed_candidate(lin, term, columns)
-    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+    return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
 
 
 def _directions(lin: Linearization, term: Term) -> np.ndarray:

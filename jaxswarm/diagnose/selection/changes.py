@@ -166,4 +166,4 @@ def _raw(candidate: Candidate, crossfit: CrossFit) -> Candidate:
     # Rows within an event weigh nothing.
     weight = crossfit.weight[:, :, None]
     raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
-    return replace(candidate, columns=(raw,) * 3)
+    return replace(candidate, columns=(raw,) * len(candidate.columns))

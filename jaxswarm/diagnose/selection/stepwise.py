@@ -22,13 +22,14 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.everyday import add_everyday
+from jaxswarm.diagnose.selection.everyday import everyday_first
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
+from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
@@ -77,9 +78,14 @@ def diagnose(
     search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     _take_back_harm(search)
+    held = within_bounds(search.current)
+    if held is not search.current:
+        search.current = with_motion_noise(held, seed)
+        search.crossfit = cross_fit(search.current)
     return Diagnosis(
-        search.declared, search.current, tuple(search.steps), tuple(search.scores), search.crossfit,
-        search.asked, search.withdrawn, tuple(search.refused), search.ended, rules, search.spent,
+        within_bounds(search.declared), search.current, tuple(search.steps), tuple(search.scores),
+        search.crossfit, search.asked, search.withdrawn, tuple(search.refused), search.ended, rules,
+        search.spent,
     )  # fmt: skip
 
 
@@ -122,6 +128,11 @@ def _take_back_harm(search: Search) -> None:
         search.crossfit = cross_fit(search.current)
 
 
+def _begin(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Before anything rarer: what every drive has, and the clocks; whether there was any of it."""
+    return everyday_first(search, lin, eligible) or _allow_for_skew(search, lin, eligible)
+
+
 def _allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
     """Move the clocks against each other where they are apart; whether they were moved."""
     if len(search.skews) == _MOST_SKEWS:
@@ -160,14 +171,9 @@ def _choose_again(search: Search) -> bool:
 
 
 def _add_best(search: Search, best: list[Score]) -> bool:
-    """Add what every drive has, else the best candidate if it proves itself; always another round."""
+    """Add the best candidate if it proves itself; always another round."""
     current, scores, crossfit = search.current, search.scores, search.crossfit
     joints = current.model.robot.joints
-    together = add_everyday(current, scores, len(scores), search.rules)
-    if together:
-        search.progress("adding what every drive has")
-        search.steps, search.current = [*search.steps, *together[0]], together[1]
-        return True
     chosen, rivals = choose(best, search.rules, crossfit)
     term = chosen.candidate.term
     if stands_in(chosen, current, crossfit, search.seed):
@@ -229,4 +235,4 @@ def _error(one: Estimate) -> float:
     return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))
 
 
-_LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _allow_for_skew)
+_LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _begin)
