@@ -57,7 +57,7 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
 
 
 def _starts(term: Term) -> list[Term]:
-    """Where a refit begins: a gap that was seen too wide does not close by small steps, so from a narrow one too."""
+    """Where a refit begins: a gap seen too wide does not close by small steps, so from a narrow one too."""
     if not isinstance(term.law, TransmissionLaw) or term.law.gap is None:
         return [term]
     narrow = replace(term, values={**term.values, "gap": _NARROW * term.values["gap"]})
