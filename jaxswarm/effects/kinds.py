@@ -28,12 +28,14 @@ class TorqueLaw(Effect):
         torque: ``torque(p, sample) -> scalar`` [N m or N] for one :class:`Sample` of scalars and a
             dictionary of parameters; friction has the sign of the velocity.
         rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
+        start: ``start(p, sample) -> state`` at the begin of a log; None: zero.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         motor_inertia: Linear parameter that is an inertia on the motor's side of the transmission.
     """
 
     torque: Callable[[dict, Sample], jax.Array] | None = None
     rate: Callable[[dict, Sample], jax.Array] | None = None
+    start: Callable[[dict, Sample], jax.Array] | None = None
     dissipative: bool = False
     motor_inertia: str = ""
 

@@ -15,12 +15,13 @@ from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.kinematics import SinCos
 from jaxswarm.robot.mass import equations_of_motion, solve_symmetric
 from jaxswarm.simulate.encoders import said_motion, true_motion
-from jaxswarm.simulate.forces import effect_torques, transmission_torque
+from jaxswarm.simulate.forces import effect_torques, sample_of, transmission_torque
 from jaxswarm.simulate.plant import Plant
 
 # Friction by load is a fixed point: the load depends on accelerations and these on friction. Each
 # round shrinks the error by the friction coefficient.
 LOAD_ROUNDS = 4
+AMBIENT = 25.0  # deg C, the temperature at which temperature_friction vanishes
 
 
 class State(NamedTuple):
@@ -55,8 +56,16 @@ class Drive(NamedTuple):
     temperature: Any
 
 
-def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
-    """Return the state where encoders say q, dq (n,), with links beside motors and memories empty."""
+def rest(
+    plant: Plant,
+    q: jax.Array,
+    dq: jax.Array | None = None,
+    temperature: jax.Array | None = None,
+) -> State:
+    """Return the state where encoders say q, dq (n,), with links beside motors and memories at their start.
+
+    ``temperature`` (n,) is that of the begin in deg C, default :data:`AMBIENT`.
+    """
     q = jnp.asarray(q)
     dq = jnp.zeros_like(q) if dq is None else jnp.asarray(dq, q.dtype)
     q, dq = true_motion(plant, q, dq)
@@ -64,6 +73,11 @@ def rest(plant: Plant, q: jax.Array, dq: jax.Array | None = None) -> State:
     if plant.soft:  # one by one: an index array would be a gather
         motor_q, motor_dq = (jnp.stack([x[j] for j in plant.soft]) for x in (q, dq))
     memory = jnp.zeros((len(plant.remembering), *q.shape[1:]), q.dtype)
+    warmth = jnp.full_like(q, AMBIENT) if temperature is None else jnp.asarray(temperature, q.dtype)
+    for k, acting in enumerate(plant.remembering):
+        if acting.law.start is not None:
+            sample = sample_of(plant, acting, q, dq, 0.0, warmth)
+            memory = memory.at[k].set(acting.law.start(acting.values, sample))
     return State(q, dq, motor_q, motor_dq, memory)
 
 
