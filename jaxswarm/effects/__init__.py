@@ -1,5 +1,6 @@
 """Physical effects a rigid body lacks: one law a function, a table of its parameters, one registry."""
 
+from jaxswarm.effects import base_compliance as base_compliance
 from jaxswarm.effects import bodies as bodies
 from jaxswarm.effects import cable_coupling as cable_coupling
 from jaxswarm.effects import contact as contact

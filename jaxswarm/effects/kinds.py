@@ -118,6 +118,8 @@ class BodyChange(Effect):
             their standard order.
         placement: ``placement(p) -> (2, 2)``: shift [m] of a joint in its parent along two directions across
             its own axis, and turns [rad] about them, the first of which lies across its parent's axis too.
+        compliance: ``compliance(p) -> (2,)``: turns of the base about its x and y axes per moment that it
+            holds there [rad/(N m)].
         window: Whether the body is carried between the times ``start`` and ``end`` [s] of one log only, told
             by the parameter ``log`` from zero; then its inertial parameters are linear.
     """
@@ -125,6 +127,7 @@ class BodyChange(Effect):
     gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
     body: Callable[[Mapping], jax.Array] | None = None
     placement: Callable[[Mapping], jax.Array] | None = None
+    compliance: Callable[[Mapping], jax.Array] | None = None
     window: bool = False
 
     @property
@@ -149,14 +152,15 @@ class BodyChange(Effect):
     def check(self) -> None:
         """Refuse a change of nothing, of several things, or of a single joint's gravity or body."""
         super().check()
-        told = [x for x in (self.gravity, self.body, self.placement) if x is not None]
-        linear = self.window or self.placement is not None
+        ways = (self.gravity, self.body, self.placement, self.compliance)
+        told = [x for x in ways if x is not None]
+        linear = self.window or self.placement is not None or self.compliance is not None
         scope = "global" if self.placement is None else "joint"
         if self.scope != scope or len(told) != 1 or bool(self.linear) != linear:
             raise ValueError(
-                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body and "
-                "placement, scope 'global' ('joint' for a placement), and linear parameters for a body "
-                "in a window and for a placement only"
+                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body, "
+                "placement and compliance, scope 'global' ('joint' for a placement), and linear parameters "
+                "for a body in a window, a placement and a compliance only"
             )
         own = len(self.linear or self.parameters)
         if self.body is not None and not (self.reference_only and own == 10):
