@@ -29,6 +29,8 @@ from jaxswarm.simulate.plant import Plant
 LOAD_ROUNDS = 4
 # Damping ratio of an arm that sways on its base: that of bolted steel.
 SWAY_DAMPING = 0.03
+# Inertia of the base itself, of the arm's about it: without any, a first joint about the same axis has no hold.
+BASE_INERTIA = 0.1
 AMBIENT = 25.0  # deg C, the temperature at which temperature_friction vanishes
 
 
@@ -156,6 +158,8 @@ def _equations(plant: Plant, state: State, t, sincos: SinCos) -> tuple[list[list
     s = len(plant.soft)
     q, dq = (*state.motor_q[s:], *state.q), (*state.motor_dq[s:], *state.dq)
     mass, bias = equations_of_motion(hinged(robot), q, dq, sincos=sincos)
+    for k in range(TURNS):
+        mass[k][k] = (1.0 + BASE_INERTIA) * mass[k][k]
     order = [*range(TURNS, len(q)), *range(TURNS)]
     return [[mass[i][j] for j in order] for i in order], [bias[i] for i in order]
 
