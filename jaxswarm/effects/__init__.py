@@ -18,6 +18,7 @@ from jaxswarm.effects import lugre_friction as lugre_friction
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
 from jaxswarm.effects import payload_change as payload_change
+from jaxswarm.effects import periodic_force as periodic_force
 from jaxswarm.effects import position_friction as position_friction
 from jaxswarm.effects import torque_constant_saturation as torque_constant_saturation
 from jaxswarm.effects import torque_dead_band as torque_dead_band

@@ -3,15 +3,15 @@ r"""A base that gives way: anchor bolts, a pedestal, a gantry or a cart that ben
 The base turns by :math:`\theta = -c\,M` about its x and y axes, M the moment [N m] that it has to exert on
 the arm there, from the rigid body as any load. The arm then stands askew in gravity, and is turned along by
 :math:`\dot\theta, \ddot\theta`. Both are taken to first order and quasi-statically: below the frequency at
-which the arm sways on its base. What the joints do not feel of the first links (the moment of a mass beside the
-first axis) is no part of M; on an arm whose axes are all upright that is most of it, and nothing shows. Told
-from ``base_tilt``, which does not follow the load, and from ``joint_elasticity`` of the second joint, which does
-much the same in a vertical plane but is not felt by the first.
+which the arm sways on its base. What the joints do not feel of the first links (the moment of a mass beside
+the first axis) is no part of M; on an arm whose axes are all upright that is most of it, and nothing shows.
+Told from ``base_tilt``, which does not follow the load, and from ``joint_elasticity`` of the second joint,
+which does much the same in a vertical plane but is not felt by the first.
 
 The simulation is exact: two hinges on springs.
 
-Reference: S. Moberg, J. Ohr, S. Gunnarsson, "A benchmark problem for robust control of a multivariable nonlinear
-flexible manipulator", IFAC (2008) (elasticity across the driven axes as further joints).
+Reference: S. Moberg, J. Ohr, S. Gunnarsson, "A benchmark problem for robust control of a multivariable
+nonlinear flexible manipulator", IFAC (2008) (elasticity across the driven axes as further joints).
 """
 
 import jax.numpy as jnp

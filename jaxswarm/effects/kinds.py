@@ -29,6 +29,7 @@ class TorqueLaw(Effect):
             dictionary of parameters; friction has the sign of the velocity.
         rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
         start: ``start(p, sample) -> state`` at the begin of a log; None: zero.
+        tone: Nonlinear parameter that is a frequency of time [Hz]: it is read off a spectrum, not searched.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         motor_inertia: Linear parameter that is an inertia on the motor's side of the transmission.
     """
@@ -36,13 +37,14 @@ class TorqueLaw(Effect):
     torque: Callable[[dict, Sample], jax.Array] | None = None
     rate: Callable[[dict, Sample], jax.Array] | None = None
     start: Callable[[dict, Sample], jax.Array] | None = None
+    tone: str = ""
     dissipative: bool = False
     motor_inertia: str = ""
 
     @property
     def searched(self) -> bool:
-        """Whether there are nonlinear parameters."""
-        return bool(self.nonlinear)
+        """Whether there are nonlinear parameters, and no spectrum that shows them."""
+        return bool(self.nonlinear) and not self.tone
 
     def neutral(self) -> dict[str, float]:
         """Without its linear parameters there is no torque."""
@@ -53,6 +55,10 @@ class TorqueLaw(Effect):
         super().check()
         if self.torque is None:
             raise ValueError(f"effect {self.name!r} needs a torque")
+        if self.tone and not {self.tone, "log"} <= {p.name for p in self.nonlinear}:
+            raise ValueError(
+                f"effect {self.name!r} has a tone: it needs nonlinear parameters {self.tone!r} and 'log'"
+            )
         if self.scope == "global":
             raise ValueError(f"effect {self.name!r} is a torque: its scope is 'joint' or 'pair'")
 

@@ -7,8 +7,8 @@ transmission passes
 
 Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
 ripple and rotor inertia see motor position and velocity as the encoders say them, the rigid body sees the
-links. A :class:`BodyChange` changes the robot itself or sets it on springs, a :class:`MeasurementLaw` changes what is
-measured.
+links. A :class:`BodyChange` changes the robot itself or sets it on springs, a :class:`MeasurementLaw` changes
+what is measured.
 """
 
 import dataclasses

@@ -79,8 +79,7 @@ def assemble(
     for term in terms:
         if term.columns(robot.joints):
             block = _block(terms, term, body, width, load, low)
-            here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
-            parts.append(block if here else np.zeros_like(block))
+            parts.append(block if term.acts_in(log) else np.zeros_like(block))
     return np.concatenate(parts, axis=2)
 
 
