@@ -15,7 +15,8 @@ import numpy as np
 from scipy import linalg
 
 from jaxswarm.diagnose.decision.score import slope_p_value
-from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
@@ -41,6 +42,8 @@ class Unexplained:
         variables: Values of the named variables, shape (T, m).
         term: The same as a term that predicts other motion; None if it depends on time or temperature.
         change: Change of the model's columns' values that goes with it, shape (p,).
+        elsewhere: Share that it takes off on motion it was not fitted to: on the worst other log, or without
+            any in regions of the states held out in turn; below zero where it adds error, None if unknown.
     """
 
     joint: int
@@ -51,6 +54,7 @@ class Unexplained:
     variables: np.ndarray
     term: Smooth | None
     change: np.ndarray
+    elsewhere: float | None = None
 
 
 def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
@@ -150,7 +154,24 @@ def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplai
         )  # fmt: skip
     share, p_value = worth
     smooth = _features(inputs, seed) @ a
-    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change)
+    elsewhere = None if term is None else _in_other_regions(found, background, joint, rows)
+    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change, elsewhere)
+
+
+def _in_other_regions(
+    found: Estimate, background: CrossFit, joint: int, rows: np.ndarray
+) -> float | None:
+    """Share that weighted features (T, f) take off in regions of states they were not fitted to."""
+    label = regions(found)
+    if label is None:
+        return None
+    gain = before = 0.0
+    for one in np.unique(label):
+        fold = background.whole.trained_on(label != one)
+        residual, said = _predicted(fold, rows, joint)
+        gain += float((residual**2 - (residual - said) ** 2).sum())
+        before += float((residual**2).sum())
+    return gain / max(before, 1e-300)
 
 
 class _Input(NamedTuple):
@@ -198,14 +219,17 @@ def _try(background: CrossFit, joint: int, inputs, seed: int) -> tuple[float, fl
     gains, before = np.zeros(count), 0.0
     inner, square = np.zeros(count), np.zeros(count)
     for fold in background.halves:
-        free = fold.free_rows(rows, joint)
-        a = _ridge(free[fold.train], fold.residual[fold.train, joint])
-        out = ~fold.train
-        r = fold.residual[out, joint]
-        said = free[out] @ a
-        block = background.block[out]
+        r, said = _predicted(fold, rows, joint)
+        block = background.block[~fold.train]
         gains += np.bincount(block, r**2 - (r - said) ** 2, count)
         inner += np.bincount(block, said * r, count)
         square += np.bincount(block, said**2, count)
         before += float((r**2).sum())
     return float(gains.sum() / before), slope_p_value(inner, square)
+
+
+def _predicted(fold: Fold, rows: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
+    """Residual of a joint off a fold's rows, and what weighted features (T, f) fitted to those say of it."""
+    free = fold.free_rows(rows, joint)
+    a = _ridge(free[fold.train], fold.residual[fold.train, joint])
+    return fold.residual[~fold.train, joint], free[~fold.train] @ a
