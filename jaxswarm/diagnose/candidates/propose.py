@@ -72,7 +72,7 @@ def propose(law: Effect, stand: Linearization, term: Term) -> Candidate | None:
 def _(law: TorqueLaw, stand, term):
     if law.tone:
         return tonal_candidate(stand, term)
-    return Candidate(term, (stand.law(term),) * 3, len(law.linear))
+    return Candidate(term, stand.on_all(stand.law(term)), len(law.linear))
 
 
 @propose.register
