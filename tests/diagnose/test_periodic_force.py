@@ -80,4 +80,5 @@ def test_a_motion_that_repeats_itself_hides_a_multiple_of_its_frequency():
         return tonal_candidate(stand, Term("periodic_force", 1))
 
     assert asked(2.0) is None
+    assert asked(2.03) is None
     assert asked(HERTZ).term.values["hertz"] == pytest.approx(HERTZ, abs=0.01)

@@ -23,6 +23,9 @@ _PERIODS, _FINER = 4, 8
 _OWN_LINE = 0.03
 # Relative squared difference below which a motion repeats itself, and lags [s] tried, of the log at most.
 _REPEATS, _SHORTEST, _LONGEST = 0.05, 0.2, 0.5
+# Part of a turn by which a tone is ahead when the motion repeats itself: then a fifth of its power at least
+# does not repeat, and no function of the motion can be that part.
+_OUT_OF_STEP = 0.15
 
 
 def tonal_candidate(stand: Linearization, term: Term) -> Candidate | None:
@@ -71,9 +74,7 @@ def _alone(motion: Motion, hertz: float) -> bool:
     period = _period(motion)
     if period is None:
         return True
-    # A log of m periods tells frequencies apart that differ by 1/m of the motion's own.
-    off = abs(hertz * period - round(hertz * period))
-    return off > period / (motion.t[-1] - motion.t[0])
+    return abs(hertz * period - round(hertz * period)) > _OUT_OF_STEP
 
 
 def _period(motion: Motion) -> float | None:
