@@ -57,7 +57,9 @@ def compliance_columns(
     """
     body = jnp.asarray(np.asarray(pi, float).reshape(-1, 10))
     robot = hinged(arm.replace(parameters=body))
-    moment = np.concatenate([np.asarray(_moment(robot, *x)) for x in chunks(moved)])[: len(motion.t)]
+    moment = np.concatenate([np.asarray(_moment(robot, *x)) for x in chunks(moved)])[
+        : len(motion.t)
+    ]
     moment = smooth(moment, motion.rate, motion.torque_cutoff)
     along = np.stack([moment, *derivatives(moment, motion.rate, 2)], axis=1)
     none = {p.name: 0.0 for p in law.linear}
