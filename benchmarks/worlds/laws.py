@@ -122,7 +122,7 @@ GLOBAL = ("time_delay", "torque_lag", "base_tilt", "contact", "payload_change")
 EVENTS = ("contact", "payload_change")
 # Kept in MuJoCo's mass matrix: a torque that lags behind the acceleration would not be stable.
 IN_BODY = ("rotor_inertia",)
-# Ramp of a touch [s].
+# Ramp of a contact [s].
 RAMP = 0.01
 
 

@@ -23,7 +23,7 @@ _ON_FRICTION = (
     "friction_change",
     "dwell_friction",
 )
-# What softness and play need to be told from the inertia of the motor.
+# What softness and backlash need to be told from the inertia of the motor.
 _NEED_ROTORS = ("joint_elasticity", "backlash")
 
 

@@ -8,7 +8,7 @@ from scipy.interpolate import make_interp_spline
 from swaying import given_motion, log_on_soft_base, log_with_soft_joint, on_hinges
 
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term

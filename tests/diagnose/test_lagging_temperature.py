@@ -9,7 +9,7 @@ from scipy import signal
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term

@@ -28,24 +28,24 @@ _REPEATS, _SHORTEST, _LONGEST = 0.05, 0.2, 0.5
 _OUT_OF_STEP = 0.15
 
 
-def tonal_candidate(stand: Linearization, term: Term) -> Candidate | None:
+def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The term at the strongest line of its joint's residual, found on every fold anew; None without one."""
     name = term.law.tone
     lines = [
-        _strongest(stand, np.where(fold.train, fold.residual[:, term.joint], 0.0))
-        for fold in stand.background.folds
+        _strongest(lin, np.where(fold.train, fold.residual[:, term.joint], 0.0))
+        for fold in lin.crossfit.folds
     ]
     share, hertz, log = lines[0]
-    if share < _LEAST or not _alone(stand.found.motions[log], hertz):
+    if share < _LEAST or not _alone(lin.found.motions[log], hertz):
         return None
     placed = [replace(term, values={name: f, "log": float(k)}) for _, f, k in lines]
-    columns = tuple(stand.law(one) for one in placed)
+    columns = tuple(lin.law(one) for one in placed)
     return Candidate(placed[0], columns, len(term.law.linear) + 1)
 
 
-def _strongest(stand: Linearization, left: np.ndarray) -> tuple[float, float, int]:
+def _strongest(lin: Linearization, left: np.ndarray) -> tuple[float, float, int]:
     """Share, frequency [Hz] and log of the strongest line of a residual (T',) that is zero off its rows."""
-    regression, best = stand.found.regression, (0.0, 1.0, 0)
+    regression, best = lin.found.regression, (0.0, 1.0, 0)
     for log in np.unique(regression.log):
         own = left[regression.log == log]
         used = max(int((own != 0.0).sum()), 1)
@@ -53,7 +53,7 @@ def _strongest(stand: Linearization, left: np.ndarray) -> tuple[float, float, in
         size = _FINER * len(own)
         gain = 2.0 * np.abs(np.fft.rfft(own, size)) ** 2 / used
         hertz = np.fft.rfftfreq(size, step)
-        motion = stand.found.motions[log]
+        motion = lin.found.motions[log]
         inside = (hertz >= _PERIODS / (len(own) * step)) & (hertz <= motion.torque_cutoff)
         if not inside.any():
             continue
