@@ -24,7 +24,7 @@ _PLACES = {
         *("Bound", "Space", "minimize", "minimize_runs", "minimize_resumable", "minimize_sharded"),
         *("polish", "save", "restore", "Result", "OPTIMIZERS", "find_optimizer"),
         *("pso", "spso", "gpso", "sepso", "aelspso", "ga", "textbook_ga", "spso2011", "clpso"),
-        *("de", "shade", "lshade", "cma_es", "random_search"),
+        *("de", "shade", "lshade", "cma_es", "ipop_cma_es", "bipop_cma_es", "random_search"),
         *("elitist_learning", "restart", "islands", "freeze"),
         *("global_best", "ring", "von_neumann", "random_informants"),
         *("clip", "absorb", "bounce", "reflect", "periodic", "resample"),

@@ -20,6 +20,8 @@ from jaxswarm.swarm.optimizers.boundaries import reflect as reflect
 from jaxswarm.swarm.optimizers.boundaries import resample as resample
 from jaxswarm.swarm.optimizers.clpso import clpso as clpso
 from jaxswarm.swarm.optimizers.cma_es import cma_es as cma_es
+from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es as bipop_cma_es
+from jaxswarm.swarm.optimizers.cma_restarts import ipop_cma_es as ipop_cma_es
 from jaxswarm.swarm.optimizers.control import converged as converged
 from jaxswarm.swarm.optimizers.control import evolutionary_control as evolutionary_control
 from jaxswarm.swarm.optimizers.control import evolutionary_factor as evolutionary_factor

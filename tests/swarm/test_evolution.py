@@ -7,7 +7,7 @@ import pytest
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm import clpso, cma_es, de, ga, lshade, operators, sepso, shade, textbook_ga
-from jaxswarm.swarm.optimizers.cma_es import Rates, fold_mirrors
+from jaxswarm.swarm.optimizers.cma_distribution import Rates, fold_mirrors
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.rules import Swarm
 from jaxswarm.swarm.random import Random
@@ -153,10 +153,10 @@ def test_cma_mean_and_covariance_follow_the_selected():
     value = jnp.arange(8.0)
     new, _ = optimizer.update(KEY, state, value)
     weights = Rates.of(8, 3).weights
-    np.testing.assert_allclose(new.mean, weights[:4] @ state.sample[:4], atol=1e-12)
-    np.testing.assert_allclose(new.covariance, new.covariance.T, atol=1e-12)
-    decomposed = new.basis @ jnp.diag(new.spread**2) @ new.basis.T
-    np.testing.assert_allclose(decomposed, new.covariance, atol=1e-12)
+    np.testing.assert_allclose(new.search.mean, weights[:4] @ state.sample[:4], atol=1e-12)
+    np.testing.assert_allclose(new.search.covariance, new.search.covariance.T, atol=1e-12)
+    decomposed = new.search.basis @ jnp.diag(new.search.spread**2) @ new.search.basis.T
+    np.testing.assert_allclose(decomposed, new.search.covariance, atol=1e-12)
 
 
 def test_cma_worse_half_shrinks_the_covariance():
@@ -167,12 +167,12 @@ def test_cma_worse_half_shrinks_the_covariance():
     rates = Rates.of(8, 3)
     expected = np.eye(3) * (1.0 - rates.c_1 - rates.c_mu * rates.weights.sum())
     for weight, sample in zip(rates.weights, np.asarray(state.sample), strict=True):
-        y = (sample - np.asarray(state.mean)) / 0.1
+        y = (sample - np.asarray(state.search.mean)) / 0.1
         y *= np.sqrt(3.0) / np.linalg.norm(y) if weight < 0.0 else 1.0
         expected += rates.c_mu * weight * np.outer(y, y)
-    path = np.asarray(new.path_covariance)
+    path = np.asarray(new.search.path_covariance)
     expected += rates.c_1 * np.outer(path, path)
-    np.testing.assert_allclose(new.covariance, expected, atol=1e-12)
+    np.testing.assert_allclose(new.search.covariance, expected, atol=1e-12)
 
 
 def test_mirrors_fold_into_the_cube():

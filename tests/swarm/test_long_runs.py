@@ -42,7 +42,10 @@ OTHERS = {
     "textbook_ga without elite": lambda n: textbook_ga(n, num_elites=0),
 }
 BUILD = {name: entry.factory for name, entry in OPTIMIZERS.items()} | OTHERS
-MAY_BE_INFINITE = ("best_value", "memory_value", "member_value", "parent_value", "reference")
+MAY_BE_INFINITE = (
+    *("best_value", "memory_value", "member_value", "parent_value", "reference"),
+    *("recent_value", "median_value", "pool_value", "life.limit"),
+)
 
 
 def problems(x, which):

@@ -7,6 +7,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.aelspso import aelspso
 from jaxswarm.swarm.optimizers.clpso import clpso
 from jaxswarm.swarm.optimizers.cma_es import cma_es
+from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
 from jaxswarm.swarm.optimizers.de import de
 from jaxswarm.swarm.optimizers.ga import ga, textbook_ga
 from jaxswarm.swarm.optimizers.pso import pso
@@ -109,6 +110,16 @@ OPTIMIZERS: dict[str, Entry] = {
         cma_es,
         "covariance matrix adaptation",
         "Hansen 2016, arXiv 1604.00772",
+    ),
+    "ipop_cma_es": Entry(
+        ipop_cma_es,
+        "covariance matrix adaptation, restarted with doubled populations",
+        "Auger & Hansen 2005, doi 10.1109/CEC.2005.1554902",
+    ),
+    "bipop_cma_es": Entry(
+        bipop_cma_es,
+        "covariance matrix adaptation, restarted with large and small populations in turn",
+        "Hansen 2009, doi 10.1145/1570256.1570333",
     ),
     "random_search": Entry(
         random_search,
