@@ -1,6 +1,11 @@
-"""Our optimizers on functions of the host: all runs of a dimension are lanes of one jitted update."""
+"""Our optimizers on functions of the host: all runs of a dimension in one jitted update.
+
+Runs are lanes of it (``vmap``), but for optimizers that mostly take the cheap side of a branch: lanes
+would take both sides of it, so their runs follow one another (``lax.map``).
+"""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import jax
@@ -35,12 +40,19 @@ def solve(build: Build, record: Record, dims: int, seeds: np.ndarray) -> None:
     steps = max(1, record.budget // candidates)
     optimizer = for_run(optimizer, float(steps))
 
-    def update(key, state, value):
+    def update(run):
+        key, state, value = run
         return optimizer.update(fold(key, state.count), state, value)[0]
 
-    update = jax.jit(jax.vmap(update), donate_argnums=1)
+    over = partial(jax.lax.map, update) if _branches(state) else jax.vmap(update)
+    update_all = jax.jit(lambda *runs: over(runs), donate_argnums=1)
     for _ in range(steps):
         value = record.evaluate((2.0 * np.asarray(state.position) - 1.0) * BOUND)
         if record.solved.all():
             return
-        state = update(keys, state, value)
+        state = update_all(keys, state, value)
+
+
+def _branches(state: Any) -> bool:
+    """Whether updates differ much in what they cost."""
+    return hasattr(state, "pool")

@@ -111,7 +111,7 @@ def evosax(kind: str) -> Search:
         size = 4 + int(3 * np.log(dims)) if by_mean else 50
         algorithm = build(population_size=size, solution=jnp.zeros(dims))
         params = algorithm.default_params
-        key, key_start = jax.random.split(jax.random.key(seed))
+        key, key_start, key_run = jax.random.split(jax.random.key(seed), 3)
         if by_mean:
             params = params.replace(std_init=2.0)
             mean = jax.random.uniform(key_start, (dims,), minval=-4.0, maxval=4.0)
@@ -121,7 +121,7 @@ def evosax(kind: str) -> Search:
             start = jax.random.uniform(key_start, shape, minval=-BOUND, maxval=BOUND)
             state = algorithm.init(key, start, function(start), params)
         ask, tell = jax.jit(algorithm.ask), jax.jit(algorithm.tell)
-        for key in jax.random.split(key, budget // size):
+        for key in jax.random.split(key_run, budget // size):
             population, state = ask(key, state, params)
             state, _ = tell(key, population, jnp.asarray(function(population)), state, params)
 

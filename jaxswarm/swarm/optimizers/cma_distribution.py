@@ -91,7 +91,7 @@ class Rates(NamedTuple):
         d_sigma = 1.0 + 2.0 * xp.maximum(0.0, wide) + c_sigma
         c_c = (4.0 + mass / d) / (d + 4.0 + 2.0 * mass / d)
         c_1 = 2.0 / ((d + 1.3) ** 2 + mass)
-        c_mu = 2.0 * (mass - 2.0 + 1.0 / mass) / ((d + 2.0) ** 2 + mass)
+        c_mu = 2.0 * (mass - 1.75 + 1.0 / mass) / ((d + 2.0) ** 2 + mass)
         c_mu = xp.minimum(1.0 - c_1, c_mu)
         length = d**0.5 * (1.0 - 1.0 / (4.0 * d) + 1.0 / (21.0 * d**2))
         gap = xp.maximum(1.0, xp.floor(1.0 / (10.0 * d * (c_1 + c_mu))))

@@ -21,6 +21,7 @@ References:
     BBOB-2009 function testbed", GECCO 2009, doi 10.1145/1570256.1570333.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -45,6 +46,9 @@ __all__ = ["CMARestarts", "CMARestartsState", "bipop_cma_es", "ipop_cma_es"]
 
 NUM_DOUBLINGS = 7
 """Population up to 128 n: twice what IPOP reaches on BBOB in 20 dimensions with 10,000 D evaluations."""
+
+TIER = 3
+"""Doublings from one compiled size of a generation to the next: eight times the rows."""
 
 
 class Life(NamedTuple):
@@ -169,8 +173,14 @@ class CMARestarts:
 
     def _generation(self, state, pool, pool_value, n):
         """The distribution after a complete generation, and whether it has ended."""
-        rows, d = pool.shape
+        # Most generations are small: work on as many rows as a program for some sizes needs.
+        tiers = [n * 2**power for power in range(self.num_doublings, -1, -TIER)][::-1]
         size = n * state.life.size
+        of_rows = [partial(self._of_rows, state, pool[:r], pool_value[:r], size) for r in tiers]
+        return jax.lax.switch(jnp.searchsorted(jnp.array(tiers), size), of_rows)
+
+    def _of_rows(self, state, pool, pool_value, size):
+        rows, d = pool.shape
         # Rows beyond the population come last; the sort is stable, so also after infinite values.
         value = jnp.where(jnp.arange(rows) < size, pool_value, jnp.inf)
         order = jnp.argsort(value, stable=True)

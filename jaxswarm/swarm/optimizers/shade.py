@@ -29,11 +29,16 @@ import jax.numpy as jnp
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.success_history import draw_pair, remember
-from jaxswarm.swarm.pytree import pytree, static
+from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate, linear
 
 __all__ = ["SHADE", "SHADEState", "lshade", "shade"]
+
+FEWEST = 4
+"""Members that are always alive: a target and three others."""
+PER_DIMENSION = 18
+"""Members of L-SHADE per dimension, as published; 60 in all reached a fifth fewer BBOB targets in 20-D."""
 
 
 class SHADEState(NamedTuple):
@@ -67,15 +72,15 @@ class SHADE:
     """See :func:`shade` and :func:`lshade`."""
 
     greediness: ScalarOrSchedule
-    alive: ScalarOrSchedule
-    num_particles: int = static()
+    living: ScalarOrSchedule
+    num_particles: int | None = static()
     num_memories: int = static()
     random: str = static()
 
     def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> SHADEState:
         """Uniform first trials; every remembered pair is (1/2, 1/2)."""
         dtype = jnp.result_type(float if dtype is None else dtype)
-        n = self.num_particles
+        n = self.num_particles or PER_DIMENSION * num_dims
         position = Random(key, self.random).uniform("position", (n, num_dims), dtype)
         half = jnp.full((self.num_memories,), 0.5, dtype)
         zero = jnp.zeros((), jnp.int32)
@@ -98,15 +103,16 @@ class SHADE:
 
     def update(self, key: jax.Array, state: SHADEState, value: jax.Array):
         """Select, remember, mutate."""
-        random, dtype, n = Random(key, self.random), state.position.dtype, self.num_particles
+        random, dtype = Random(key, self.random), state.position.dtype
+        n = state.position.shape[0]
         value = comparable(value, dtype)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
         state, gain = self._select(random, state, value)
         memory = remember(state, gain)
-        alive = jnp.clip(evaluate("alive", self.alive, state.count + 1, dtype), 4, n)
-        alive = jnp.round(alive).astype(jnp.int32)
+        living = evaluate("living", self.living, state.count + 1, dtype)
+        alive = jnp.round(FEWEST + (n - FEWEST) * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
         order = jnp.argsort(state.member_value)
         members, member_value = state.members[order], state.member_value[order]
         archived = jnp.minimum(state.archived, alive)
@@ -149,7 +155,7 @@ class SHADE:
 
     def _select(self, random, state, value):
         """Let trials replace their targets; return what each trial gained (0: no success)."""
-        n = self.num_particles
+        n = value.size
         lane = jnp.arange(n, dtype=jnp.int32)
         target = lane % state.alive
         old = state.member_value[target]
@@ -200,26 +206,31 @@ def shade(
     size = at_least("num_particles", num_particles, 8, "a mutant takes members and an archive")
     return SHADE(
         greediness=coefficient("greediness", greediness, lower=0.0, upper=1.0),
-        alive=float(size),
+        living=1.0,
         num_particles=size,
         num_memories=at_least("num_memories", num_memories, 1, "something must be remembered"),
         random=check_source(random),
     )
 
 
-def lshade(num_particles: int = 60, num_steps: float | None = None, **options: Any) -> SHADE:
+def lshade(
+    num_particles: int | None = None, num_steps: float | None = None, **options: Any
+) -> SHADE:
     """SHADE whose population falls linearly to 4 over ``num_steps``, with six remembered pairs.
 
     Args:
-      num_particles: n, members at the start and trials in every step, at least 8.
+      num_particles: n, members at the start and trials in every step, at least 8; default 18 a
+        dimension, known when the search begins.
       num_steps: updates over which the population shrinks; default as many as ``minimize`` makes.
       **options: keyword arguments of :func:`shade`.
+
+    >>> lshade().init(jax.random.key(0), 5).position.shape
+    (90, 5)
     """
-    optimizer = shade(num_particles, **(dict(num_memories=6) | options))
-    return SHADE(
-        greediness=optimizer.greediness,
-        alive=linear(float(num_particles), 4.0, num_steps),
-        num_particles=optimizer.num_particles,
-        num_memories=optimizer.num_memories,
-        random=optimizer.random,
+    known = {} if num_particles is None else {"num_particles": num_particles}
+    optimizer = shade(**known, **(dict(num_memories=6) | options))
+    return replace(
+        optimizer,
+        living=linear(1.0, 0.0, num_steps),
+        num_particles=None if num_particles is None else optimizer.num_particles,
     )
