@@ -7,7 +7,7 @@ import pytest
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm import clpso, cma_es, de, ga, lshade, operators, sepso, shade, textbook_ga
-from jaxswarm.swarm.optimizers.cma_distribution import Rates, fold_mirrors
+from jaxswarm.swarm.optimizers.cma_distribution import Rates
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.rules import Swarm
 from jaxswarm.swarm.random import Random
@@ -173,11 +173,6 @@ def test_cma_worse_half_shrinks_the_covariance():
     path = np.asarray(new.search.path_covariance)
     expected += rates.c_1 * np.outer(path, path)
     np.testing.assert_allclose(new.search.covariance, expected, atol=1e-12)
-
-
-def test_mirrors_fold_into_the_cube():
-    folded = fold_mirrors(jnp.array([0.3, 1.2, -0.2, 2.3, -1.9]))
-    np.testing.assert_allclose(folded, [0.3, 0.8, 0.2, 0.3, 0.1], atol=1e-12)
 
 
 def emotional_step(variant, emotion, numbers=0.5):

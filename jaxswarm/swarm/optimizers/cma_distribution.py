@@ -9,8 +9,8 @@ the weighted mean of the best half, two evolution paths accumulate the moves, an
 The worse half has negative weights (active CMA), with y_i scaled to the length sqrt(d) so that C
 stays positive definite; without them an ill-conditioned ellipsoid took far more evaluations. The
 weights, rates and damping are the tutorial's defaults. The distribution lives in all of
-R^d and its samples are folded into the unit cube like light between mirrors, so that no walls are
-seen; an eigendecomposition is made only as often as C changes noticeably.
+R^d, walls are seen by :mod:`~jaxswarm.swarm.optimizers.outside` alone; an eigendecomposition is made
+only as often as C changes noticeably.
 
 Long after a search has converged, or where values do not depend on the candidates, sigma and C drift.
 Then the samples keep apart by the rounding of the cube at least, C is brought back to eigenvalues
@@ -28,7 +28,7 @@ import numpy as np
 
 from jaxswarm.swarm.random import Random
 
-__all__ = ["Distribution", "Rates", "adapt", "draw", "evaluated", "fold_mirrors", "round_at"]
+__all__ = ["LARGEST", "Distribution", "Rates", "adapt", "deviations", "draw", "round_at"]
 
 LARGEST = 1e4
 """Standard deviation along the longest axis: far outside what a search in the unit cube can use."""
@@ -114,20 +114,14 @@ def round_at(mean: jax.Array, sigma: Any) -> Distribution:
 
 
 def draw(random: Random, of: Distribution, n: int) -> jax.Array:
-    """Draw n samples (n, d) in all of R^d; what is evaluated is :func:`fold_mirrors` of them."""
+    """Draw n samples (n, d) in all of R^d; what is evaluated is ``inside`` of them."""
     z = random.normal("sample", (n, of.mean.size), of.mean.dtype)
     return of.mean + of.sigma * (z * of.spread) @ of.basis.T
 
 
-def fold_mirrors(x: jax.Array) -> jax.Array:
-    """Fold R^d into the unit cube: period 2, mirrored at 0 and 1."""
-    phase = x - 2.0 * jnp.floor(0.5 * x)
-    return jnp.clip(jnp.where(phase > 1.0, 2.0 - phase, phase), 0.0, 1.0)
-
-
-def evaluated(sample: jax.Array, position: jax.Array) -> jax.Array:
-    """Samples whose values are known: a wrapper may have put another candidate in a row."""
-    return jnp.where(position == fold_mirrors(sample), sample, position)
+def deviations(of: Distribution) -> jax.Array:
+    """Return the standard deviations (d,) of the coordinates."""
+    return of.sigma * jnp.sqrt(jnp.diagonal(of.covariance))
 
 
 def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:

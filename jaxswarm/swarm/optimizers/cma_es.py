@@ -19,12 +19,12 @@ from jaxswarm.swarm.optimizers.cma_distribution import (
     Distribution,
     Rates,
     adapt,
+    deviations,
     draw,
-    evaluated,
-    fold_mirrors,
     round_at,
 )
 from jaxswarm.swarm.optimizers.cma_termination import Watch, unwatched, watch
+from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import coefficient
@@ -40,7 +40,7 @@ class CMAESState(NamedTuple):
     """Candidates (n, d), and the distribution that made them.
 
     Attributes:
-      position: (n, d) samples folded into the cube; sample: (n, d) as drawn.
+      position: (n, d) nearest points of the cube; sample: (n, d) as drawn.
       search: the distribution.
       watch: what the criteria of the end look back on.
     """
@@ -76,7 +76,7 @@ class CMAES:
         random = Random(key, self.random)
         search = round_at(random.uniform("mean", (num_dims,), dtype), self.sigma)
         sample = draw(random, search, n)
-        position = fold_mirrors(sample)
+        position = inside(sample)
         return CMAESState(
             position=position,
             sample=sample,
@@ -94,17 +94,17 @@ class CMAES:
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
-        order = jnp.argsort(value)
-        ranked = evaluated(state.sample, state.position)[order]
-        search = adapt(state.search, ranked, Rates.of(n, d))
+        sample = evaluated(state.sample, state.position)
+        spread = jnp.sqrt(jnp.mean(deviations(state.search) ** 2))
+        search = adapt(state.search, sample[ranks(sample, value, spread)], Rates.of(n, d))
         limits = self.sigma, self.tol_x, self.tol_fun
-        seen = watch(state.watch, search, value[order], n, *limits)
+        seen = watch(state.watch, search, jnp.sort(value), n, *limits)
 
         sample = draw(Random(key, self.random), search, n)
         hyper = {"sigma": search.sigma, "termination": seen.code}
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = CMAESState(
-            position=fold_mirrors(sample),
+            position=inside(sample),
             sample=sample,
             search=search,
             watch=seen,

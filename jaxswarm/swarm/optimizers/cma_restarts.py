@@ -32,13 +32,13 @@ from jaxswarm.swarm.optimizers.cma_distribution import (
     Distribution,
     Rates,
     adapt,
+    deviations,
     draw,
-    evaluated,
-    fold_mirrors,
     round_at,
 )
 from jaxswarm.swarm.optimizers.cma_es import CMAES, cma_es
 from jaxswarm.swarm.optimizers.cma_termination import Watch, unwatched, watch
+from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random
 
@@ -160,7 +160,7 @@ class CMARestarts:
         }
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = going._replace(
-            position=fold_mirrors(sample),
+            position=inside(sample),
             sample=sample,
             pool=pool,
             pool_value=pool_value,
@@ -181,13 +181,12 @@ class CMARestarts:
 
     def _of_rows(self, state, pool, pool_value, size):
         rows, d = pool.shape
-        # Rows beyond the population come last; the sort is stable, so also after infinite values.
-        value = jnp.where(jnp.arange(rows) < size, pool_value, jnp.inf)
-        order = jnp.argsort(value, stable=True)
-        rates = Rates.among(rows, size, d, pool.dtype)
-        search = adapt(state.search, pool[order], rates)
+        spread = jnp.sqrt(jnp.mean(deviations(state.search) ** 2))
+        order = ranks(pool, pool_value, spread, size)
+        search = adapt(state.search, pool[order], Rates.among(rows, size, d, pool.dtype))
+        value = jnp.sort(jnp.where(jnp.arange(rows) < size, pool_value, jnp.inf))
         limits = state.life.sigma, self.inner.tol_x, self.inner.tol_fun
-        return search, watch(state.watch, search, value[order], size, *limits)
+        return search, watch(state.watch, search, value, size, *limits)
 
     def _anew(self, random, state):
         """The next life: its kind, population and step size, at a uniform point."""

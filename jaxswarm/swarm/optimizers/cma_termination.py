@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.cma_distribution import Distribution
+from jaxswarm.swarm.optimizers.cma_distribution import Distribution, deviations
 
 __all__ = ["REASONS", "Watch", "unwatched", "watch"]
 
@@ -107,7 +107,7 @@ def watch(
             stale,
             _ill(now),
             _lost_axis(now),
-            jnp.any(now.mean == now.mean + 0.2 * _deviations(now)),
+            jnp.any(now.mean == now.mean + 0.2 * deviations(now)),
             now.sigma * now.spread.max() > GROWTH * sigma,
         ]
     )
@@ -115,13 +115,9 @@ def watch(
     return Watch(recent, *history, entered, jnp.where(old.code > 0, old.code, code))
 
 
-def _deviations(now):
-    return now.sigma * jnp.sqrt(jnp.diagonal(now.covariance))
-
-
 def _small(now, limit):
     path = now.sigma * jnp.abs(now.path_covariance)
-    return jnp.all((_deviations(now) < limit) & (path < limit))
+    return jnp.all((deviations(now) < limit) & (path < limit))
 
 
 def _ill(now):

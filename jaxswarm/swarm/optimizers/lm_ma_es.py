@@ -12,7 +12,7 @@ with a_j = 1 / (1.5^(j-1) d), b_j = n / (4^(j-1) d), c_sigma = 2 n / d, the weig
 as in CMA-ES, and one factor more in use every generation until all are. A candidate costs O(d k).
 
 Deviations: b_j and c_sigma are at most 1 (the rule is meant for d far above n); a candidate that a
-wrapper put in has no z, its d is taken for it. Samples are folded into the cube as for ``cma_es``.
+wrapper put in has no z, its d is taken for it. Walls as for ``cma_es``.
 
 Reference:
     I. Loshchilov, T. Glasmachers, H.-G. Beyer, "Large scale black-box optimization by limited-memory
@@ -26,8 +26,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
-from jaxswarm.swarm.optimizers.cma_distribution import LARGEST, Rates, fold_mirrors
+from jaxswarm.swarm.optimizers.cma_distribution import LARGEST, Rates
 from jaxswarm.swarm.optimizers.cma_es import default_population
+from jaxswarm.swarm.optimizers.outside import inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import coefficient
@@ -39,7 +40,7 @@ class LMMAESState(NamedTuple):
     """Candidates (n, d) and what made them.
 
     Attributes:
-      noise: (n, d) z; sample: (n, d) before folding.
+      noise: (n, d) z; sample: (n, d) as drawn.
       mean: (d,); sigma: (); path: (d,) p; directions: (k, d) m_j.
     """
 
@@ -73,7 +74,7 @@ class LMMAES:
         sigma = jnp.asarray(self.sigma, dtype)
         noise = random.normal("sample", (n, num_dims), dtype)
         sample = mean + sigma * noise
-        position = fold_mirrors(sample)
+        position = inside(sample)
         return LMMAESState(
             position=position,
             noise=noise,
@@ -97,10 +98,11 @@ class LMMAES:
         best_position, best_value, improved = best
         rates = Rates.of(n, d)
         weights = jnp.asarray(rates.weights[: n // 2], dtype)
-        better = jnp.argsort(value)[: n // 2]
 
-        drawn = state.position == fold_mirrors(state.sample)
-        step = (jnp.where(drawn, state.sample, state.position) - state.mean) / state.sigma
+        drawn = state.position == inside(state.sample)
+        sample = jnp.where(drawn, state.sample, state.position)
+        better = ranks(sample, value, state.sigma)[: n // 2]
+        step = (sample - state.mean) / state.sigma
         noise = jnp.where(drawn.all(axis=1, keepdims=True), state.noise, step)
         move, noise = weights @ step[better], weights @ noise[better]
         c_sigma = min(1.0, 2.0 * n / d)
@@ -117,7 +119,7 @@ class LMMAES:
         sample = mean + sigma * _turned(z, directions, state.count + 1)
         info = candidate_info(state.position, value, best_value, improved, {"sigma": sigma})
         new = LMMAESState(
-            position=fold_mirrors(sample),
+            position=inside(sample),
             noise=z,
             sample=sample,
             mean=mean,

@@ -6,7 +6,8 @@ With n/2 directions z_i ~ N(0, I), each tried both ways, and centered ranks r in
     p <- b1 p + (1 - b1) g,    q <- b2 q + (1 - b2) g^2
     m <- m - eta sigma p / (1 - b1^t) / (sqrt(q / (1 - b2^t)) + 1e-8)
 
-elementwise, b1 = 0.9, b2 = 0.999. Meant for many parameters and many candidates side by side.
+elementwise, b1 = 0.9, b2 = 0.999. Meant for many parameters and many candidates side by side. Walls as
+for ``cma_es``.
 
 Deviations: the rate eta is in units of sigma, so that one schedule lets both fall; the publication
 keeps them constant and scales g, which Adam undoes.
@@ -24,7 +25,7 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
-from jaxswarm.swarm.optimizers.cma_distribution import evaluated, fold_mirrors
+from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate, linear
@@ -36,7 +37,7 @@ FIRST_DECAY, SECOND_DECAY, TINY = 0.9, 0.999, 1e-8
 
 
 class OpenESState(NamedTuple):
-    """Candidates (n, d), the samples (n, d) before folding, the mean (d,) and Adam's moments (d,).
+    """Candidates (n, d), the samples (n, d) as drawn, the mean (d,) and Adam's moments (d,).
 
     ``sigma`` () is the one that the samples were drawn with.
     """
@@ -68,7 +69,7 @@ class OpenES:
         mean, zero = random.uniform("mean", (num_dims,), dtype), jnp.zeros((), jnp.int32)
         sigma = evaluate("sigma", self.sigma, zero, dtype)
         sample = self._mirrored(random, mean, sigma)
-        position = fold_mirrors(sample)
+        position = inside(sample)
         still = jnp.zeros_like(mean)
         best = position[0], jnp.asarray(jnp.inf, dtype)
         return OpenESState(position, sample, sigma, mean, still, still, *best, zero)
@@ -80,8 +81,10 @@ class OpenES:
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
-        rank = jnp.zeros((n,), dtype).at[jnp.argsort(value)].set(jnp.arange(n, dtype=dtype))
-        step = (evaluated(state.sample, state.position) - state.mean) / state.sigma
+        sample = evaluated(state.sample, state.position)
+        order = ranks(sample, value, state.sigma)
+        rank = jnp.zeros((n,), dtype).at[order].set(jnp.arange(n, dtype=dtype))
+        step = (sample - state.mean) / state.sigma
         gradient = (rank / (n - 1) - 0.5) @ step / (n * state.sigma)
         first = FIRST_DECAY * state.first_moment + (1.0 - FIRST_DECAY) * gradient
         second = SECOND_DECAY * state.second_moment + (1.0 - SECOND_DECAY) * gradient**2
@@ -96,7 +99,7 @@ class OpenES:
         hyper = {"sigma": state.sigma, "learning_rate": rate}
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = OpenESState(
-            position=fold_mirrors(sample),
+            position=inside(sample),
             sample=sample,
             sigma=sigma,
             mean=mean.astype(dtype),

@@ -7,7 +7,7 @@ theirs:
     sigma  <- sigma exp((c_sigma / d_sigma) (|p_sigma| / E|N(0, I)| - 1))
 
 with positive weights of the better half. Good where coordinates hardly depend on one another, and
-from some hundred dimensions on. Samples are folded into the cube as for ``cma_es``.
+from some hundred dimensions on. Walls as for ``cma_es``.
 
 Reference:
     R. Ros, N. Hansen, "A simple modification in CMA-ES achieving linear time and space complexity",
@@ -20,8 +20,9 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
-from jaxswarm.swarm.optimizers.cma_distribution import LARGEST, Rates, evaluated, fold_mirrors
+from jaxswarm.swarm.optimizers.cma_distribution import LARGEST, Rates
 from jaxswarm.swarm.optimizers.cma_es import default_population
+from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import coefficient
@@ -30,7 +31,7 @@ __all__ = ["SepCMAES", "SepCMAESState", "sep_cma_es"]
 
 
 class SepCMAESState(NamedTuple):
-    """Candidates (n, d), the samples (n, d) before folding, and the distribution.
+    """Candidates (n, d), the samples (n, d) as drawn, and the distribution.
 
     Attributes:
       mean, variance: (d,), m and c; sigma: ().
@@ -65,7 +66,7 @@ class SepCMAES:
         mean = random.uniform("mean", (num_dims,), dtype)
         sigma, zero = jnp.asarray(self.sigma, dtype), jnp.zeros((num_dims,), dtype)
         sample = mean + sigma * random.normal("sample", (n, num_dims), dtype)
-        position = fold_mirrors(sample)
+        position = inside(sample)
         best = position[0], jnp.asarray(jnp.inf, dtype)
         shape = mean, zero + 1.0, sigma, zero, zero
         return SepCMAESState(position, sample, *shape, *best, jnp.zeros((), jnp.int32))
@@ -81,8 +82,9 @@ class SepCMAES:
         c_mu = min(1.0 - c_1, rates.c_mu * (d + 2.0) / 3.0)
         weights = jnp.asarray(rates.weights[: n // 2], dtype)
 
-        better = evaluated(state.sample, state.position)[jnp.argsort(value)[: n // 2]]
-        y = (better - state.mean) / state.sigma
+        sample = evaluated(state.sample, state.position)
+        spread = state.sigma * jnp.sqrt(state.variance)
+        y = (sample[ranks(sample, value, spread)[: n // 2]] - state.mean) / state.sigma
         move = weights @ y
         keep = (rates.c_sigma * (2.0 - rates.c_sigma) * rates.mass) ** 0.5
         whitened = move / jnp.sqrt(state.variance)
@@ -107,7 +109,7 @@ class SepCMAES:
         sample = mean + sigma * jnp.sqrt(variance) * z
         info = candidate_info(state.position, value, best_value, improved, {"sigma": sigma})
         new = SepCMAESState(
-            position=fold_mirrors(sample),
+            position=inside(sample),
             sample=sample,
             mean=mean,
             variance=variance,

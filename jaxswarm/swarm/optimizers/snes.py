@@ -6,7 +6,7 @@ With x_i = m + s z_i, z_i ~ N(0, I), and utilities by rank k = 1 (the best) ... 
     m   <- m + s sum_i u_i z_i
     s   <- s exp(1/2 eta sum_i u_i (z_i^2 - 1)),      eta = (3 + ln d) / (5 sqrt(d))
 
-elementwise. Samples are folded into the cube as for ``cma_es``.
+elementwise. Walls as for ``cma_es``.
 
 Reference:
     T. Schaul, T. Glasmachers, J. Schmidhuber, "High dimensions and heavy tails for natural evolution
@@ -21,8 +21,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
-from jaxswarm.swarm.optimizers.cma_distribution import LARGEST, evaluated, fold_mirrors
+from jaxswarm.swarm.optimizers.cma_distribution import LARGEST
 from jaxswarm.swarm.optimizers.cma_es import default_population
+from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import coefficient
@@ -31,7 +32,7 @@ __all__ = ["SNES", "SNESState", "snes", "utilities"]
 
 
 class SNESState(NamedTuple):
-    """Candidates (n, d), the samples (n, d) before folding, mean and standard deviations (d,)."""
+    """Candidates (n, d), the samples (n, d) as drawn, mean and standard deviations (d,)."""
 
     position: jax.Array
     sample: jax.Array
@@ -58,7 +59,7 @@ class SNES:
         mean = random.uniform("mean", (num_dims,), dtype)
         spread = jnp.full((num_dims,), self.sigma, dtype)
         sample = mean + spread * random.normal("sample", (n, num_dims), dtype)
-        position = fold_mirrors(sample)
+        position = inside(sample)
         best = position[0], jnp.asarray(jnp.inf, dtype)
         return SNESState(position, sample, mean, spread, *best, jnp.zeros((), jnp.int32))
 
@@ -69,8 +70,8 @@ class SNES:
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
-        ranked = evaluated(state.sample, state.position)[jnp.argsort(value)]
-        z = (ranked - state.mean) / state.spread
+        sample = evaluated(state.sample, state.position)
+        z = (sample[ranks(sample, value, state.spread)] - state.mean) / state.spread
         utility = jnp.asarray(utilities(n), dtype)
         mean = state.mean + state.spread * (utility @ z)
         rate = (3.0 + math.log(d)) / (5.0 * math.sqrt(d))
@@ -83,7 +84,7 @@ class SNES:
         hyper = {"sigma": spread.max()}
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = SNESState(
-            position=fold_mirrors(sample),
+            position=inside(sample),
             sample=sample,
             mean=mean,
             spread=spread,
