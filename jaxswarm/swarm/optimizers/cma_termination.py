@@ -1,8 +1,8 @@
 r"""When a CMA-ES has nothing more to find: the criteria of the tutorial's appendix B.3.
 
     tol_x          standard deviations of all coordinates and sigma p_c below tol_x sigma_0
-    tol_fun        the best values of the last 10 + ceil(30 d / n) generations and all values of the
-                   present one lie within tol_fun (all equal is the extreme case)
+    tol_fun        the best values of the last 10 + ceil(30 d / n) generations are all equal, or they
+                   and all values of the present one lie within tol_fun
     stagnation     of the best and of the median values of the last 20 % of all generations, at least
                    120 + 30 d / n, neither has a better median in the latest than in the first 30 %
     condition      largest over smallest eigenvalue of C above 1e14 (1 / (2 eps) if that is less)
@@ -98,7 +98,8 @@ def watch(
     ]
     entered = old.entered + due
 
-    flat = jnp.maximum(recent.max(), worst) - jnp.minimum(recent.min(), best) <= tol_fun
+    highest, lowest = recent.max(), recent.min()
+    flat = (highest == lowest) | (jnp.maximum(highest, worst) - lowest <= tol_fun)
     stale = due & (entered >= window) & _no_better(jnp.stack(history), entered)
     here = jnp.stack(
         [
