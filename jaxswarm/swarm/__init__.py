@@ -33,6 +33,7 @@ from jaxswarm.swarm.optimizers.ga import ga as ga
 from jaxswarm.swarm.optimizers.ga import textbook_ga as textbook_ga
 from jaxswarm.swarm.optimizers.islands import islands as islands
 from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es as lm_ma_es
+from jaxswarm.swarm.optimizers.lshade import lshade as lshade
 from jaxswarm.swarm.optimizers.open_es import open_es as open_es
 from jaxswarm.swarm.optimizers.pso import pso as pso
 from jaxswarm.swarm.optimizers.published import gpso as gpso
@@ -47,7 +48,6 @@ from jaxswarm.swarm.optimizers.rules import canonical as canonical
 from jaxswarm.swarm.optimizers.rules import spherical as spherical
 from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es as sep_cma_es
 from jaxswarm.swarm.optimizers.sepso import sepso as sepso
-from jaxswarm.swarm.optimizers.shade import lshade as lshade
 from jaxswarm.swarm.optimizers.shade import shade as shade
 from jaxswarm.swarm.optimizers.snes import snes as snes
 from jaxswarm.swarm.optimizers.topologies import global_best as global_best

@@ -12,13 +12,14 @@ from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
 from jaxswarm.swarm.optimizers.de import de
 from jaxswarm.swarm.optimizers.ga import ga, textbook_ga
 from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es
+from jaxswarm.swarm.optimizers.lshade import lshade
 from jaxswarm.swarm.optimizers.open_es import open_es
 from jaxswarm.swarm.optimizers.pso import pso
 from jaxswarm.swarm.optimizers.published import gpso, spso, spso2011
 from jaxswarm.swarm.optimizers.random_search import random_search
 from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es
 from jaxswarm.swarm.optimizers.sepso import sepso
-from jaxswarm.swarm.optimizers.shade import lshade, shade
+from jaxswarm.swarm.optimizers.shade import shade
 from jaxswarm.swarm.optimizers.snes import snes
 
 __all__ = ["OPTIMIZERS", "Entry", "find_optimizer"]
