@@ -14,7 +14,7 @@ class Candidate:
 
     Attributes:
         term: With the nonlinear parameters found on all rows.
-        columns: Weighted columns (T, n, k) for the whole log, the first half, the second half, each
+        columns: Weighted columns (T, n, k) for the whole log and for every fold, each
             with the nonlinear parameters found on its own rows.
         size: Parameters it spends, linear and nonlinear.
         blur: Rows over which it is averaged before it is scored. When a gear with backlash strikes is decided
@@ -24,7 +24,7 @@ class Candidate:
     """
 
     term: Term
-    columns: tuple[np.ndarray, np.ndarray, np.ndarray]
+    columns: tuple[np.ndarray, ...]
     size: int
     blur: int = 1
     signed: bool = False

@@ -37,4 +37,4 @@ def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
         return stand.reported(k, weight[:, None, None] * np.eye(residual.shape[1]))
 
     columns = stand.stack(build)
-    return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])
+    return Candidate(replace(term, values=values), stand.on_all(columns), 2 + residual.shape[1])

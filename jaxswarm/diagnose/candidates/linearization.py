@@ -145,6 +145,10 @@ class Linearization:
             laws[place] = self.low(build)
         return self.on_joint(laws[place], term.joint)
 
+    def on_all(self, columns: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Columns that are the same on every fold."""
+        return (columns,) * len(self.background.folds)
+
     def residuals(self, joint: int) -> np.ndarray:
         """A joint's residual on every fold, (folds, T), zero outside the rows it was fitted to."""
         folds = self.background.folds

@@ -69,7 +69,7 @@ def propose(law: Effect, stand: Linearization, term: Term) -> Candidate | None:
 
 @propose.register
 def _(law: TorqueLaw, stand, term):
-    return Candidate(term, (stand.law(term),) * 3, len(law.linear))
+    return Candidate(term, stand.on_all(stand.law(term)), len(law.linear))
 
 
 @propose.register

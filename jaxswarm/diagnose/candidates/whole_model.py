@@ -26,10 +26,10 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
     law, neutral = term.law, term.law.neutral()
     if law.excess is not None:
         columns = stand.stack(lambda k: stand.reported(k, _turned(stand, term, k)))
-        return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+        return Candidate(replace(term, values=neutral), stand.on_all(columns), columns.shape[2])
     if law.distortion is not None:
         columns = stand.on_joint(stand.low(lambda k: _distorted(stand, term, k)), term.joint)
-        return Candidate(term, (columns,) * 3, columns.shape[2])
+        return Candidate(term, stand.on_all(columns), columns.shape[2])
 
     def slopes(k):
         output, step = stand.outputs[k], 1.0 / stand.found.motions[k].rate
@@ -46,7 +46,7 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
         columns = stand.background.weigh(low)
     else:
         columns = stand.on_joint(low, term.joint)
-    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+    return Candidate(replace(term, values=neutral), stand.on_all(columns), columns.shape[2])
 
 
 # Whole programs: each operation by itself would be traced, lowered and loaded on its own.
@@ -104,7 +104,7 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
             return stand.reported(k, placement_columns(law, term.joint, *at))
 
         columns = stand.stack(moved)
-        return Candidate(term, (columns,) * 3, columns.shape[2])
+        return Candidate(term, stand.on_all(columns), columns.shape[2])
     if law.gravity is not None:
         columns = stand.background.weigh(_gravity_columns(stand, term))
     else:
@@ -113,7 +113,7 @@ def body_candidate(stand: Linearization, term: Term) -> Candidate:
         columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
         if law.window:
             return windowed_candidate(stand, term, columns)
-    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+    return Candidate(replace(term, values=neutral), stand.on_all(columns), columns.shape[2])
 
 
 def _directions(stand: Linearization, term: Term) -> np.ndarray:

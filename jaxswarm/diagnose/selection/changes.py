@@ -138,7 +138,7 @@ def _raw(candidate: Candidate, background: CrossFit) -> Candidate:
     # Rows that a touch spoils weigh nothing.
     weight = background.weight[:, :, None]
     raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
-    return replace(candidate, columns=(raw,) * 3)
+    return replace(candidate, columns=(raw,) * len(candidate.columns))
 
 
 def _ask(found: Estimate, background: CrossFit, held, seed: int, done, memory) -> list[Score]:

@@ -27,6 +27,7 @@ from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
+from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
@@ -90,6 +91,8 @@ def diagnose(
         stand = Linearization(search.current, background, search.memory)
         eligible = eligible_terms(search.current.model, search.current.motions)
         eligible = [t for t in eligible if t.identity not in search.banned]
+        if number == 1 and _add_everyday(search, stand, eligible):
+            continue
         if _allow_for_skew(search, stand, eligible):
             continue
         scores = score_terms(stand, eligible, seed)
@@ -103,8 +106,12 @@ def diagnose(
         ):
             break
     background = _take_back_harm(search, background)
+    held = within_bounds(search.current)
+    if held is not search.current:
+        search.current = with_motion_noise(held, seed)
+        background = cross_fit(search.current)
     return Diagnosis(
-        search.declared, search.current, tuple(search.steps), tuple(scores), background,
+        within_bounds(search.declared), search.current, tuple(search.steps), tuple(scores), background,
         search.asked, search.withdrawn, tuple(search.refused), ended, rules, spent,
     )  # fmt: skip
 
@@ -140,6 +147,21 @@ def _allow_for_skew(search: Search, stand: Linearization, eligible: Sequence[Ter
     return True
 
 
+def _add_everyday(search: Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
+    """Add what every drive has, on all joints that lack it; whether anything was added."""
+    everyday = [t for t in eligible if t.law.everyday]
+    if not everyday:
+        return False
+    search.asked = len(eligible)
+    scores = score_terms(stand, everyday, search.seed)
+    together = add_everyday(search.current, stand.background, scores, search.rules)
+    if together is None:
+        return False
+    search.progress("adding what every drive has")
+    search.steps, search.current = together
+    return True
+
+
 def _choose_again(search: Search, background: CrossFit) -> bool:
     """Make every choice once more, with all effects in place; whether one changed."""
     if search.settled or not search.steps:
@@ -160,14 +182,9 @@ def _choose_again(search: Search, background: CrossFit) -> bool:
 def _add_best(
     search: Search, scores: Sequence[Score], best: list[Score], background: CrossFit
 ) -> bool:
-    """Add what every drive has, else the best candidate if it proves itself; always another round."""
+    """Add the best candidate if it proves itself; always another round."""
     current = search.current
     joints = current.model.robot.joints
-    together = add_everyday(current, scores, len(scores), search.rules)
-    if together:
-        search.progress("adding what every drive has")
-        search.steps, search.current = [*search.steps, *together[0]], together[1]
-        return True
     chosen, rivals = choose(best, search.rules, background)
     term = chosen.candidate.term
     if stands_in(chosen, current, background, search.seed):
