@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm import clpso, cma_es, de, ga, lshade, operators, sepso, shade, textbook_ga
+from jaxswarm.swarm import (
+    Space,
+    clpso,
+    cma_es,
+    de,
+    ga,
+    lshade,
+    minimize_runs,
+    operators,
+    sepso,
+    shade,
+    textbook_ga,
+)
 from jaxswarm.swarm.optimizers.cma_distribution import Rates
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.rules import Swarm
@@ -133,6 +145,33 @@ def test_lshade_shrinks_and_keeps_the_best_alive():
         assert int(state.alive) == round(12 - 8 * (k + 1) / 10)
         assert float(state.member_value[0]) == float(state.best_value)
         assert bool((jnp.diff(state.member_value) >= 0).all())
+
+
+def test_a_generation_of_lshade_takes_several_steps():
+    """20 members, 8 trials a step: three steps a generation while more than 16 live, then two."""
+    optimizer = lshade(8, 12, population=20)
+    state = optimizer.init(KEY, 2)
+    update, alive, evaluated = jax.jit(optimizer.update), [], []
+    for k in range(12):
+        value = jnp.sum((state.position - 0.3) ** 2, axis=1)
+        state, _ = update(jax.random.key(k), state, value)
+        alive.append(int(state.alive))
+        evaluated.append(int(jnp.isfinite(state.member_value).sum()))
+        assert float(state.member_value[: alive[-1]].min()) == float(state.best_value)
+        if int(state.first) == 0:  # a generation begins: the best come first
+            assert bool((jnp.diff(state.member_value) >= 0).all())
+    assert evaluated[:3] == [8, 16, 20]
+    # 4 + 16 (1 - k / 12) after k updates, at the end of a generation only.
+    assert alive == [20, 20, 16, 16, 13, 13, 11, 11, 8, 7, 5, 4]
+
+
+def test_de_walks_down_a_linear_slope_in_twenty_dimensions():
+    """With smaller and less varied steps the population collapses on the way."""
+    slope = 10.0 ** jnp.linspace(0.0, 1.0, 20)
+    space = Space.vector([-5.0] * 20, [5.0] * 20)
+    keys = jax.random.split(KEY, 10)
+    result = minimize_runs(lambda x, _: x @ slope, de(), space, keys, num_steps=400)
+    np.testing.assert_allclose(result.value, -5.0 * float(slope.sum()), atol=1e-8)
 
 
 def test_cma_rates_of_the_tutorial():
