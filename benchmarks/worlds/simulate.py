@@ -13,8 +13,9 @@ import mujoco
 import numpy as np
 
 from benchmarks.worlds.arm import GRAVITY, Arm, mjcf
+from benchmarks.worlds.bodies import BODY_FIELDS, askew, carried, loaded
 from benchmarks.worlds.control import Control, make_controller
-from benchmarks.worlds.laws import IN_BODY, Effect, is_torque, torque_of
+from benchmarks.worlds.laws import IN_BODY, LAWS, Effect, is_torque, torque_of
 from benchmarks.worlds.motion import Motion, reference
 from benchmarks.worlds.reading import said
 
@@ -70,7 +71,7 @@ def simulate(
         control: The controller.
         motion: The reference.
         quantum: Step of the encoders, (n,).
-        compliance: Inertia behind each joint's gear, (n,), for the flank of a play.
+        compliance: Inertia behind each joint's gear, (n,), for the flank of a backlash.
 
     Raises:
         DivergedError: If the tracking error grows beyond all reason.
@@ -81,8 +82,8 @@ def simulate(
     t = np.arange(-round(RUN_IN * control.rate), round(motion.seconds * control.rate) + 1) * period
     ref = reference(motion, arm, t)
     law = make_controller(control, arm, ref)
-    stage = _Stage(arm, effects, h, compliance)
-    stage.start(ref[0][0], ref[1][0])
+    rig = _Rig(arm, effects, h, compliance)
+    rig.start(ref[0][0], ref[1][0])
     kept = np.flatnonzero(t >= -1e-9)
     run = Run(
         t[kept],
@@ -92,27 +93,27 @@ def simulate(
     lost = np.where(arm.sliding, _LOST[1], _LOST[0])
     first, still = kept[0], np.zeros(n)
     for k in range(len(t)):
-        q, dq = stage.q[stage.motor], stage.v[stage.motor]
+        q, dq = rig.q[rig.motor], rig.v[rig.motor]
         seen, speed, _ = said(effects, q, dq, still)
         measured = np.round(seen / quantum) * quantum
         if k % 64 == 0 and not (np.abs(q - ref[0][k]) < lost + np.abs(seen - q)).all():
             raise DivergedError
         tau = law(k, measured, speed)
-        ddq = stage.step(tau, t[k])
+        ddq = rig.step(tau, t[k])
         if k >= first:
             i = k - first
             run.q[i], run.dq[i], run.ddq[i] = said(effects, q, dq, ddq)
             run.tau[i] = tau
-            run.parts[:, i] = stage.parts
+            run.parts[:, i] = rig.parts
             for row, e in enumerate(effects):
                 if e.kind in IN_BODY:
                     run.parts[row, i, e.joint] = e.params["ia"] * ddq[e.joint]
         for part in range(1, substeps):
-            stage.step(tau, t[k] + part * h)
+            rig.step(tau, t[k] + part * h)
     return run
 
 
-class _Stage:
+class _Rig:
     """MuJoCo's model with the effects around it."""
 
     def __init__(self, arm: Arm, effects: tuple[Effect, ...], h: float, compliance: np.ndarray):
@@ -123,7 +124,12 @@ class _Stage:
             gravity = np.array([x, y, -np.sqrt(GRAVITY[2] ** 2 - x**2 - y**2)])
         for e in find(effects, "rotor_inertia"):
             arm = replace(arm, rotor=arm.rotor + e.params["ia"] * (np.arange(arm.size) == e.joint))
-        self.model = mujoco.MjModel.from_xml_string(mjcf(arm, h, gravity, soft))
+        built = askew(arm, effects)
+        self.model = mujoco.MjModel.from_xml_string(mjcf(built, h, gravity, soft))
+        self.bodies = [
+            (e, *(_bodies(mjcf(x, h, gravity, soft)) for x in (built, loaded(built, e))))
+            for e in find(effects, "payload_change")
+        ]
         self.data = mujoco.MjData(self.model)
         self.arm, self.h = arm, h
         self.motor = np.array([j + sum(s < j for s in soft) for j in range(arm.size)])
@@ -131,7 +137,7 @@ class _Stage:
         self.torques = [
             (i, e) for i, e in enumerate(effects) if is_torque(e) and e.kind not in IN_BODY
         ]
-        self.bristles = {i: 0.0 for i, e in enumerate(effects) if e.kind == "hysteresis"}
+        self.memory = {i: 0.0 for i, e in enumerate(effects) if LAWS[e.kind].memory}
         self.loads = any(e.kind == "load_dependent_friction" for e in effects)
         self.links = [
             (self.motor[e.joint] + 1, e, compliance[e.joint])
@@ -149,6 +155,9 @@ class _Stage:
     def step(self, tau: np.ndarray, t: float) -> np.ndarray:
         """One step under a torque; returns the mean acceleration of the motors, (n,)."""
         model, data, arm = self.model, self.data, self.arm
+        for effect, *bodies in self.bodies:
+            for name, values in bodies[int(carried(effect, t))].items():
+                getattr(model, name)[:] = values
         dq = self.v[self.motor]
         sign = np.tanh(dq / arm.width)
         dry, rest = arm.coulomb.copy(), arm.viscous * dq
@@ -170,13 +179,9 @@ class _Stage:
         if self.loads:
             s.load = self._load()
         for i, effect in self.torques:
-            if i in self.bristles:
-                # Exact over a step of steady velocity: dz = (dq - |dq| z) / x0 dt.
-                j, x0 = effect.joint, effect.params["x0"]
-                target = np.sign(dq[j])
-                decay = np.exp(-abs(dq[j]) * self.h / x0)
-                s.bristle = self.bristles[i]
-                self.bristles[i] = target + (s.bristle - target) * decay
+            if i in self.memory:
+                s.state, law = self.memory[i], LAWS[effect.kind]
+                self.memory[i] = law.memory(effect.params, s.state, dq[effect.joint], self.h)
             for j, (a, b) in torque_of(effect, s).items():
                 dry[j] += a
                 rest[j] += b
@@ -188,6 +193,12 @@ class _Stage:
         self.data.qacc[self.motor] = self.ddq
         mujoco.mj_rne(self.model, self.data, 1, self.rigid)
         return self.rigid[self.motor]
+
+
+def _bodies(text: str) -> dict[str, np.ndarray]:
+    """The bodies of a model by the names of MuJoCo's fields."""
+    model = mujoco.MjModel.from_xml_string(text)
+    return {name: getattr(model, name).copy() for name in BODY_FIELDS}
 
 
 def _link_torque(effect: Effect, inertia: float, e: float) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+import jax
 import numpy as np
 
 from jaxswarm.effects.base import Effect, get_law
@@ -40,6 +41,10 @@ class Term:
         partner = "" if self.other is None else f":{joints[self.other]}"
         return f"{self.effect}@{joints[self.joint]}{partner}"
 
+    def acts_in(self, log: int | None) -> bool:
+        """Whether it can show in a log by its number: what happened in another one cannot; None: in any."""
+        return log is None or not self.law.in_one_log or self.values.get("log", 0) == log
+
     @property
     def place(self) -> tuple:
         """Effect, joint and partner."""
@@ -69,6 +74,12 @@ class Term:
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns multiply, in their order."""
         return self.law.linear_names(joints)
+
+
+# Values are data of a compiled program, the rest is its structure.
+jax.tree_util.register_dataclass(
+    Term, data_fields=["values"], meta_fields=["effect", "joint", "other", "formula"]
+)
 
 
 def physical_unit(unit: str, kind: str) -> str:

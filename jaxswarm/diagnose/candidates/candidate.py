@@ -17,8 +17,8 @@ class Candidate:
         columns: Weighted columns (T, n, k) for the whole log and for every fold, each
             with the nonlinear parameters found on its own rows.
         size: Parameters it spends, linear and nonlinear.
-        blur: Rows over which it is averaged before it is scored. When a gear with backlash strikes is decided
-            by torques below the noise; how the load shifts around the strike is not.
+        blur: Rows over which it is averaged before it is scored. When the flanks of a gear meet is decided
+            by torques below the noise; how the load shifts around the impact is not.
         start: Rigid parameters (10 n,) to refit from; None: those of the current model.
         signed: Whether the coefficient is a change of something known, of either sign.
     """

@@ -14,8 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg
 
+from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.score import slope_p_value
-from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
@@ -23,9 +25,6 @@ from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
 _FEATURES = {1: 14, 2: 96}
 # Ridge, in units of the mean squared feature; less fits the noise of one half and fails on the other.
 _RIDGE = 0.03
-# Least share of a joint's held-out squared error to call structure, and to add a second variable.
-_LEAST, _SECOND = 0.2, 0.06
-_SIGNIFICANCE = 0.01
 
 
 @dataclass(frozen=True)
@@ -41,6 +40,8 @@ class Unexplained:
         variables: Values of the named variables, shape (T, m).
         term: The same as a term that predicts other motion; None if it depends on time or temperature.
         change: Change of the model's columns' values that goes with it, shape (p,).
+        elsewhere: Share that it takes off on motion it was not fitted to: on the worst other log, or without
+            any in regions of the states held out in turn; below zero where it adds error, None if unknown.
     """
 
     joint: int
@@ -51,6 +52,7 @@ class Unexplained:
     variables: np.ndarray
     term: Smooth | None
     change: np.ndarray
+    elsewhere: float | None = None
 
 
 def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
@@ -72,15 +74,15 @@ def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
 
 
 def find_unexplained(
-    found: Estimate, background: CrossFit, seed: int = 0, joints: Sequence[int] | None = None
+    found: Estimate, crossfit: CrossFit, seed: int = 0, joints: Sequence[int] | None = None
 ) -> list[Unexplained]:
     """Joints (all, or those given) whose residual the motion predicts although no law passed."""
-    asked = range(background.weight.shape[1]) if joints is None else joints
-    known = background.structure
+    asked = range(crossfit.weight.shape[1]) if joints is None else joints
+    known = crossfit.structure
     unknown = [j for j in asked if (seed, j) not in known]
     if unknown:
         table = _table(found)
-        known.update({(seed, j): _look(found, background, j, table, seed) for j in unknown})
+        known.update({(seed, j): _look(found, crossfit, j, table, seed) for j in unknown})
     return [known[seed, j] for j in asked if known[seed, j] is not None]
 
 
@@ -94,29 +96,29 @@ def _table(found: Estimate) -> dict[str, "_Input"]:
 
 
 def _look(
-    found: Estimate, background: CrossFit, joint: int, table: dict[str, "_Input"], seed: int
+    found: Estimate, crossfit: CrossFit, joint: int, table: dict[str, "_Input"], seed: int
 ) -> Unexplained | None:
     """The structure of one joint."""
-    singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in table]
+    singles = [(_try(crossfit, joint, [table[n]], seed), (n,)) for n in table]
     singles.sort(key=lambda item: -item[0][0])
     best, pick = singles[0]
     # Pairs with each of the three most telling variables, and with the joint's own velocity.
     own = f"dq_{found.model.robot.joints[joint]}"
     leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
     pairs = [
-        (_try(background, joint, [table[a], table[b]], seed), (a, b))
+        (_try(crossfit, joint, [table[a], table[b]], seed), (a, b))
         for a in leads
         for b in table
         if a in table and b != a
     ]
     asked = len(singles) + len(pairs)
     pairs.sort(key=lambda item: -item[0][0])
-    if pairs and pairs[0][0][0] > best[0] + _SECOND:
+    if pairs and pairs[0][0][0] > best[0] + SECOND_VARIABLE:
         best, pick = pairs[0]
     share, p_value = best
-    if share < _LEAST or p_value * asked > _SIGNIFICANCE:
+    if share < STRUCTURE or p_value * asked > STRUCTURE_SIGNIFICANCE:
         return None
-    return _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
+    return _unexplained(found, crossfit, joint, pick, (share, p_value * asked), table, seed)
 
 
 def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
@@ -127,13 +129,13 @@ def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
     return replace(model, smooth=(*model.smooth, *(item.term for item in kept)))
 
 
-def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplained:
+def _unexplained(found, crossfit, joint, pick, worth, table, seed) -> Unexplained:
     """Fit the smooth function of the picked variables on all rows."""
     inputs = [table[n] for n in pick]
-    weight, whole = background.weight[:, joint, None], background.whole
+    weight, whole = crossfit.weight[:, joint, None], crossfit.whole
     rows = _features(inputs, seed) * weight
     a = _ridge(whole.free_rows(rows, joint), whole.residual[:, joint])
-    torque = np.zeros(background.weight.shape)
+    torque = np.zeros(crossfit.weight.shape)
     torque[:, joint] = rows @ a
     change = np.zeros(len(found.fit.theta))
     change[found.fit.base.kept] = -whole.absorbed(torque)
@@ -150,7 +152,24 @@ def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplai
         )  # fmt: skip
     share, p_value = worth
     smooth = _features(inputs, seed) @ a
-    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change)
+    elsewhere = None if term is None else _in_other_regions(found, crossfit, joint, rows)
+    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change, elsewhere)
+
+
+def _in_other_regions(
+    found: Estimate, crossfit: CrossFit, joint: int, rows: np.ndarray
+) -> float | None:
+    """Share that weighted features (T, f) take off in regions of states they were not fitted to."""
+    label = regions(found)
+    if label is None:
+        return None
+    gain = before = 0.0
+    for one in np.unique(label):
+        fold = crossfit.whole.trained_on(label != one)
+        residual, said = _predicted(fold, rows, joint)
+        gain += float((residual**2 - (residual - said) ** 2).sum())
+        before += float((residual**2).sum())
+    return gain / max(before, 1e-300)
 
 
 class _Input(NamedTuple):
@@ -191,21 +210,24 @@ def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
     return linalg.cho_solve(whole, free.T @ residual, check_finite=False)
 
 
-def _try(background: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:
+def _try(crossfit: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:
     """Held-out share of the joint's squared error, and its p-value over blocks."""
-    rows = _features(inputs, seed) * background.weight[:, joint, None]
-    count = int(background.block.max()) + 1
+    rows = _features(inputs, seed) * crossfit.weight[:, joint, None]
+    count = int(crossfit.block.max()) + 1
     gains, before = np.zeros(count), 0.0
     inner, square = np.zeros(count), np.zeros(count)
-    for fold in background.halves:
-        free = fold.free_rows(rows, joint)
-        a = _ridge(free[fold.train], fold.residual[fold.train, joint])
-        out = ~fold.train
-        r = fold.residual[out, joint]
-        said = free[out] @ a
-        block = background.block[out]
+    for fold in crossfit.halves:
+        r, said = _predicted(fold, rows, joint)
+        block = crossfit.block[~fold.train]
         gains += np.bincount(block, r**2 - (r - said) ** 2, count)
         inner += np.bincount(block, said * r, count)
         square += np.bincount(block, said**2, count)
         before += float((r**2).sum())
     return float(gains.sum() / before), slope_p_value(inner, square)
+
+
+def _predicted(fold: Fold, rows: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
+    """Residual of a joint off a fold's rows, and what weighted features (T, f) fitted to those say of it."""
+    free = fold.free_rows(rows, joint)
+    a = _ridge(free[fold.train], fold.residual[fold.train, joint])
+    return fold.residual[~fold.train, joint], free[~fold.train] @ a

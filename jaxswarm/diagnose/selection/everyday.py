@@ -12,31 +12,48 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.score import Rules, Score
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# A term stays if its value is beyond so many standard errors and its torque beyond this part of the noise.
-_CERTAIN, _MATERIAL = 4.0, 0.3
+
+def allow_for_everyday(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Add what every drive has, on all joints that lack it, once; whether anything was added."""
+    everyday = [t for t in eligible if t.law.everyday]
+    if search.everyday or not everyday:
+        return False
+    search.everyday = True
+    search.asked = len(eligible)
+    scores = score_terms(lin, everyday, search.seed)
+    together = add_everyday(search.current, lin.crossfit, scores, search.rules)
+    if together is None:
+        return False
+    search.progress("adding what every drive has")
+    search.steps, search.current = together
+    return True
 
 
 def add_everyday(
-    current: Estimate, background: CrossFit, scores: Sequence[Score], rules: Rules
+    current: Estimate, crossfit: CrossFit, scores: Sequence[Score], rules: Rules
 ) -> tuple[list[Step], Estimate] | None:
     """The steps that add everyday effects together, and the fit with them; None where none is missing.
 
     Args:
         current: The model.
-        background: All folds of it.
+        crossfit: All folds of it.
         scores: Of the candidates that are everyday, or of more.
         rules: Thresholds; a joint's squared error has to fall by their share.
     """
     everyday = [s for s in scores if s.candidate.term.law.everyday]
-    noise, before = noise_of(current), _held_out(background)
+    noise, before = noise_of(current), _held_out(crossfit)
     while everyday:
         terms = tuple(s.candidate.term for s in everyday)
         after = refit(current, (*current.model.terms, *terms))
@@ -54,11 +71,11 @@ def add_everyday(
     return None
 
 
-def _held_out(background: CrossFit) -> np.ndarray:
+def _held_out(crossfit: CrossFit) -> np.ndarray:
     """Squared error of every joint [N m or N], (n,), on the rows that a fold was not fitted to."""
-    weight = background.weight
+    weight = crossfit.weight
     total = np.zeros(weight.shape[1])
-    for fold in background.halves:
+    for fold in crossfit.halves:
         raw = np.divide(fold.residual, weight, where=weight > 0, out=0.0 * weight)
         total += (raw[~fold.train] ** 2).sum(axis=0)
     return total
@@ -70,7 +87,7 @@ def _least_certain(after: Estimate, everyday: Sequence[Score], noise: np.ndarray
     for s in everyday:
         term = s.candidate.term
         certainty = _certainty(after, term, noise)
-        if certainty < min(_CERTAIN, worst.get(term.joint, (np.inf, s))[0]):
+        if certainty < min(EVERYDAY_CERTAIN, worst.get(term.joint, (np.inf, s))[0]):
             worst[term.joint] = certainty, s
     return [s for _, s in worst.values()]
 
@@ -86,6 +103,6 @@ def _certainty(after: Estimate, term: Term, noise: np.ndarray) -> float:
     torque = after.regression.columns[:, term.joint, own] @ values
     if (values < [p.lower for p in fitted.law.linear]).any():
         return 0.0
-    if np.sqrt((torque**2).mean()) < _MATERIAL * noise[term.joint]:
+    if np.sqrt((torque**2).mean()) < EVERYDAY_MATERIAL * noise[term.joint]:
         return 0.0
     return float((np.abs(values) / np.maximum(doubts, 1e-300)).max())
