@@ -1,12 +1,15 @@
 """The swarm engine: optimizers as pure functions over a population in the unit cube."""
 
 from jaxswarm.swarm import schedules as schedules
-from jaxswarm.swarm.checkpoint import minimize_resumable as minimize_resumable
 from jaxswarm.swarm.checkpoint import restore as restore
 from jaxswarm.swarm.checkpoint import save as save
+from jaxswarm.swarm.driver import Driver as Driver
 from jaxswarm.swarm.minimize import best_value as best_value
 from jaxswarm.swarm.minimize import minimize as minimize
 from jaxswarm.swarm.minimize import minimize_runs as minimize_runs
+from jaxswarm.swarm.noise import averaged as averaged
+from jaxswarm.swarm.noise import recommend as recommend
+from jaxswarm.swarm.noise import reevaluate as reevaluate
 from jaxswarm.swarm.optimizers import operators as operators
 from jaxswarm.swarm.optimizers.aelspso import aelspso as aelspso
 from jaxswarm.swarm.optimizers.base import Info as Info
@@ -53,10 +56,14 @@ from jaxswarm.swarm.random import Random as Random
 from jaxswarm.swarm.random import fold as fold
 from jaxswarm.swarm.result import Result as Result
 from jaxswarm.swarm.result import Status as Status
+from jaxswarm.swarm.resume import minimize_resumable as minimize_resumable
 from jaxswarm.swarm.sharding import minimize_sharded as minimize_sharded
 from jaxswarm.swarm.space import Bound as Bound
+from jaxswarm.swarm.space import Choice as Choice
 from jaxswarm.swarm.space import Space as Space
+from jaxswarm.swarm.start import around as around
 from jaxswarm.swarm.stopping import any_of as any_of
 from jaxswarm.swarm.stopping import collapsed as collapsed
 from jaxswarm.swarm.stopping import stalled as stalled
 from jaxswarm.swarm.stopping import target as target
+from jaxswarm.swarm.stopping import time_limit as time_limit

@@ -130,10 +130,10 @@ def test_optax_schedules_keep_their_own_length():
 
 def test_another_length_compiles_nothing_new():
     """The length is a leaf: only the number of steps is part of the program."""
-    from jaxswarm.swarm.minimize import _minimize
+    from jaxswarm.swarm.search import search
 
     minimize(sphere, gpso(8), SPACE, KEY, num_steps=STEPS)
-    before = _minimize._cache_size()
+    before = search._cache_size()
     for optimizer in (gpso(8), gpso(8, 7), gpso(8, 2000)):
         minimize(sphere, optimizer, SPACE, KEY, num_steps=STEPS)
-    assert _minimize._cache_size() == before
+    assert search._cache_size() == before

@@ -61,6 +61,8 @@ class SHADEState(NamedTuple):
     best_value: jax.Array
     count: jax.Array
 
+    MEMORY = ("members", "member_value")
+
 
 @pytree
 class SHADE:
@@ -99,7 +101,7 @@ class SHADE:
     def update(self, key: jax.Array, state: SHADEState, value: jax.Array):
         """Select, remember, mutate."""
         random, dtype, n = Random(key, self.random), state.position.dtype, self.num_particles
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
