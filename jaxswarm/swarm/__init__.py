@@ -3,7 +3,11 @@
 from jaxswarm.swarm import schedules as schedules
 from jaxswarm.swarm.checkpoint import restore as restore
 from jaxswarm.swarm.checkpoint import save as save
+from jaxswarm.swarm.constraints import constrained as constrained
 from jaxswarm.swarm.driver import Driver as Driver
+from jaxswarm.swarm.handling import augmented_lagrangian as augmented_lagrangian
+from jaxswarm.swarm.handling import epsilon_level as epsilon_level
+from jaxswarm.swarm.handling import feasibility_rules as feasibility_rules
 from jaxswarm.swarm.minimize import best_value as best_value
 from jaxswarm.swarm.minimize import minimize as minimize
 from jaxswarm.swarm.minimize import minimize_runs as minimize_runs
@@ -50,6 +54,9 @@ from jaxswarm.swarm.optimizers.topologies import global_best as global_best
 from jaxswarm.swarm.optimizers.topologies import random_informants as random_informants
 from jaxswarm.swarm.optimizers.topologies import ring as ring
 from jaxswarm.swarm.optimizers.topologies import von_neumann as von_neumann
+from jaxswarm.swarm.pareto import Front as Front
+from jaxswarm.swarm.pareto import front as front
+from jaxswarm.swarm.pareto import hypervolume as hypervolume
 from jaxswarm.swarm.polish import Polished as Polished
 from jaxswarm.swarm.polish import polish as polish
 from jaxswarm.swarm.random import Random as Random
@@ -57,6 +64,8 @@ from jaxswarm.swarm.random import fold as fold
 from jaxswarm.swarm.result import Result as Result
 from jaxswarm.swarm.result import Status as Status
 from jaxswarm.swarm.resume import minimize_resumable as minimize_resumable
+from jaxswarm.swarm.several import mopso as mopso
+from jaxswarm.swarm.several import nsga2 as nsga2
 from jaxswarm.swarm.sharding import minimize_sharded as minimize_sharded
 from jaxswarm.swarm.space import Bound as Bound
 from jaxswarm.swarm.space import Choice as Choice
