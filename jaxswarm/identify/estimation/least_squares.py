@@ -21,6 +21,7 @@ from scipy import linalg, optimize
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.estimation.covariance import sandwich, scored
+from jaxswarm.identify.estimation.inequalities import solve_above
 from jaxswarm.identify.forward.regression import Regression
 
 _BLOCK_ROWS = 512
@@ -142,6 +143,16 @@ def solve(
     return theta, (theta == lower) | (theta == upper)
 
 
+def _solve_above(factor, lower, upper, rows):
+    """:func:`solve` where ``rows @ theta`` must not be negative either."""
+    has_low, has_high = np.isfinite(lower), np.isfinite(upper)
+    unit = np.eye(len(lower))
+    every = np.concatenate([rows, unit[has_low], -unit[has_high]])
+    least = np.concatenate([np.zeros(len(rows)), lower[has_low], -upper[has_high]])
+    theta = np.clip(solve_above(factor, every, least), lower, upper)
+    return theta, (theta == lower) | (theta == upper)
+
+
 def weighted_cost(residual: np.ndarray, sigma: np.ndarray) -> float:
     """Sum of squares of a residual (T, n) in units of ``sigma`` (n,)."""
     return float(((residual / sigma) ** 2).sum())
@@ -153,6 +164,7 @@ def fit(
     upper: np.ndarray | None = None,
     base: BaseParameters | None = None,
     sigma: np.ndarray | None = None,
+    above: np.ndarray | None = None,
 ) -> Fit:
     """Fit a model's linear parameters to its regression.
 
@@ -162,6 +174,7 @@ def fit(
             kept and nothing merges into it. None: unbounded.
         base: Basis to use; None: found from these data.
         sigma: Weights to use, shape (n,); None: iterated from the residual.
+        above: Rows whose products with the full parameters must not be negative, (m, p).
     """
     joints = regression.torque.shape[1]
     factors = joint_factors(regression)
@@ -179,6 +192,8 @@ def fit(
     for _ in range(1 if fixed else 5):
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
+        if above is not None and (above[:, base.kept] @ values < 0).any():
+            values, at_bound = _solve_above(triangle, low, high, above[:, base.kept])
         residual = regression.target - regression.columns @ base.expand(values)
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
