@@ -171,6 +171,7 @@ def constrained(
     """Wrap an optimizer for an objective ``fn(params, args) -> (value, constraints (m,))``.
 
     Constraints should be of the size of one where they are clearly broken: their violations add up.
+    Multipliers suit a distribution (``cma_es``) best: a population can collapse before they have settled.
 
     Args:
       inner: any optimizer; for a ``handling`` that adapts, one that is not wrapped itself.

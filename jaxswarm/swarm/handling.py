@@ -5,8 +5,8 @@ With v = sum of max(c, 0) over inequalities c <= 0 and of max(|c| - tolerance, 0
 
     feasibility_rules      f where v = 0, else L (1 + v): any feasible candidate before any other, and
                            of two that are not the one that breaks less; L = 1e30 is above all f
-    epsilon_level          the same with v <= epsilon for v = 0, and epsilon falling to zero,
-                           epsilon(k) = epsilon_0 (1 - k / K)^power
+    epsilon_level          the same with v <= epsilon for v = 0, and epsilon falling to zero, at most
+                           epsilon_0 (1 - k / K)^power and 0.8 of the last candidates' median v
     augmented_lagrangian   f + sum of (max(0, lambda + rho c)^2 - lambda^2) / (2 rho) over inequalities
                            and of lambda c + rho c^2 / 2 over equalities;
                            lambda <- lambda + rho c at the best candidate, now and then, and rho grows
@@ -35,6 +35,10 @@ INFEASIBLE = 1e30
 """Above every value of an objective in its units, and with room for 1e8 of violation in a float32."""
 FIRST_LEVEL = 0.2
 """Share of the first candidates that the first epsilon lets pass (Takahama and Sakai)."""
+FALLING = 0.8
+"""Of the median violation of a step's candidates, what the next level is at most: more than half of them
+fail it. By the schedule alone a population had collapsed in an infeasible corner, on CEC 2006's G06, long
+before the level fell to that corner."""
 ENOUGH = 0.5
 """Share to which a round of the multipliers has to bring the violation, or the penalty grows."""
 
@@ -130,6 +134,7 @@ class EpsilonLevel:
         first = jnp.where(count == 0, jnp.quantile(finite, FIRST_LEVEL), memory[1])
         left = jnp.clip(1.0 - (count + 1) / (self.until * self.num_steps), 0.0, 1.0)
         level = first * left.astype(first.dtype) ** self.power
+        level = jnp.minimum(jnp.minimum(level, memory[0]), FALLING * jnp.median(finite))
         return level.astype(first.dtype), first.astype(memory[1].dtype)
 
 

@@ -138,8 +138,8 @@ def averaged(fn: Callable[[jax.Array, Any, Any], jax.Array], num: int) -> Averag
 def recommend(result: Any, space: Any) -> Any:
     """Return the parameters to use after a search under noise, as ``space.decode`` does.
 
-    The mean of the distribution for one that has a mean (``cma_es``), else the best position, which
-    under :func:`reevaluate` has the lowest mean.
+    The mean of the distribution for one that has a mean (``cma_es``, not restarted), else the best
+    position, which under :func:`reevaluate` has the lowest mean.
 
     Args:
       result: a ``Result`` of one run.
@@ -157,6 +157,8 @@ def recommend(result: Any, space: Any) -> Any:
 
 
 def _mean_of(state):
+    if hasattr(state, "restarts"):
+        return None  # that of the present life, which may just have begun
     if hasattr(state, "mean"):
         return state.mean
     for part in state if hasattr(state, "_fields") else ():

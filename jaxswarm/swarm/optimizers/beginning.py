@@ -2,9 +2,9 @@
 
 Of the first candidates as many rows as there are points become the points; with a spread the others
 lie normally around them, else they stay where the optimizer drew them. A search whose candidates come
-from a normal distribution (a state, or a part of one, with ``mean`` and ``sigma``) has its mean moved
-to the mean of the points, and its candidates with it. An optimizer that wraps another passes the points
-on in a method ``begin(key, state, points, spread)``.
+from a normal distribution (a state, or a part of one, with ``mean`` and ``sigma`` (), or ``mean`` and
+``spread`` (d,)) has its mean moved to the mean of the points, and its candidates with it. An optimizer
+that wraps another passes the points on in a method ``begin(key, state, points, spread)``.
 """
 
 from typing import Any
@@ -56,10 +56,10 @@ def begin(optimizer: Any, key: jax.Array, state: Any, points: jax.Array, spread:
 
 
 def _drawn_from(state):
-    """The part of a state that holds ``mean`` and ``sigma``, as a path of names; None without one."""
+    """The part of a state that holds a distribution, as a path of names; None without one."""
     if not hasattr(state, "_fields"):
         return None
-    if hasattr(state, "mean") and hasattr(state, "sigma"):
+    if hasattr(state, "mean") and _width(state):
         return ()
     for name in state._fields:
         path = _drawn_from(getattr(state, name))
@@ -68,21 +68,27 @@ def _drawn_from(state):
     return None
 
 
+def _width(part):
+    """Name of the field that holds the size of a distribution; empty without one."""
+    return next((name for name in ("sigma", "spread") if hasattr(part, name)), "")
+
+
 def _moved(state, path, points, spread):
     part = state
     for name in path:
         part = getattr(part, name)
-    mean, sigma = points.mean(axis=0), part.sigma
+    width = getattr(part, _width(part))
+    mean, new = points.mean(axis=0), width
     if spread is not None:
-        sigma = jnp.asarray(spread, sigma.dtype)
+        new = jnp.full_like(width, spread)
     elif points.shape[0] > 1:
-        sigma = jnp.sqrt(jnp.mean((points - mean) ** 2)).astype(sigma.dtype)
-        sigma = jnp.where(sigma > 0.0, sigma, part.sigma)
+        apart = jnp.sqrt(jnp.mean((points - mean) ** 2)).astype(width.dtype)
+        new = jnp.where(apart > 0.0, apart, width)
     drawn = state.sample if hasattr(state, "sample") else state.position
-    sample = mean + (drawn - part.mean) * (sigma / part.sigma)
+    sample = mean + (drawn - part.mean) * (new / width)
     if hasattr(state, "sample"):
         state = state._replace(sample=sample)
-    return _put(state, path, part._replace(mean=mean, sigma=sigma)), _folded(sample)
+    return _put(state, path, part._replace(**{"mean": mean, _width(part): new})), _folded(sample)
 
 
 def _put(state, path, part):
