@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import at_least, comparable
+from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.repeating import first
 from jaxswarm.swarm.result import Result, Status
@@ -109,7 +109,7 @@ class Driver:
         For an optimizer with several numbers a candidate, (n, k).
         """
         value = jnp.asarray(np.asarray([np.asarray(one, float) for one in value]))
-        width = getattr(self._optimizer, "num_values", None)
+        width = num_values(self._optimizer)
         expected = (self.size,) if width is None else (self.size, width)
         if value.shape != expected:
             raise InputError(
@@ -160,7 +160,7 @@ class Driver:
         return self.result()
 
     def _filled(self, values):
-        width = getattr(self._optimizer, "num_values", None)
+        width = num_values(self._optimizer)
         lost = np.inf if width is None else np.full(width, np.inf)
         return [lost if value is None else value for value in values]
 

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import Info, comparable, once
+from jaxswarm.swarm.optimizers.base import Info, comparable, num_values, once
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import fold
 
@@ -54,7 +54,7 @@ class Loop:
 
         For an optimizer with ``num_values`` there are as many numbers a candidate, (..., n, k).
         """
-        width = getattr(optimizer, "num_values", None)
+        width = num_values(optimizer)
         single = partial(self._population, space, width)
         if not self.runs:
             return single(args, state.position, _keys(key, state.count) if self.noisy else None)

@@ -75,7 +75,7 @@ class Result:
             return f"Result({self.value!r})"  # of a tree that was mapped to something else
         values = _here(self.value)
         if not values.ndim:
-            shown = repr(jax.tree.map(np.asarray, self.params))
+            shown = " ".join(repr(jax.tree.map(np.asarray, self.params)).split())
             shown = shown if len(shown) <= LONGEST else shown[:LONGEST] + "..."
             head = f"value={values:.6g}, params={shown}"
         else:

@@ -150,6 +150,9 @@ def test_polish_starts_at_points_that_differ():
 
 
 def test_a_result_reads_as_one_line():
+    long = Space.vector([-1.0] * 40, [1.0] * 40)
+    wide = repr(minimize(sphere, SWARM, long, KEY, 0.0, num_steps=1))
+    assert "\n" not in wide and len(wide) < 400
     text = repr(search(SWARM))
     assert len(text) < 300 and "value=" in text and "all steps done" in text
     assert "history" not in text and "PSOState" in text

@@ -26,6 +26,7 @@ __all__ = [
     "best_of",
     "candidate_info",
     "comparable",
+    "num_values",
     "once",
 ]
 
@@ -136,6 +137,16 @@ def as_optimizer(thing: Any) -> Any:
     if jax.tree_util.all_leaves([thing]):
         return Functions(jax.tree_util.Partial(thing.init), jax.tree_util.Partial(thing.update))
     return jax.tree.map(as_part, thing)
+
+
+def num_values(optimizer: Any) -> int | None:
+    """Numbers that an objective returns for a candidate; None for a single value.
+
+    An optimizer that wants several says so in ``num_values``; a wrapper wants what its ``inner`` does.
+    """
+    if hasattr(optimizer, "num_values"):
+        return optimizer.num_values
+    return num_values(optimizer.inner) if hasattr(optimizer, "inner") else None
 
 
 def best_of(position, value, best_position, best_value):
