@@ -35,6 +35,9 @@ from jaxswarm.swarm.random import fold
 
 __all__ = ["averaged", "recommend", "reevaluate"]
 
+ENOUGH = 0.5
+"""Share of the evaluations of the memory that was evaluated most, from which on one is recommended."""
+
 
 class ReevaluateState(NamedTuple):
     """Candidates, the memories behind them (n + m, d), and how often each memory was evaluated (m,)."""
@@ -138,16 +141,22 @@ def averaged(fn: Callable[[jax.Array, Any, Any], jax.Array], num: int) -> Averag
 def recommend(result: Any, space: Any) -> Any:
     """Return the parameters to use after a search under noise, as ``space.decode`` does.
 
-    The mean of the distribution for one that has a mean (``cma_es``, not restarted), else the best
-    position, which under :func:`reevaluate` has the lowest mean.
+    The mean of the distribution for one that has a mean (``cma_es``, not restarted). Under
+    :func:`reevaluate` the lowest mean among the memories that were evaluated at least half as often as
+    any: a new one may be the luckiest still. Else the best position.
 
     Args:
       result: a ``Result`` of one run.
       space: the space of the search.
     """
-    mean = _mean_of(result.state)
+    state = result.state
+    if isinstance(state, ReevaluateState):
+        places, values = (getattr(state.inner, name) for name in state.inner.MEMORY)
+        proven = state.seen >= ENOUGH * state.seen.max()
+        return space.decode(places[jnp.argmin(jnp.where(proven, values, jnp.inf))])
+    mean = _mean_of(state)
     if mean is None:
-        return space.decode(result.state.best_position)
+        return space.decode(state.best_position)
     if mean.shape != (space.size,):
         raise InputError(
             f"the state holds a mean of shape {mean.shape} for {space.size} coordinates: recommend "
@@ -157,11 +166,11 @@ def recommend(result: Any, space: Any) -> Any:
 
 
 def _mean_of(state):
-    if hasattr(state, "restarts"):
-        return None  # that of the present life, which may just have begun
+    if not hasattr(state, "_fields") or hasattr(state, "restarts"):
+        return None  # an array; or a search whose present life may just have begun
     if hasattr(state, "mean"):
         return state.mean
-    for part in state if hasattr(state, "_fields") else ():
+    for part in state:
         mean = _mean_of(part)
         if mean is not None:
             return mean

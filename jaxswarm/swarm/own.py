@@ -43,7 +43,8 @@ A topology, a boundary and a velocity rule of ``pso`` are plain functions:
 >>> def wrap(random, position, velocity):  # -> positions in [0, 1], velocities
 ...     return position % 1.0, velocity
 >>> def straight(random, swarm, hyper):  # a Swarm, coefficients by name -> velocities (n, d)
-...     return hyper["inertia"] * swarm.velocity + 0.5 * (swarm.attractor - swarm.position)
+...     share = random.uniform("share", swarm.position.shape, swarm.position.dtype)
+...     return hyper["inertia"] * swarm.velocity + share * (swarm.attractor - swarm.position)
 >>> check_optimizer(pso(5, topology=second_best, boundary=wrap, rule=straight), thorough=False)
 """
 

@@ -69,25 +69,33 @@ def test_without_noise_memories_keep_their_values(inner):
 
 
 def test_what_stays_is_seen_again_and_averages_out():
-    still = minimize(noisy, reevaluate(pso(20)), SPACE, KEY, num_steps=120, noisy=True)
-    lucky = minimize(noisy, pso(40), SPACE, KEY, num_steps=120, noisy=True)
-    # 4800 evaluations each: the plain swarm believes its luckiest, far below what there is.
-    assert float(lucky.value) < -2.5 * SIZE
-    assert float(still.value) > -1.0 * SIZE
+    """4800 evaluations each: the plain swarm believes its luckiest, far below what there is."""
+    keys = jax.random.split(KEY, 6)
+
+    def search(optimizer):
+        options = dict(num_steps=120, noisy=True)
+        found = jax.vmap(lambda key: minimize(noisy, optimizer, SPACE, key, **options))(keys)
+        advice = jax.vmap(lambda one: recommend(one, SPACE))(found)
+        return found, float(jnp.median(found.value)), float(jnp.median(sphere(advice)))
+
+    lucky, believed, error = search(pso(40))
+    still, mean, proven = search(reevaluate(pso(20)))
+    assert believed < -2.5 * SIZE < believed + 1.0 < mean
+    assert proven < error
     assert float(still.state.seen.max()) > 5.0
+    np.testing.assert_array_equal(jax.vmap(lambda s: recommend(s, SPACE))(lucky), lucky.params)
 
 
-def test_recommendations_lie_nearer_than_the_luckiest():
+def test_the_mean_of_a_distribution_lies_nearer_than_its_luckiest_sample():
     keys = jax.random.split(KEY, 16)
 
     def errors(key):
-        found = minimize(noisy, cma_es(12), SPACE, key, num_steps=80, noisy=True)
+        found = minimize(noisy, cma_es(40), SPACE, key, num_steps=20, noisy=True)
         return sphere(recommend(found, SPACE)), sphere(found.params)
 
     mean, luckiest = jax.vmap(errors)(keys)
+    print(mean, luckiest)
     assert float(jnp.median(mean)) < 0.5 * float(jnp.median(luckiest))
-    found = minimize(noisy, pso(5), SPACE, KEY, num_steps=2, noisy=True)
-    np.testing.assert_array_equal(recommend(found, SPACE), found.params)
 
 
 def test_averaging_divides_the_noise():
