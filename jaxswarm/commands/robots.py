@@ -57,11 +57,12 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
     def run(**arguments: Any) -> Any:
         texts = {name: arguments.pop(name) for name in _OPTIONS}
         start()
+        from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot import RobotChoice, describe_robot, parse_options
 
         choice = RobotChoice(arguments["robot"], parse_options(**texts))
         result = command(**{**arguments, "robot": choice})
-        for note in describe_robot(choice).notes:
+        for note in with_effects(describe_robot(choice).notes):
             print(f"note: {choice}: {note}", file=sys.stderr)
         return result
 
@@ -97,9 +98,11 @@ def register(app: typer.Typer) -> None:
     @with_robot_options
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
         """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
+        from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot.show import draw, print_robot, summary
 
         result = summary(robot)
+        result["notes"] = with_effects(result["notes"])
         if out is not None:
             draw(robot, out)
         console.show(result, json, lambda: print_robot(result))

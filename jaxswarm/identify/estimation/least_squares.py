@@ -131,7 +131,7 @@ def solve(
     """
     size = factor.shape[1] - 1
     scale = np.linalg.norm(factor[:size, :size], axis=0)
-    # Of a column that is zero in these rows, such as a touch at another time, they say nothing.
+    # Of a column that is zero in these rows, such as a contact at another time, they say nothing.
     scale[scale == 0] = 1.0
     matrix, target = factor[:size, :size] / scale, factor[:size, size]
     theta = linalg.lstsq(matrix, target, check_finite=False)[0] / scale
@@ -207,19 +207,8 @@ def fit(
     covariance[:, at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
     return Fit(
-        base,
-        values,
-        covariance,
-        sigma,
-        factor,
-        target,
-        cost,
-        residual,
-        at_bound,
-        effective,
-        low,
-        high,
-    )
+        base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective, low, high
+    )  # fmt: skip
 
 
 def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:
