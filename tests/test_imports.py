@@ -55,7 +55,7 @@ SWARM_LEVEL = {
     **dict.fromkeys(("start", "stopping", "result"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding", "contract"), "tools"),
     **dict.fromkeys(("driver", "noise", "handling", "constraints"), "tools"),
-    **dict.fromkeys(("pareto", "several", "plots", "own"), "tools"),
+    **dict.fromkeys(("pareto", "objectives", "nsga2", "mopso", "plots", "own"), "tools"),
 }
 
 # Rooms of a wing and their floors: a room sees those below it; commands at the top of a wing see all.

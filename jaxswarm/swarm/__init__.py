@@ -11,9 +11,11 @@ from jaxswarm.swarm.handling import feasibility_rules as feasibility_rules
 from jaxswarm.swarm.minimize import best_value as best_value
 from jaxswarm.swarm.minimize import minimize as minimize
 from jaxswarm.swarm.minimize import minimize_runs as minimize_runs
+from jaxswarm.swarm.mopso import mopso as mopso
 from jaxswarm.swarm.noise import averaged as averaged
 from jaxswarm.swarm.noise import recommend as recommend
 from jaxswarm.swarm.noise import reevaluate as reevaluate
+from jaxswarm.swarm.nsga2 import nsga2 as nsga2
 from jaxswarm.swarm.optimizers import operators as operators
 from jaxswarm.swarm.optimizers.aelspso import aelspso as aelspso
 from jaxswarm.swarm.optimizers.base import Info as Info
@@ -64,8 +66,6 @@ from jaxswarm.swarm.random import fold as fold
 from jaxswarm.swarm.result import Result as Result
 from jaxswarm.swarm.result import Status as Status
 from jaxswarm.swarm.resume import minimize_resumable as minimize_resumable
-from jaxswarm.swarm.several import mopso as mopso
-from jaxswarm.swarm.several import nsga2 as nsga2
 from jaxswarm.swarm.sharding import minimize_sharded as minimize_sharded
 from jaxswarm.swarm.space import Bound as Bound
 from jaxswarm.swarm.space import Choice as Choice

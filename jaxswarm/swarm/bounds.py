@@ -9,7 +9,18 @@ import numpy as np
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.scales import SCALES
 
-__all__ = ["Bound", "Box", "Choice", "as_box", "is_bound", "name_of", "names_in", "vectors"]
+__all__ = [
+    "Bound",
+    "Box",
+    "Choice",
+    "as_box",
+    "index_of",
+    "is_bound",
+    "name_of",
+    "names_in",
+    "one_each",
+    "vectors",
+]
 
 
 class Bound(NamedTuple):
@@ -151,3 +162,22 @@ def _floats(name, value):
         return array if np.issubdtype(array.dtype, np.floating) else array.astype(float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: {value!r} is no number and no array of numbers.") from error
+
+
+def one_each(name: str, given: Any, size: int) -> tuple:
+    """A text for all coordinates, or as many entries as there are, as a tuple."""
+    values = (given,) * size if isinstance(given, str) else tuple(given)
+    if len(values) != size:
+        raise InputError(f"{name} has {len(values)} entries, lower {size}: give one each.")
+    return values
+
+
+def index_of(name: str, leaf: Any, options: tuple | None) -> Any:
+    """The index of an option, given by itself or by its index; anything else as it is."""
+    if options is None or isinstance(leaf, jax.Array | np.ndarray | np.generic):
+        return leaf
+    if leaf in options:
+        return options.index(leaf)
+    if isinstance(leaf, int) and 0 <= leaf < len(options):
+        return leaf
+    raise InputError(f"{name}={leaf!r} is none of {', '.join(map(repr, options))}.")

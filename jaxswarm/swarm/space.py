@@ -14,7 +14,17 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.bounds import Bound, Choice, as_box, is_bound, name_of, names_in, vectors
+from jaxswarm.swarm.bounds import (
+    Bound,
+    Choice,
+    as_box,
+    index_of,
+    is_bound,
+    name_of,
+    names_in,
+    one_each,
+    vectors,
+)
 from jaxswarm.swarm.scales import COUNTED, to_unit, to_values
 
 __all__ = ["Bound", "Choice", "Space"]
@@ -87,9 +97,9 @@ class Space:
         ('a', 'b')
         """
         lower, upper = vectors(lower, upper)
-        names = _one_each("names", names, lower.size)
+        names = one_each("names", names, lower.size)
         scales, units = (
-            _one_each(*pair, lower.size) for pair in (("scale", scale), ("units", units))
+            one_each(*pair, lower.size) for pair in (("scale", scale), ("units", units))
         )
         bounds = map(Bound, lower, upper, scales, units)
         return cls(**dict(zip(names, bounds, strict=True)))
@@ -105,8 +115,8 @@ class Space:
         """
         lower, upper = vectors(lower, upper)
         size = lower.size
-        names = names_in("x", (size,)) if names is None else _one_each("names", names, size)
-        scales = _one_each("scale", scale, size)
+        names = names_in("x", (size,)) if names is None else one_each("names", names, size)
+        scales = one_each("scale", scale, size)
         for i in range(size):
             as_box(names[i], Bound(lower[i], upper[i], scales[i]))
         return _fill(
@@ -115,7 +125,7 @@ class Space:
             upper=upper,
             names=names,
             scales=scales,
-            units=_one_each("units", units, size),
+            units=one_each("units", units, size),
             shapes=((size,),),
             structure=None,
             options=(None,),
@@ -169,7 +179,7 @@ class Space:
             leaves, self.shapes, self.options, firsts, strict=True
         ):
             name = self.names[first]
-            value = jnp.asarray(_index(name, leaf, options))
+            value = jnp.asarray(index_of(name, leaf, options))
             if value.shape != shape:
                 raise InputError(
                     f"{name}: params hold {value.size} numbers of shape {value.shape}, the space has "
@@ -234,20 +244,3 @@ def _fill(space, **fields):
 def _joined(parts):
     traced = any(isinstance(part, jax.core.Tracer) for part in parts)
     return (jnp if traced else np).concatenate([part.ravel() for part in parts])
-
-
-def _one_each(name, given, size):
-    values = (given,) * size if isinstance(given, str) else tuple(given)
-    if len(values) != size:
-        raise InputError(f"{name} has {len(values)} entries, lower {size}: give one each.")
-    return values
-
-
-def _index(name, leaf, options):
-    if options is None or isinstance(leaf, jax.Array | np.ndarray | np.generic):
-        return leaf
-    if leaf in options:
-        return options.index(leaf)
-    if isinstance(leaf, int) and 0 <= leaf < len(options):
-        return leaf
-    raise InputError(f"{name}={leaf!r} is none of {', '.join(map(repr, options))}.")

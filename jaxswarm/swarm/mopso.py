@@ -1,15 +1,14 @@
-"""Searches for a front: NSGA-II from the genetic operators, MOPSO from the parts of a particle swarm.
+"""MOPSO: a particle swarm whose leaders come from an archive of the front, the roomier places first.
 
-The objective returns ``num_objectives`` values, an array (k,) or a tuple. ``front(result, space)`` gives
-the front; ``result.value`` and ``result.params`` are the candidate with the lowest mean of objectives.
+Velocity rule, walls and mutation are those of ``pso`` and ``ga``. The objective and the results are as for
+``nsga2``.
 
 References:
-    K. Deb, A. Pratap, S. Agarwal, T. Meyarivan, "A fast and elitist multiobjective genetic algorithm:
-    NSGA-II", IEEE Trans. Evol. Comput. 6 (2002), doi 10.1109/4235.996017; C. A. Coello Coello, G. T.
-    Pulido, M. S. Lechuga, "Handling multiple objectives with particle swarm optimization", IEEE Trans.
-    Evol. Comput. 8 (2004), doi 10.1109/TEVC.2004.826067 (archive, leaders from it); M. R. Sierra, C. A.
-    Coello Coello, "Improving PSO-based multi-objective optimization using crowding, mutation and
-    epsilon-dominance", EMO 2005, doi 10.1007/978-3-540-31880-4_35 (crowded leaders, mutation).
+    C. A. Coello Coello, G. T. Pulido, M. S. Lechuga, "Handling multiple objectives with particle swarm
+    optimization", IEEE Trans. Evol. Comput. 8 (2004), doi 10.1109/TEVC.2004.826067 (archive, leaders from
+    it); M. R. Sierra, C. A. Coello Coello, "Improving PSO-based multi-objective optimization using
+    crowding, mutation and epsilon-dominance", EMO 2005, doi 10.1007/978-3-540-31880-4_35 (crowded leaders,
+    mutation).
 """
 
 from typing import Any, NamedTuple
@@ -17,68 +16,17 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.errors import InputError
+from jaxswarm.swarm.objectives import lowest_mean, objectives_of
 from jaxswarm.swarm.optimizers.base import at_least, candidate_info
 from jaxswarm.swarm.optimizers.boundaries import reflect
-from jaxswarm.swarm.optimizers.operators import polynomial, sbx, tournament
+from jaxswarm.swarm.optimizers.operators import polynomial
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
-from jaxswarm.swarm.pareto import crowding, dominates, ranks, survivors
+from jaxswarm.swarm.pareto import crowding, dominates, ranks
 from jaxswarm.swarm.pytree import as_part, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
-__all__ = ["MOPSO", "NSGA2", "MOPSOState", "NSGA2State", "mopso", "nsga2"]
-
-
-class NSGA2State(NamedTuple):
-    """Children to evaluate (n, d); parents (n, d), best first, with values (n, k); the best mean."""
-
-    position: jax.Array
-    parents: jax.Array
-    parent_values: jax.Array
-    best_position: jax.Array
-    best_value: jax.Array
-    count: jax.Array
-
-    FRONT = ("parents", "parent_values")
-
-
-@pytree
-class NSGA2:
-    """See :func:`nsga2`."""
-
-    selection: Any
-    crossover: Any
-    mutation: Any
-    num_values: int = static()
-    num_particles: int = static()
-    random: str = static()
-
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> NSGA2State:
-        """Uniform first children; no parents yet."""
-        dtype = jnp.result_type(float if dtype is None else dtype)
-        n = self.num_particles
-        position = Random(key, self.random).uniform("position", (n, num_dims), dtype)
-        values = jnp.full((n, self.num_values), jnp.inf, dtype)
-        zero = jnp.zeros((), jnp.int32)
-        return NSGA2State(position, position, values, position[0], values[0, 0], zero)
-
-    def update(self, key: jax.Array, state: NSGA2State, value: jax.Array):
-        """Survive by front and crowding, select, cross, mutate."""
-        random, n = Random(key, self.random), self.num_particles
-        value = _values(state, value, self.num_values)
-        best, improved = _best(state, value)
-        merged = jnp.concatenate([state.position, state.parents])
-        values = jnp.concatenate([value, state.parent_values])
-        chosen = survivors(values, n)
-        parents, values = merged[chosen], values[chosen]
-
-        place = jnp.arange(n, dtype=value.dtype)  # crowded comparison: who survives earlier wins
-        first, second = self.selection(random, place)[:, : (n + 1) // 2]
-        children = self.crossover(random, parents[first], parents[second])[:n]
-        children = self.mutation(random, children)
-        info = candidate_info(state.position, value.mean(axis=1), best[1], improved, {})
-        return NSGA2State(children, parents, values, *best, state.count + 1), info
+__all__ = ["MOPSO", "MOPSOState", "mopso"]
 
 
 class MOPSOState(NamedTuple):
@@ -136,8 +84,8 @@ class MOPSO:
     def update(self, key: jax.Array, state: MOPSOState, value: jax.Array):
         """Remember, archive, choose leaders where the front is empty, move, disturb some."""
         random, dtype = Random(key, self.random), state.position.dtype
-        value = _values(state, value, self.num_values)
-        best, improved = _best(state, value)
+        value = objectives_of(state, value, self.num_values)
+        best, improved = lowest_mean(state, value)
         n = self.num_particles
         # Of two that do not dominate each other either is kept, by a coin.
         coin = random.uniform("memory", (n,), dtype) < 0.5
@@ -188,44 +136,6 @@ class MOPSO:
         return jnp.where(room[pair[0]] >= room[pair[1]], pair[0], pair[1])
 
 
-def nsga2(
-    num_objectives: int = 2,
-    num_particles: int = 100,
-    *,
-    selection: Any = None,
-    crossover: Any = None,
-    mutation: Any = None,
-    random: str = "hash",
-) -> NSGA2:
-    """NSGA-II: survival by front and crowding, the operators of ``ga``.
-
-    Args:
-      num_objectives: k, at least 2.
-      num_particles: n, children a generation, at least 4; the front has at most as many candidates.
-      selection, crossover, mutation: parts of ``operators``; default ``tournament(2)``,
-        ``sbx(eta=15)``, ``polynomial(eta=20)``.
-      random: ``"hash"`` or ``"threefry"``.
-
-    >>> from jaxswarm.swarm import Space, minimize
-    >>> two = lambda p, _: (p["x"] ** 2, (p["x"] - 1.0) ** 2)
-    >>> space = Space(x=(-4.0, 4.0))
-    >>> found = minimize(two, nsga2(2, 20), space, jax.random.key(0), num_steps=30)
-    >>> values = found.state.parent_values
-    >>> bool((abs(jnp.sqrt(values).sum(axis=1) - 1.0) < 1e-2).all())
-    True
-    """
-    return NSGA2(
-        selection=as_part(selection or tournament(2)),
-        crossover=as_part(crossover or sbx()),
-        mutation=as_part(mutation or polynomial()),
-        num_values=at_least("num_objectives", num_objectives, 2, "one objective has no front"),
-        num_particles=at_least(
-            "num_particles", num_particles, 4, "two pairs of parents are needed"
-        ),
-        random=check_source(random),
-    )
-
-
 def mopso(
     num_objectives: int = 2,
     num_particles: int = 100,
@@ -269,22 +179,3 @@ def mopso(
         size=at_least("size", size, 2, "a front has two ends"),
         random=check_source(random),
     )
-
-
-def _values(state, value, width):
-    expected = (state.position.shape[0], width)
-    if jnp.shape(value) != expected:
-        raise InputError(
-            f"value has shape {jnp.shape(value)}, expected {expected}: all objectives."
-        )
-    value = jnp.asarray(value, state.position.dtype)
-    # Without one of its values a candidate has no place on a front.
-    return jnp.where(jnp.isfinite(value).all(axis=1, keepdims=True), value, jnp.inf)
-
-
-def _best(state, value):
-    mean = value.mean(axis=1)
-    lead = jnp.argmin(mean)
-    improved = mean[lead] < state.best_value
-    best_position = jnp.where(improved, state.position[lead], state.best_position)
-    return (best_position, jnp.minimum(mean[lead], state.best_value)), improved
