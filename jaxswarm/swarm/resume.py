@@ -10,6 +10,7 @@ what it says of three points of the cube.
 import dataclasses
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,7 @@ def minimize_resumable(
         result = new if result is None else _joined(result, new, runs)
         done += size
         save(path, (result, carry), steps=done, **header)
-    return _whole(result, carry, loop)
+    return result if stop is None else _whole(result, carry, loop)
 
 
 def _restored(path, loop, rest, done, header):
@@ -121,13 +122,17 @@ def _joined(old: Result, new: Result, runs: bool) -> Result:
 def _whole(result: Result, carry, loop: Loop) -> Result:
     """The result with a history of all steps: what was not done repeats the last step that was."""
     axis = 1 if loop.runs else 0
+    history = _padded(result.history, carry.num_steps, loop.num_steps, axis)
+    return dataclasses.replace(result, history=history)
 
+
+@partial(jax.jit, static_argnames=("length", "axis"))
+def _padded(history, num_steps, length, axis):
     def pad(leaf):
-        missing = loop.num_steps - leaf.shape[axis]
+        missing = length - leaf.shape[axis]
         return jnp.pad(leaf, [(0, missing if i == axis else 0) for i in range(leaf.ndim)])
 
-    history = held(jax.tree.map(pad, result.history), carry.num_steps, axis)
-    return dataclasses.replace(result, history=history)
+    return held(jax.tree.map(pad, history), num_steps, axis)
 
 
 def _header(loop, fn, optimizer, space, key, args, stop, begin) -> dict[str, Any]:
