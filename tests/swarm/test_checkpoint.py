@@ -112,11 +112,11 @@ def test_another_search_is_refused(tmp_path):
             minimize_resumable(**(given | change), **options)
 
 
-@pytest.mark.parametrize("stop", [stalled(6), stalled(4, tolerance=0.1), target(0.5)])
+@pytest.mark.parametrize("stop", [stalled(4, tolerance=0.1), target(1e-3)])
 def test_a_stop_rule_goes_on_where_it_was(tmp_path, stop):
     options = dict(num_steps=40, stop=stop)
     whole = minimize(sphere, pso(8), SPACE, KEY, **options)
-    assert 5 < int(whole.num_steps) < 40
+    assert 5 < int(whole.num_steps) < 40  # within a piece that is not the first
     for _ in range(2):  # the second call finds a search that has ended
         path = tmp_path / "a.npz"
         resumed = minimize_resumable(sphere, pso(8), SPACE, KEY, path=path, every=5, **options)
