@@ -1,12 +1,21 @@
 """The swarm engine: optimizers as pure functions over a population in the unit cube."""
 
 from jaxswarm.swarm import schedules as schedules
-from jaxswarm.swarm.checkpoint import minimize_resumable as minimize_resumable
 from jaxswarm.swarm.checkpoint import restore as restore
 from jaxswarm.swarm.checkpoint import save as save
+from jaxswarm.swarm.constraints import constrained as constrained
+from jaxswarm.swarm.driver import Driver as Driver
+from jaxswarm.swarm.handling import augmented_lagrangian as augmented_lagrangian
+from jaxswarm.swarm.handling import epsilon_level as epsilon_level
+from jaxswarm.swarm.handling import feasibility_rules as feasibility_rules
 from jaxswarm.swarm.minimize import best_value as best_value
 from jaxswarm.swarm.minimize import minimize as minimize
 from jaxswarm.swarm.minimize import minimize_runs as minimize_runs
+from jaxswarm.swarm.mopso import mopso as mopso
+from jaxswarm.swarm.noise import averaged as averaged
+from jaxswarm.swarm.noise import recommend as recommend
+from jaxswarm.swarm.noise import reevaluate as reevaluate
+from jaxswarm.swarm.nsga2 import nsga2 as nsga2
 from jaxswarm.swarm.optimizers import operators as operators
 from jaxswarm.swarm.optimizers.aelspso import aelspso as aelspso
 from jaxswarm.swarm.optimizers.auto import auto as auto
@@ -54,16 +63,23 @@ from jaxswarm.swarm.optimizers.topologies import global_best as global_best
 from jaxswarm.swarm.optimizers.topologies import random_informants as random_informants
 from jaxswarm.swarm.optimizers.topologies import ring as ring
 from jaxswarm.swarm.optimizers.topologies import von_neumann as von_neumann
+from jaxswarm.swarm.pareto import Front as Front
+from jaxswarm.swarm.pareto import front as front
+from jaxswarm.swarm.pareto import hypervolume as hypervolume
 from jaxswarm.swarm.polish import Polished as Polished
 from jaxswarm.swarm.polish import polish as polish
 from jaxswarm.swarm.random import Random as Random
 from jaxswarm.swarm.random import fold as fold
 from jaxswarm.swarm.result import Result as Result
 from jaxswarm.swarm.result import Status as Status
+from jaxswarm.swarm.resume import minimize_resumable as minimize_resumable
 from jaxswarm.swarm.sharding import minimize_sharded as minimize_sharded
 from jaxswarm.swarm.space import Bound as Bound
+from jaxswarm.swarm.space import Choice as Choice
 from jaxswarm.swarm.space import Space as Space
+from jaxswarm.swarm.start import around as around
 from jaxswarm.swarm.stopping import any_of as any_of
 from jaxswarm.swarm.stopping import collapsed as collapsed
 from jaxswarm.swarm.stopping import stalled as stalled
 from jaxswarm.swarm.stopping import target as target
+from jaxswarm.swarm.stopping import time_limit as time_limit

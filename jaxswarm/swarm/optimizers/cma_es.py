@@ -90,7 +90,7 @@ class CMAES:
     def update(self, key: jax.Array, state: CMAESState, value: jax.Array):
         """Rank, adapt the distribution, draw."""
         n, d = state.position.shape
-        value = comparable(value, state.position.dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 

@@ -133,7 +133,7 @@ class CMARestarts:
     def update(self, key: jax.Array, state: CMARestartsState, value: jax.Array):
         """Collect a part of the generation; if it is complete, adapt or begin anew; draw."""
         random, n = Random(key, self.inner.random), state.position.shape[0]
-        value = comparable(value, state.position.dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 

@@ -45,6 +45,8 @@ class DEState(NamedTuple):
     best_value: jax.Array
     count: jax.Array
 
+    MEMORY = ("members", "member_value")
+
 
 @pytree
 class DE:
@@ -69,7 +71,7 @@ class DE:
     def update(self, key: jax.Array, state: DEState, value: jax.Array):
         """Select, mutate, cross."""
         random, dtype = Random(key, self.random), state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
         accepted = value <= state.member_value

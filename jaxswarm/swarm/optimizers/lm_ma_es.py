@@ -93,7 +93,7 @@ class LMMAES:
     def update(self, key: jax.Array, state: LMMAESState, value: jax.Array):
         """Rank, move the mean, turn the directions, draw."""
         (n, d), dtype = state.position.shape, state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
         rates = Rates.of(n, d)

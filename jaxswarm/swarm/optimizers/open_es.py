@@ -77,7 +77,7 @@ class OpenES:
     def update(self, key: jax.Array, state: OpenESState, value: jax.Array):
         """Rank, take a step of Adam, draw."""
         n, dtype = self.num_particles, state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 

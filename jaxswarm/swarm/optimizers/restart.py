@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import finished
+from jaxswarm.swarm.optimizers.base import as_optimizer, finished
+from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.schedules import coefficient
@@ -57,6 +58,13 @@ class Restart:
         zero = jnp.zeros((), jnp.int32)
         best = inner.best_position, inner.best_value
         return RestartState(inner, inner.position, *best, zero, zero, zero)
+
+    def begin(self, key: jax.Array, state: RestartState, points: jax.Array, spread: Any):
+        """The first life begins at the points; the others do not."""
+        inner = begin(self.inner, key, state.inner, points, spread)
+        return state._replace(
+            inner=inner, position=inner.position, best_position=inner.best_position
+        )
 
     def update(self, key: jax.Array, state: RestartState, value: jax.Array):
         """Update the present life, or end it."""
@@ -124,7 +132,7 @@ def restart(
     0
     """
     return Restart(
-        inner=inner,
+        inner=as_optimizer(inner),
         patience=None if patience is None else coefficient("patience", patience, lower=1),
         diversity=None if diversity is None else coefficient("diversity", diversity, lower=0.0),
         keep=bool(keep),

@@ -74,7 +74,7 @@ class SepCMAES:
     def update(self, key: jax.Array, state: SepCMAESState, value: jax.Array):
         """Rank, move the mean, adapt the standard deviations, draw."""
         (n, d), dtype = state.position.shape, state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
         rates = Rates.of(n, d)

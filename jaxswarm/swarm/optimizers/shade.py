@@ -76,6 +76,8 @@ class SHADEState(NamedTuple):
     best_value: jax.Array
     count: jax.Array
 
+    MEMORY = ("members", "member_value")
+
 
 @pytree
 class SHADE:
@@ -119,7 +121,7 @@ class SHADE:
     def update(self, key: jax.Array, state: SHADEState, value: jax.Array):
         """Select; after a generation remember, order and shrink; mutate."""
         random, dtype = Random(key, self.random), state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 

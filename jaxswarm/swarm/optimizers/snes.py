@@ -66,7 +66,7 @@ class SNES:
     def update(self, key: jax.Array, state: SNESState, value: jax.Array):
         """Rank, follow the natural gradient, draw."""
         (n, d), dtype = state.position.shape, state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
