@@ -21,7 +21,8 @@ _AGAIN = 3.0  # seconds after which a termination that was not heeded is repeate
 
 class Interrupted(KeyboardInterrupt):
     """SIGINT. A class of its own: CPython kills the process at its end, whatever the exit code, where the
-    built-in one has passed through ``exec`` of a text (as within ``dataclass`` and ``namedtuple``)."""
+    built-in one has passed through ``exec`` of a text (as within ``dataclass`` and ``namedtuple``).
+    """
 
 
 class Terminated(KeyboardInterrupt):

@@ -7,6 +7,7 @@ import typer
 
 from jaxswarm import console
 from jaxswarm.commands import fleets
+from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import (
     LARGEST_SEED,
     Accept,
@@ -63,6 +64,7 @@ def register(app: typer.Typer) -> None:
         epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
     )
     @with_robot_options
+    @with_log_options("logs", "validation")
     def diagnose(
         robot: RobotName,
         out: Out,

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import EffectsFrom, Json, ModelFile, numbers, show
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
@@ -15,6 +16,7 @@ def register(app: typer.Typer) -> None:
     """Add the commands of this group."""
 
     @app.command(epilog="Example: jaxswarm export out/model.json --format urdf --out arm.urdf")
+    @with_log_options("log")
     def export(
         model: ModelFile,
         out: Annotated[Path, typer.Option("--out", help="File to write.")],
@@ -57,6 +59,7 @@ def register(app: typer.Typer) -> None:
     @app.command(
         epilog="Example: jaxswarm simulate out/model.json --reference trajectory.csv --out motion.csv"
     )
+    @with_log_options("reference")
     def simulate(
         model: ModelFile,
         reference: Annotated[

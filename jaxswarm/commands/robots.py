@@ -57,8 +57,13 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
     def run(**arguments: Any) -> Any:
         texts = {name: arguments.pop(name) for name in _OPTIONS}
         start()
+        from jaxswarm.errors import InputError
         from jaxswarm.robot import RobotChoice, describe_robot, parse_options
 
+        if arguments["robot"] is None:
+            if given := [f"--{name}" for name, text in texts.items() if text is not None]:
+                raise InputError(f"{', '.join(given)}: belongs to --robot; name the robot")
+            return command(**arguments)
         choice = RobotChoice(arguments["robot"], parse_options(**texts))
         result = command(**{**arguments, "robot": choice})
         for note in describe_robot(choice).notes:

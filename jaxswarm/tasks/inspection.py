@@ -17,7 +17,7 @@ from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.identifiable import identifiable
-from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
+from jaxswarm.tasks.inputs import Logs, OneLog, as_logs, as_robot, in_double
 from jaxswarm.tasks.words import number
 
 # Fewer reversals than this leave Coulomb friction and an offset hard to tell apart.
@@ -63,7 +63,7 @@ def inspect(
     progress("reading logs")
     arm = None if robot is None else as_robot(robot)
     if arm is None:
-        many = [logs] if isinstance(logs, Log | str | Path) else list(logs)
+        many = [logs] if isinstance(logs, OneLog) else list(logs)
         read = [
             log if isinstance(log, Log) else read_log(log, joints_in(log), require_torque=False)
             for log in many
