@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 
 _OPTIONS = {
@@ -49,7 +50,6 @@ def with_log_options(*parameters: str) -> Callable[[Callable[..., Any]], Callabl
             texts = {name: arguments.pop(name) for name in _OPTIONS}
             if any(text is not None for text in texts.values()):
                 start()
-                from jaxswarm.errors import InputError
                 from jaxswarm.logs import LogChoice, parse_reading
 
                 if arguments.get("fleet") is not None:

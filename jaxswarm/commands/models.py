@@ -21,7 +21,10 @@ def register(app: typer.Typer) -> None:
         model: ModelFile,
         out: Annotated[Path, typer.Option("--out", help="File to write.")],
         format: Annotated[
-            str | None, typer.Option(help="urdf, mjcf, yaml or c; default by the ending of --out.")
+            str | None,
+            typer.Option(
+                help="urdf, mjcf, sdf (Gazebo, Drake), yaml (Pinocchio) or c; default by the ending."
+            ),
         ] = None,
         log: Annotated[
             Path | None, typer.Option(help="Motion on which the torque has to stay as it is.")
@@ -38,7 +41,7 @@ def register(app: typer.Typer) -> None:
         effects_from: EffectsFrom = None,
         json: Json = False,
     ) -> None:
-        """Write a model as URDF, MJCF, YAML, or as a C function of its effects.
+        """Write a model as URDF, MJCF, SDF, YAML, or as a C function of its effects.
 
         Base parameters are no bodies: the nearest rigid bodies are written, and the output says how
         far that moves the torque.

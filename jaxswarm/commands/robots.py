@@ -15,13 +15,14 @@ import typer
 
 from jaxswarm import console
 from jaxswarm.commands.options import Json
+from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 
 RobotName = Annotated[
-    str, typer.Option("--robot", help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
+    str, typer.Option("--robot", help="Built-in name, .urdf, .sdf, .xml (MJCF) or .toml file.")
 ]
 RobotArgument = Annotated[
-    str, typer.Argument(help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
+    str, typer.Argument(help="Built-in name, .urdf, .sdf, .xml (MJCF) or .toml file.")
 ]
 Picture = Annotated[
     Path | None, typer.Option("--out", help="PNG file: the skeleton with its axes.")
@@ -57,7 +58,6 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
     def run(**arguments: Any) -> Any:
         texts = {name: arguments.pop(name) for name in _OPTIONS}
         start()
-        from jaxswarm.errors import InputError
         from jaxswarm.robot import RobotChoice, describe_robot, parse_options
 
         if arguments["robot"] is None:
