@@ -86,7 +86,13 @@ def register(app: typer.Typer) -> None:
             optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
             estimator, physical, prior, prior_weight, tuple(accept or ()),
         )  # fmt: skip
-        inputs = (*logs, validation, prior and Path(prior), Path(robot), effects_from)
+        inputs = (
+            *logs,
+            validation,
+            None if prior is None else Path(prior),
+            Path(robot),
+            effects_from,
+        )
         with work(out, inputs, _IDENTIFIED) as status:
             if effects_from:
                 register_from(effects_from)

@@ -142,16 +142,17 @@ def register(app: typer.Typer) -> None:
             budget=budget,
             discover=discover,
         )
-        inputs = (*logs, *(validation or ()), model, Path(robot), effects_from)
+        given = logs or []  # without logs and without a fleet there is a message before
+        inputs = (*given, *(validation or ()), model, Path(robot), effects_from)
         with work(out, inputs, _DIAGNOSED, resumable=True) as status:
             if effects_from:
                 register_from(effects_from)
             if model is not None:
                 from jaxswarm.diagnose.run_against import compare_files
 
-                result = compare_files(logs, robot, model, out, validation, options, status)
+                result = compare_files(given, robot, model, out, validation, options, status)
             else:
                 declare = declare or "none"
-                result = diagnose_files(logs, robot, declare, out, validation, options, status)
+                result = diagnose_files(given, robot, declare, out, validation, options, status)
         console.notes([*result["logs"], *result.get("validation_logs", ())])
         console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))

@@ -51,7 +51,8 @@ def register(app: typer.Typer) -> None:
         from jaxswarm.effects import register_from
 
         weight = {} if prior_weight is None else {"prior_weight": prior_weight}
-        with work(out, (model, log, prior and Path(prior), effects_from)) as status:
+        bodies = None if prior is None else Path(prior)
+        with work(out, (model, log, bodies, effects_from)) as status:
             if effects_from:
                 register_from(effects_from)
             result = tasks.export(

@@ -77,7 +77,7 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
         for name, option in _OPTIONS.items()
     ]
     own = [p.replace(kind=kind) for p in signature.parameters.values()]
-    run.__signature__ = signature.replace(parameters=[*own, *added])
+    run.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
     return run
 
 
@@ -102,11 +102,13 @@ def register(app: typer.Typer) -> None:
     @with_robot_options
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
         """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
+        from jaxswarm.robot import RobotChoice
         from jaxswarm.robot.show import draw, print_robot, summary
 
-        result = summary(robot)
+        choice = robot if isinstance(robot, RobotChoice) else RobotChoice(robot)
+        result = summary(choice)
         if out is not None:
-            draw(robot, out)
+            draw(choice, out)
         console.show(result, json, lambda: print_robot(result))
 
     app.add_typer(commands, name="robots", epilog="Example: jaxswarm robots --json")

@@ -51,8 +51,10 @@ def read_csv(path: Path) -> Table:
         whole = values.shape == (len(texts), len(names))
     except (ValueError, OverflowError):
         whole = False
+    rejected: dict[str, str] = {}
+    notes: list[str] = []
     if whole:
-        columns, rejected, notes = dict(zip(names, values.T, strict=True)), {}, []
+        columns = dict(zip(names, values.T, strict=True))
     else:
         columns, rejected, notes = _walk(path, names, delimiter, body)
     notes = [*commas, *notes]
@@ -119,7 +121,7 @@ def _with_points(path: Path, body: list) -> tuple[list, list[str]]:
     found = [number for number, line in body if "," in line]
     if not found or '"' in body[0][1]:
         return body, []
-    mixed = next(((n, _BOTH.search(line)) for n, line in body if _BOTH.search(line)), None)
+    mixed = next(((n, both) for n, line in body if (both := _BOTH.search(line))), None)
     if mixed:
         raise InputError(
             f"{path}: line {mixed[0]}: {mixed[1][0]!r} has a point and a comma. Write numbers without "
@@ -159,7 +161,7 @@ def _walk(path: Path, names: list[str], delimiter: str, body: list) -> tuple[dic
             )
         rows.append(cells)
     columns, rejected, notes = {}, {}, []
-    for name, cells in zip(names, zip(*rows, strict=True), strict=True):
+    for name, cells in zip(names, map(list, zip(*rows, strict=True)), strict=True):
         if name and (stamps := _stamps(name, cells)) is not None:
             columns[name], note = stamps
             notes += note
@@ -187,14 +189,14 @@ def _number(cell: str) -> float:
     return float(cell) if cell.strip() else np.nan
 
 
-def _stamps(name: str, cells: tuple[str, ...]) -> tuple[np.ndarray, list[str]] | None:
+def _stamps(name: str, cells: list[str]) -> tuple[np.ndarray, list[str]] | None:
     """Dates and hours as seconds from the first, and a note; None for anything else."""
     texts = [cell.strip().strip('"') for cell in cells]
     if not _DATE.match(texts[0]):
         return None
     try:
         # Hours of one zone: its name at the end of every cell says nothing about intervals.
-        zones = {_ZONE.search(text)[0] if _ZONE.search(text) else "" for text in texts}
+        zones = {zone[0] if (zone := _ZONE.search(text)) else "" for text in texts}
         stamps = np.array([_ZONE.sub("", text) for text in texts], dtype="datetime64[ns]")
     except ValueError:
         return None

@@ -14,7 +14,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.logs.bounds import needed_arrays, refuse_large
 from jaxswarm.logs.names import QUANTITIES, looks_like
 from jaxswarm.logs.npz import joint_names
-from jaxswarm.logs.table import Table, as_numbers
+from jaxswarm.logs.table import Table
 
 ENDINGS = (".h5", ".hdf5", ".hdf")
 _OURS = {"qpos": "q", "qvel": "dq", "qacc": "ddq", "timestamp": "t", "timestamps": "t", "time": "t"}
@@ -107,7 +107,8 @@ def _table(path: Path, file: Any, found: dict[str, Any]) -> Table:
     shapes = {name: shape for name, shape in shapes.items() if shape is not None}
     needed, notes = needed_arrays(path, shapes)
     refuse_large(path, sum(found[name].nbytes for name in needed))
-    columns, rejected, joints = {}, {}, None
+    columns: dict[str, np.ndarray] = {}
+    rejected, joints = {}, None
     for name in (name for name in found if name in needed):
         data = found[name]
         if name == "joints":
@@ -118,7 +119,8 @@ def _table(path: Path, file: Any, found: dict[str, Any]) -> Table:
             values = np.asarray(data[()])
             values = values.T if name in matlab else values
             wide = values.ndim == 2 and values.shape[0] == 1 < values.shape[1]
-            columns[name] = as_numbers(values[0] if wide and name in matlab else values)
+            values = values[0] if wide and name in matlab else values
+            columns[name] = np.asarray(values, dtype=np.float64)
     return Table(str(path), columns, joints, rejected, notes=tuple(notes.values()))
 
 

@@ -83,7 +83,7 @@ def parse_mat(content: bytes, choose: Choose | None = None) -> dict[str, Value]:
     order = {b"IM": "<", b"MI": ">"}.get(content[126:128])
     if order is None:
         raise ValueError("no MAT file of version 5 to 7.2")
-    found = []
+    found: list[tuple[str, tuple[int, ...], int, int, bytes]] = []
     for kind, data in _elements(content[128:], order):
         head = zlib.decompressobj().decompress(data, _HEAD) if kind == _COMPRESSED else None
         length = len(data)

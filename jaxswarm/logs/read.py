@@ -87,8 +87,9 @@ def log_of_table(
     check_values(table, arranged)
     keep, repeated = drop_repeated_rows(table, arranged)
     rows = np.flatnonzero(keep)
-    keep = slice(None) if keep.all() else keep  # a copy of a long log is a large one
-    time = arranged.t[keep]
+    # A copy of a long log is a large one.
+    kept: slice | np.ndarray = slice(None) if keep.all() else keep
+    time = arranged.t[kept]
     check_time(table, time, rows)
     others = [name for name in table.columns if name.split("_")[0] not in QUANTITIES]
     tau, torque_notes = torque(
@@ -98,11 +99,11 @@ def log_of_table(
         source=table.source,
         joints=joints,
         t=time,
-        q=arranged.joint["q"][keep],
-        dq=_kept(arranged, "dq", keep),
-        ddq=_kept(arranged, "ddq", keep),
-        tau=None if tau is None else tau[keep],
-        channels=_channels(arranged, keep),
+        q=arranged.joint["q"][kept],
+        dq=_kept(arranged, "dq", kept),
+        ddq=_kept(arranged, "ddq", kept),
+        tau=None if tau is None else tau[kept],
+        channels=_channels(arranged, kept),
     )
     notes = [*table.notes, *arranged.notes, *([repeated] if repeated else []), *torque_notes]
     return replace(log, notes=(*notes, *describe(summarize(log))))
@@ -135,13 +136,13 @@ def read_table(path: Path, joints: tuple[str, ...] | None, reading: Reading) -> 
             f"{path}: unknown log format {path.suffix or '(no ending)'}. Known: "
             f"{', '.join(LOG_FORMATS)}."
         )
-    lerobot = home is not None and (path.is_dir() or ending == ".parquet")
-    if reading.topic is not None and ending in _READERS and not lerobot:
+    home = home if path.is_dir() or ending == ".parquet" else None
+    if reading.topic is not None and ending in _READERS and home is None:
         raise InputError(f"{path}: holds one log; leave out --topic {reading.topic}")
     try:
         if recording:
             return read_mcap(path, joints or (), reading.topic)
-        if lerobot:
+        if home is not None:
             return read_lerobot(path, home, reading.topic)
         if ending in _PARTED:
             return _PARTED[ending](path, reading.topic)

@@ -22,7 +22,7 @@ from jaxswarm.identify.checks.weak import WEAK, all_rest, refuse_weak, resting_j
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import findings, refuse_resting_joints, refuse_undeclarable
-from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
 from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double, refuse_shared
@@ -93,7 +93,7 @@ def diagnose(
         return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
     refuse_too_large(motions)
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
-    unseen = []
+    unseen: list[Motion] = []
     if validation is not None:
         scored, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
         refuse_shared(read, scored)
@@ -113,7 +113,7 @@ def _against(
     read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
     refuse_resting_joints(read, model.robot)
     refuse_weak(motions, 10 * model.robot.num_joints, accept)
-    unseen = []
+    unseen: list[Motion] = []
     if validation is not None:
         scored, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
         refuse_shared(read, scored)

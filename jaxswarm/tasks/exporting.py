@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -118,7 +119,7 @@ def _columns(model: Model, log) -> tuple[np.ndarray | None, str]:
 def _result(model: Model, path: Path, found: PhysicalModel | None) -> Result:
     robot = model.robot
     side = path.with_name(path.name + ".json")
-    content = {"robot": robot.name, "out": str(path), "moved": None}
+    content: dict[str, Any] = {"robot": robot.name, "out": str(path), "moved": None}
     if side.exists():
         content["side_file"] = str(side)
     lines = [f"written to {path}" + (f", what it cannot hold to {side.name}" * side.exists())]
