@@ -14,6 +14,7 @@ from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
+from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.stepwise import diagnose
@@ -25,6 +26,7 @@ from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.check_log import without_relation
 from jaxswarm.identify.checks.weak import WEAK, all_rest, resting_joints, too_short
 from jaxswarm.identify.forward.model import save_model
+from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
     Options,
@@ -108,11 +110,11 @@ def diagnose_files(
         search = None
         if options.discover:
             diagnosis, search = discover(diagnosis, unseen, options.seed, progress)
-        order_pictures(drawing, diagnosis, unseen)
+        shown = order_pictures(drawing, diagnosis, unseen)
         result, left = conclude(diagnosis, unseen, options.seed, progress, search)
         result["reasons"] += reasons
         _tell_source(result, logs, scored, [*paths, *further], declare, options)
-        write_report(diagnosis, left, result, drawing, out, progress, search)
+        write_report(diagnosis, left, result, drawing, out, progress, search, shown)
     journal.close(done=diagnosis.spent is None)
     return result
 
@@ -144,7 +146,9 @@ def conclude(
     progress("looking at what remains")
     left = find_unexplained(diagnosis.final, diagnosis.background, seed)
     left = proven(diagnosis.final, material(left, remainders(diagnosis.final)), unseen)
-    return to_result(diagnosis, left, unseen, search=search), left
+    result = to_result(diagnosis, left, unseen, search=search)
+    result["physical_consistency"] = consistency_told(diagnosis.final)
+    return result, left
 
 
 def write_report(
@@ -155,10 +159,11 @@ def write_report(
     out: Path,
     progress: Callable[[str], None] = lambda text: None,
     search: Search | None = None,
+    shown: Signals | None = None,
 ) -> None:
     """Write ``diagnosis.json``, ``model.json``, ``report.html`` and the pictures, whole or not at all.
 
-    ``drawing`` has the orders of :func:`order_pictures`.
+    ``drawing`` has the orders of :func:`order_pictures`, ``shown`` is what it gave.
     """
     progress("writing the report")
     # Loaded while the other process draws: half a second.
@@ -192,7 +197,7 @@ def write_report(
         {
             "diagnosis.json": outputs.to_json(result),
             "model.json": lambda path: save_model(with_smooth_terms(final, left), path),
-            "report.html": render(result, images),
+            "report.html": render(result, images, shown),
             **images,
             **laws,
         },

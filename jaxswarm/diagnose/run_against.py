@@ -25,6 +25,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import load_model
+from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
 from jaxswarm.identify.run import (
     Options,
@@ -93,14 +94,14 @@ def compare_files(
             model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
         )
         result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
-        order_pictures(drawing, diagnosis, unseen)
+        shown = order_pictures(drawing, diagnosis, unseen)
         result["model"] = Path(model_path).name
         result["findings"] = findings(read)
         given = {"robot": robot.name, **vars(options)}
         result["provenance"] = provenance([*paths, *further, model_path], given)
         result["logs"] = described(read[: len(paths)])
         result["validation_logs"] = described(read[len(paths) :])
-        write_report(diagnosis, left, result, drawing, out, progress)
+        write_report(diagnosis, left, result, drawing, out, progress, shown=shown)
     journal.close(done=found.spent is None)
     return result
 
@@ -112,6 +113,7 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     left = find_unexplained(found.after, found.background, seed)
     left = proven(found.after, material(left, remainders(found.after)), unseen)
     result = to_result(diagnosis, left, unseen)
+    result["physical_consistency"] = consistency_told(found.after)
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):
         entry["parameters"] = _parameters(change, robot)

@@ -16,7 +16,6 @@ import numpy as np
 
 from jaxswarm.identify.physical.consistency import check_physical
 from jaxswarm.identify.physical.export_parts import (
-    body_of,
     numbers_text,
     quaternion,
     roll_pitch_yaw,
@@ -24,6 +23,7 @@ from jaxswarm.identify.physical.export_parts import (
     write_with_side_file,
 )
 from jaxswarm.robot.model import Robot
+from jaxswarm.robot.placements import about_center
 
 _FREE = {"lower": "-1000", "upper": "1000", "effort": "1000000", "velocity": "1000"}
 
@@ -48,7 +48,7 @@ def export_urdf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
     held, left = split_effects(effects, "urdf")
     for i, joint in enumerate(robot.joints):
         link = xml.SubElement(root, "link", name=f"{joint}_link")
-        mass, center, inertia = body_of(robot.parameters[i])
+        mass, center, inertia = about_center(robot.parameters[i])
         inertial = xml.SubElement(link, "inertial")
         xml.SubElement(inertial, "origin", xyz=numbers_text(center), rpy="0 0 0")
         xml.SubElement(inertial, "mass", value=numbers_text([mass]))
@@ -96,7 +96,7 @@ def export_mjcf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
         xml.SubElement(
             body, "joint", name=joint, type=kind, axis=numbers_text(robot.axis[i]), **more
         )
-        mass, center, inertia = body_of(robot.parameters[i])
+        mass, center, inertia = about_center(robot.parameters[i])
         six = [inertia[r, c] for r, c in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         body_text = {
             "pos": numbers_text(center),
@@ -130,7 +130,7 @@ def export_sdf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> P
     for i, joint in enumerate(robot.joints):
         link = xml.SubElement(model, "link", name=f"{joint}_link")
         xml.SubElement(link, "pose", relative_to=joint).text = numbers_text(np.zeros(6))
-        mass, center, inertia = body_of(robot.parameters[i])
+        mass, center, inertia = about_center(robot.parameters[i])
         inertial = xml.SubElement(link, "inertial")
         xml.SubElement(inertial, "pose").text = numbers_text([*center, 0.0, 0.0, 0.0])
         xml.SubElement(inertial, "mass").text = numbers_text([mass])

@@ -10,7 +10,6 @@ import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
-from jaxswarm.robot.placements import inertia_matrix
 
 
 def split_effects(effects: Iterable[Any], form: str) -> tuple[dict[int, dict[str, float]], list]:
@@ -64,13 +63,6 @@ def write_with_side_file(
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error}).") from error
     return side
-
-
-def body_of(parameters: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass, center of mass and inertia about it."""
-    mass, center = float(parameters[0]), np.asarray(parameters[1:4]) / float(parameters[0])
-    shift = mass * (center @ center * np.eye(3) - np.outer(center, center))
-    return mass, center, inertia_matrix(parameters) - shift
 
 
 def roll_pitch_yaw(rotation: np.ndarray) -> np.ndarray:
