@@ -35,7 +35,8 @@ def compare(files: list[Path]) -> Iterator[Outcome]:
     import pinocchio as pin
 
     from jaxswarm.errors import InputError
-    from jaxswarm.robot import RobotOptions, describe_robot, inverse_dynamics, load_robot
+    from jaxswarm.robot import RobotOptions, inverse_dynamics, load_robot
+    from jaxswarm.robot.urdf import read_urdf
 
     for path in files:
         try:
@@ -48,7 +49,7 @@ def compare(files: list[Path]) -> Iterator[Outcome]:
             robot = load_robot(str(path))
             if model is not None and set(robot.joints) != set(list(model.names)[1:]):
                 # Joints that mimic others are held here; by some of Pinocchio's versions they move.
-                moving = [j.name for j in describe_robot(str(path)).joints if j.kind != "fixed"]
+                moving = [j.name for j in read_urdf(path).joints if j.kind != "fixed"]
                 robot = load_robot(str(path), RobotOptions(joints=tuple(moving)))
         except InputError as error:
             yield Outcome(path.name, model is not None, False, None, str(error)[-90:])
