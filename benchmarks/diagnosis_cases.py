@@ -2,7 +2,7 @@ r"""Simulated logs with one effect that is not declared, none, or one that no ca
 
 The size of an effect is its ratio: RMS of its torque, orthogonal to what the declared model can absorb,
 over the white torque noise of its joint. A case is visible at a ratio of one half. Amplitudes are solved
-for from the wanted ratio; soft joints and play come from the forward simulation with fixed parameters.
+for from the wanted ratio; soft joints and backlash come from the forward simulation with fixed parameters.
 """
 
 from dataclasses import dataclass, replace
@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy import signal
 
+from benchmarks.diagnosis_soft import closed_loop
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
@@ -19,13 +20,9 @@ from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import Robot, rx60
-from jaxswarm.simulate import PD, Reference, make_plant, rest, stable_substeps, track
 
 NOISE = np.array([0.25, 0.30, 0.15])
 WIDTH = 0.01
-# Sampling rate of the logs [Hz], and of the controller of the soft joints in multiples of it.
-RATE, FASTER = 250.0, 10
-SETTLED = 1.0
 VISIBLE = 0.5
 RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
 SILENT = Noise(0.0, 0.0)
@@ -57,7 +54,7 @@ DRAWN = {
     "drive_gain": ("gain", {}),
     "base_tilt": ("gx", {"gy": lambda rng: 0.0}),
 }
-# Softness [N m/rad, N m s/rad] and play [rad], mild to severe.
+# Softness [N m/rad, N m s/rad] and dead zone [rad], mild to severe.
 SOFT = {
     "joint_elasticity": [
         {"k": k, "d": 0.02 * np.sqrt(k) * 5} for k in (6e3, 3e3, 1500.0, 700.0, 350.0)
@@ -148,7 +145,11 @@ def make_case(case: Case) -> tuple[Robot, tuple[Term, ...], tuple[Term, ...], Lo
     if case.effect == "coulomb_friction":
         declared = tuple(t for t in declared if (t.effect, t.joint) != (case.effect, case.joint))
     if case.effect in SOFT:
-        hidden, declared, log, motion = _soft(case, arm, declared, rng)
+        soft = Term(case.effect, case.joint, values=SOFT[case.effect][case.level])
+        rotor = Term("rotor_inertia", case.joint, values={"ia": 0.5})
+        hidden, declared = (soft,), (*declared, rotor)
+        log, state = closed_loop(arm, (*declared, soft), WIDTH, case.seed)
+        motion = plain_motion(log, state)
     else:
         log = synthetic_log(arm, declared, case.seed, noise=SILENT, motion_seed=case.seed)
         state = fourier_motion(3, np.random.default_rng(case.seed))[1:]
@@ -211,37 +212,6 @@ def _terms(case, declared, drawn, size):
     other = (case.joint + 1) % 3 if case.effect == "transmission_coupling" else None
     values = {**drawn, amplitude: value}
     return (*declared, Term(case.effect, None if glob else case.joint, other, values))
-
-
-def _soft(case, arm, declared, rng):
-    """A closed-loop run of an arm with a soft or loose joint; its rotor is declared.
-
-    The controller runs far faster than the log: a torque held over a sample would be a delay. The log
-    starts when the arm has settled onto its reference.
-    """
-    rotor = Term("rotor_inertia", case.joint, values={"ia": 0.5})
-    hidden = Term(case.effect, case.joint, values=SOFT[case.effect][case.level])
-    declared = (*declared, rotor)
-    plant = make_plant(arm, (*declared, hidden), width=WIDTH)
-    t, q, dq, ddq = fourier_motion(3, np.random.default_rng(case.seed), rate=RATE * FASTER)
-    reference = Reference(*(jnp.asarray(x) for x in (q, dq, ddq, np.zeros_like(q))))
-    control = PD(jnp.array([300.0, 300.0, 120.0]), jnp.array([40.0, 40.0, 15.0]))
-    period = 1.0 / (RATE * FASTER)
-    steps = stable_substeps(plant, jnp.asarray(q[0]), period)
-    start = rest(plant, jnp.asarray(q[0]), jnp.asarray(dq[0]))
-    run = track(plant, start, control, reference, dt=period, substeps=steps)
-    kept = slice(round(SETTLED * RATE) * FASTER, None, FASTER)
-    t, tau = t[kept] - SETTLED, np.asarray(run.tau)[kept]
-    log = Log(
-        source=f"simulated {arm.name}, seed {case.seed}",
-        joints=arm.joints,
-        t=t,
-        q=np.asarray(run.q)[kept],
-        tau=tau,
-        channels={"tau_clean": tau},
-    )
-    state = tuple(np.asarray(x)[kept] for x in (run.q, run.dq, run.ddq))
-    return (hidden,), declared, log, plain_motion(log, state)
 
 
 def noisy(case: Case, log: Log, rng: np.random.Generator) -> Log:

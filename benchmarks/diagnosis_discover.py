@@ -122,10 +122,10 @@ def _errors(model, motion, clean) -> np.ndarray:
 def _drawn(rng, arm, declared, blank, seed: int) -> Term:
     """A law from the grammar that the declared model cannot imitate."""
     found = estimate(rx60(), blank, [prepare(_log(arm, declared, seed), BAND)], bounded=False)
-    stand = Linearization(found, cross_fit(found))
+    lin = Linearization(found, cross_fit(found))
     joint = int(rng.integers(3))
     partner = int((joint + 1 + rng.integers(2)) % 3) if rng.random() < 0.4 else None
-    problem = joint_problem(stand, joint, partner)
+    problem = joint_problem(lin, joint, partner)
     pieces = programs(problem.data, problem.units, problem.angles)
     formula: Sum | None = None
     size = float(rng.choice(_STRENGTHS)) * NOISE
@@ -135,12 +135,12 @@ def _drawn(rng, arm, declared, blank, seed: int) -> Term:
             piece = pieces[rng.integers(len(pieces))]
             values = {p.name: float(p.decode(rng.uniform(0.15, 0.85))) for p in piece.constants}
             own = Sum((piece,), values)
-            free = free_columns(problem, own, stand.background.whole)
+            free = free_columns(problem, own, lin.crossfit.whole)
             whole = problem.columns(own.programs, values)[:, joint]
             if np.linalg.norm(free) > _FREE * np.linalg.norm(whole) > 0.0:
                 break
         formula = joined(formula, Trial(piece, values, 0.0))
-        weight = stand.background.weight[:, [joint]]
+        weight = lin.crossfit.weight[:, [joint]]
         scales.append(size / np.sqrt(np.mean((free / np.maximum(weight, 1e-300)) ** 2)))
     term = as_term(problem, formula)
     linear = [p.name for p in term.formula.parameters if p.linear]

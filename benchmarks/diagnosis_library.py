@@ -18,19 +18,19 @@ def rival(declared, motion, clean, joint: int) -> dict:
     """Columns of the library chosen by BIC on the joint's residual, refitted, scored on the other motion."""
     model, base = declared.model, declared.fit.base
     pi = np.asarray(model.robot.parameters).ravel()
-    background = cross_fit(declared)
+    crossfit = cross_fit(declared)
     train = declared.motions[0]
     labels, columns = _library(declared, train, joint)
-    weighted = background.weigh(_on_joint(train.decimator.apply(columns), joint))
-    free = background.whole.free_part(weighted)[:, joint]
+    weighted = crossfit.weigh(_on_joint(train.decimator.apply(columns), joint))
+    free = crossfit.whole.free_part(weighted)[:, joint]
     norms = np.linalg.norm(free, axis=0)
     whole = np.linalg.norm(weighted[:, joint], axis=0)
     usable = np.flatnonzero(norms > 1e-3 * np.maximum(whole, 1e-12))
-    y = background.whole.residual[:, joint]
+    y = crossfit.whole.residual[:, joint]
     kept = usable[CHOOSERS[RIVAL](free[:, usable] / norms[usable], y, blocks(len(y)))]
-    rows = [background.weigh(declared.regression.columns[:, :, base.kept]), weighted[:, :, kept]]
+    rows = [crossfit.weigh(declared.regression.columns[:, :, base.kept]), weighted[:, :, kept]]
     matrix = np.concatenate(rows, axis=2).reshape(-1, len(base.kept) + len(kept))
-    target = (declared.regression.target * background.weight).ravel()
+    target = (declared.regression.target * crossfit.weight).ravel()
     scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
     values = np.linalg.lstsq(matrix / scale, target, rcond=1e-10)[0] / scale
     own = assemble(model.robot, model.terms, motion, model.width, pi, decimate=True)[

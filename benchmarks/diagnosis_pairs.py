@@ -58,7 +58,7 @@ def run_pairs(number: int) -> dict:
     log = synthetic_log(arm, (*declared, *hidden), number, noise=Noise(2e-5, tuple(NOISE)))
     start = time.perf_counter()
     found = diagnose(rx60(), tuple(replace(t, values={}) for t in declared), [prepare(log)])
-    left = find_unexplained(found.final, found.background)
+    left = find_unexplained(found.final, found.crossfit)
     added = [step.added for step in found.kept]
     right = sum(any(same(a, h) for a in added) for h in hidden)
     return {

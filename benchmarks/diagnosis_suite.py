@@ -9,8 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.diagnosis_cases import RATE, VISIBLE, Case, make_case
+from benchmarks.diagnosis_cases import VISIBLE, Case, make_case
 from benchmarks.diagnosis_practice import explain, same
+from benchmarks.diagnosis_soft import RATE
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.logs.motion import prepare
@@ -23,7 +24,7 @@ def run_case(case: Case) -> dict:
     blank = tuple(replace(t, values={}) for t in declared)
     start = time.perf_counter()
     found = diagnose(rx60(), blank, [prepare(log)])
-    left = find_unexplained(found.final, found.background)
+    left = find_unexplained(found.final, found.crossfit)
     seconds = time.perf_counter() - start
     joints = arm.joints
     added = [s.added for s in found.steps]

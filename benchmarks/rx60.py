@@ -25,6 +25,8 @@ import sys
 import tempfile
 import time
 
+from benchmarks.rx60_report import report
+
 NEEDS = ("pyswarms", "mealpy")
 TAKES = "10 minutes; --fast 2 minutes"
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "2")
@@ -48,7 +50,7 @@ def main() -> None:
                 # The first process of ours fills the cache that the second one reads.
                 extra = {"JAX_COMPILATION_CACHE_DIR": cache} if name == "jaxswarm" else {}
                 rows.append(_process(name, kind, options.fast, extra))
-    report(rows)
+    report(rows, TARGETS, RUNS)
     from benchmarks.timing import write_lines
 
     print("written to", write_lines("rx60.jsonl", rows))
@@ -236,35 +238,6 @@ _SOLVERS = {
     "pyswarms, same fitness": _pyswarms(True),
     "mealpy, same fitness": _mealpy(True),
 }
-
-
-def report(rows: list[dict]) -> None:
-    """Print the times and how often ours fits into each peer's."""
-    ours = [r for r in rows if r["name"] == "jaxswarm"]
-    warm = ours[0]["warm"]
-    cold = {r["kind"]: r["cold"] for r in ours}
-    widths = {"runs": 6, "warm s": 9, "CPU s": 9, "cold s": 9, "warm x": 9, "CPU x": 8}
-    widths |= {"cold x": 9, "cached x": 10}
-    print(" " * 26 + "".join(f"{name:>{width}}" for name, width in widths.items()))
-    for r in rows:
-        if "missing" in r:
-            print(f"{r['name']:<26} {r['missing']}")
-            continue
-        label = f"{r['name']}, {r['kind']}" if r["name"] == "jaxswarm" else r["name"]
-        ratios = (
-            r["warm"] / warm,
-            r["warm_cpu"] / ours[0]["warm_cpu"],
-            r["cold"] / cold["cold"],
-            r["cold"] / cold["cold, cached"],
-        )
-        print(
-            f"{label:<26}{r['runs']:>6}{r['warm']:>9.3f}{r['warm_cpu']:>9.3f}{r['cold']:>9.2f}"
-            f"{ratios[0]:>9.1f}{ratios[1]:>8.1f}{ratios[2]:>9.2f}{ratios[3]:>10.2f}"
-        )
-    print("targets (warm, cold):", TARGETS)
-    print(f"runs: how many of the {RUNS} were run; the rest is extrapolated")
-    print("cold is bounded by importing JAX and compiling two programs, one for each scheme;")
-    print("with a filled compile cache, by importing and tracing them")
 
 
 if __name__ == "__main__":

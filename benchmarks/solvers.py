@@ -70,6 +70,13 @@ def solvers() -> dict[str, Solver]:
     def add(label, family, rule, build, *args, **options):
         table[label] = Solver(tuple(family.split(" and ")), rule, lambda: build(*args, **options))
 
+    _add_swarms(add)
+    _add_evolution(add)
+    return table
+
+
+def _add_swarms(add: Callable) -> None:
+    """Variants of ours, and the swarms of other packages."""
     for variant in ("R2", "R3"):
         rule = f"variant {variant}"
         add(f"jaxswarm sepso {variant}", "sepso", rule, ours, "sepso", variant=variant)
@@ -121,6 +128,9 @@ def solvers() -> dict[str, Solver]:
     )
     add("mealpy CL_PSO", "CLPSO", rule, peers.mealpy, "swarm_based", "PSO", "CL_PSO")
 
+
+def _add_evolution(add: Callable) -> None:
+    """Differential evolution, genetic algorithms and CMA-ES of other packages."""
     rule = "best/1/bin, F 0.5 to 1 a generation, CR 0.7"
     add("scipy differential_evolution", "DE", rule, peers.scipy_de)
     rule = "best/1/bin, F 0.5, CR 0.2, polynomial mutation"
@@ -149,4 +159,3 @@ def solvers() -> dict[str, Solver]:
     add("mealpy BaseGA", "GA", rule, peers.mealpy, evolution, "GA", "BaseGA")
     add("pymoo CMAES", "CMA-ES", "pycma with bounds", peers.pymoo, "CMAES")
     add("evosax CMA_ES", "CMA-ES", "no bounds", peers.evosax, "CMA_ES")
-    return table

@@ -16,18 +16,13 @@ from jaxswarm.robot import Robot
 from jaxswarm.simulate.plant import put_on
 
 PACKAGE = Path(__file__).resolve().parents[1] / "jaxswarm"
-# Files that plant effects in logs of their own: there a name is the truth, not a branch.
-PLANTING = {"identify/synthetic.py", "diagnose/demo.py", "studies/rx60/loop.py"}
-# It tells the user which effects to declare for what a robot file holds; robot/ is below effects/.
-TELLING = {"robot/mjcf.py"}
 # The robot has a field of this name, current to torque; the effect is a factor on the torque.
 FIELDS = {field.name for field in dataclasses.fields(Robot)}
 OLD_KINDS = {"elastic", "play", "gravity", "payload", "window", "gain", "delay"}
 FILES = [
     path
     for path in sorted(PACKAGE.rglob("*.py"))
-    if path.relative_to(PACKAGE).as_posix() not in PLANTING | TELLING
-    and path.relative_to(PACKAGE).parts[0] != "effects"
+    if path.relative_to(PACKAGE).parts[0] != "effects"
 ]
 KINDS = Effect.__subclasses__()
 VERBS = (check_kind, law_block, propose, apply_change, put_on)

@@ -130,7 +130,7 @@ def test_an_effect_adds_the_torque_its_law_states(kind):
 
 
 def test_a_structure_does_what_it_says():
-    """Gain and delay act on the measured torque alone; tilt, offset, softness and play change the motion."""
+    """Gain and delay act on the measured torque alone; tilt, offset, softness and backlash the motion."""
     plain_run = _run()
     gain = Effect("drive_gain", 1, params={"gain": 1.1})
     np.testing.assert_allclose(

@@ -5,7 +5,7 @@
 ``fuzz``: files and options spoiled by structure, read in process (``--inputs``), and whole commands
 (``--commands``): nothing but success or a clear refusal, in time, in bounded memory, with nothing written.
 ``faults``: commands killed at random moments, ended by signals, out of disk, two in one folder (``--kills``).
-``spoiled``: logs of clean arms spoiled in one way: is it said, and is no effect blamed (``--arms``)?
+``spoiled``: logs of clean arms spoiled in one way: is it said, and is no wrong effect named (``--arms``)?
 ``null``: clean logs, and torques permuted over time or joints: is nothing added (``--arms``)?
 Rows go to ``benchmarks/results/trust_*.jsonl``; what is there is not done again. ``--table`` shows all of them.
 """

@@ -18,10 +18,11 @@ _STARTED = 1.5
 _CODES = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
 # Files that an unfinished command may leave in its output: from them it goes on.
 _KEPT = ("diagnosis.partial.json",)
-# Commands that write one set of results, which is left whole or not at all; what is killed in turn; and what
-# takes minutes and is killed one time in ten.
+# Commands that write one set of results, which is left whole or not at all; what answers signals,
+# what is killed in turn, and what takes minutes and is killed one time in ten.
 _COMMANDS = ("identify", "diagnose", "diagnose --model")
-_SHORT, _LONG = (*_COMMANDS, "minimize_resumable"), "study"
+_ANSWERING = (*_COMMANDS, "fleet")
+_SHORT, _LONG = (*_ANSWERING, "minimize_resumable"), "study"
 
 
 class Reference:
@@ -53,7 +54,7 @@ def faults(kills: int) -> None:
             wanted[f"kill {k} of {job}"] = _bound(_ended_early, reference, job, signal.SIGKILL, k)
         for job in JOBS:
             for number in _CODES:
-                if job not in _COMMANDS:
+                if job not in _ANSWERING:
                     continue
                 name = f"{number.name} of {job}"
                 wanted[name] = _bound(_ended_early, reference, job, number, len(wanted))

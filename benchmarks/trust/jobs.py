@@ -41,6 +41,7 @@ JOBS: dict[str, tuple[str, ...]] = {
         *(*_COMMAND, "diagnose", "log.csv", *_ARM, "--out", OUT),
         *("--model", "model.json"),
     ),
+    "fleet": (*_COMMAND, "diagnose", "--fleet", "logs", *_ARM, "--out", OUT, "--workers", "1"),
     "study": (*_COMMAND, "study", "rx60", "--fast", "--out", OUT),
     "minimize_resumable": ("-c", _SEARCH),
 }
@@ -51,6 +52,9 @@ def prepare(folder: Path) -> Path:
     folder.mkdir(parents=True)
     table = dict(columns_with_friction())
     good.write_csv(folder / "log.csv", table)
+    for arm in ("arm1", "arm2"):
+        (folder / "logs" / arm).mkdir(parents=True)
+        good.write_csv(folder / "logs" / arm / "2026-01-05.csv", table)
     (folder / "arm.toml").write_text(good.TOML)
     (folder / "model.json").write_text(good.model_json())
     return folder

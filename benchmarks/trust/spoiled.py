@@ -1,4 +1,4 @@
-"""Clean logs spoiled in one way: what is said about them, and what is blamed."""
+"""Clean logs spoiled in one way: what is said about them, and which wrong effects are named."""
 
 import time
 
@@ -13,8 +13,8 @@ from jaxswarm.logs import Log
 
 # Time [s] of a diagnosis, so that no log takes unbounded time.
 BUDGET = 90.0
-# Outcomes: said by name; neither said nor blamed; an effect that is not there; said wrongly.
-SAID, QUIET, BLAMED, ELSE = "said", "quiet", "blamed", "something else said"
+# Outcomes: said by name; neither said nor a wrong effect named; an effect that is not there; said wrongly.
+SAID, QUIET, WRONG, ELSE = "said", "quiet", "wrong effect", "something else said"
 
 
 def spoiled(arms: int) -> None:
@@ -28,13 +28,13 @@ def spoiled(arms: int) -> None:
             rng = np.random.default_rng([number, *name.encode()])
             joint = int(rng.integers(arm.robot.num_joints))
             start = time.perf_counter()
-            row = judged(arm, spoiling, spoiling.spoil(arm.log, joint, rng))
+            row = diagnosed(arm, spoiling, spoiling.spoil(arm.log, joint, rng))
             seconds = time.perf_counter() - start
             place = {"arm": number, "of": arm.name, "spoiling": name, "joint": joint + 1}
             add_row("spoiled", {**place, **row, "seconds": seconds})
 
 
-def judged(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
+def diagnosed(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
     """What a diagnosis of the log says, and whether that is right."""
     try:
         found = tasks.diagnose(log, arm.robot, declared_list(arm), budget=BUDGET)
@@ -47,7 +47,7 @@ def judged(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
     wrong = [e["effect"] for e in found["effects"] if e["effect"] not in spoiling.effects]
     right = any(word in text for word in spoiling.said)
     right = right or (bool(effects) and not wrong)
-    outcome = BLAMED if wrong else SAID if right else QUIET
+    outcome = WRONG if wrong else SAID if right else QUIET
     told = {"outcome": outcome, "refused": False, "effects": effects, "verdict": found["verdict"]}
     return {**told, "text": text[:600]}
 

@@ -3,7 +3,7 @@
 from collections import Counter
 
 from benchmarks.trust.rows import read_rows
-from benchmarks.trust.spoiled import BLAMED, ELSE, QUIET, SAID
+from benchmarks.trust.spoiled import ELSE, QUIET, SAID, WRONG
 
 
 def table() -> str:
@@ -73,9 +73,9 @@ def _spoiled() -> list[str]:
     lines = [
         f"| logs spoiled in {len({r['spoiling'] for r in rows})} ways, {arms} arms | {len(rows)} | "
         f"{counts[SAID]} said by name, {counts[QUIET]} without a word or a wrong effect, "
-        f"{counts[BLAMED]} with a wrong effect, {counts[ELSE]} refused for another reason |"
+        f"{counts[WRONG]} with a wrong effect, {counts[ELSE]} refused for another reason |"
     ]
-    fell = Counter(row["spoiling"] for row in rows if row["outcome"] in (BLAMED, ELSE, QUIET))
+    fell = Counter(row["spoiling"] for row in rows if row["outcome"] in (WRONG, ELSE, QUIET))
     if fell:
         told = ", ".join(f"{name} ({n} of {arms})" for name, n in fell.most_common())
         lines.append(f"| not said by name | {sum(fell.values())} | {told} |")

@@ -118,7 +118,7 @@ STRUCTURAL = tuple(k for k, law in LAWS.items() if law.torque is None and k != "
 GLOBAL = ("time_delay", "torque_lag", "base_tilt", "contact")
 # Kept in MuJoCo's mass matrix: a torque that lags behind the acceleration would not be stable.
 IN_BODY = ("rotor_inertia",)
-# Ramp of a touch [s].
+# Ramp of a contact [s].
 RAMP = 0.01
 
 

@@ -22,7 +22,7 @@ _ON_FRICTION = (
     "position_dependent_friction",
     "friction_change",
 )
-# What softness and play need to be told from the inertia of the motor.
+# What softness and backlash need to be told from the inertia of the motor.
 _NEED_ROTORS = ("joint_elasticity", "backlash")
 
 

@@ -16,8 +16,8 @@ def rivals_table(rows: list[dict], own: list[dict]) -> str:
     ]
     if not rows:
         return "\n".join(lines) + "\n"
-    judged = {r["world"]: r for r in own if "error" not in r}
-    shared = [judged[r["world"]] for r in rows if r["world"] in judged]
+    ours = {r["world"]: r for r in own if "error" not in r}
+    shared = [ours[r["world"]] for r in rows if r["world"] in ours]
     if shared:
         lines.append(_own(shared))
     for name in rows[0]["rivals"]:

@@ -114,7 +114,7 @@ def _errors(world: World, folder: Path) -> dict:
     floor = plain.oracle_error(world, logs)
     noise, rate = plain.band_noise(world), world.logging.rate
     models = {k: folder / k / "model.json" for k in ("declared", "final")}
-    if not models["final"].exists():  # refused to judge: the declared model stands
+    if not models["final"].exists():  # refused to decide: the declared model stands
         models["final"] = models["declared"]
     errors = {"floor": {k: np.maximum(v, noise) for k, v in floor.items()}}
     for which, path in models.items():

@@ -70,7 +70,7 @@ def simulate(
         control: The controller.
         motion: The reference.
         quantum: Step of the encoders, (n,).
-        compliance: Inertia behind each joint's gear, (n,), for the flank of a play.
+        compliance: Inertia behind each joint's gear, (n,), for the flank of a backlash.
 
     Raises:
         DivergedError: If the tracking error grows beyond all reason.
@@ -81,8 +81,8 @@ def simulate(
     t = np.arange(-round(RUN_IN * control.rate), round(motion.seconds * control.rate) + 1) * period
     ref = reference(motion, arm, t)
     law = make_controller(control, arm, ref)
-    stage = _Stage(arm, effects, h, compliance)
-    stage.start(ref[0][0], ref[1][0])
+    rig = _Rig(arm, effects, h, compliance)
+    rig.start(ref[0][0], ref[1][0])
     kept = np.flatnonzero(t >= -1e-9)
     run = Run(
         t[kept],
@@ -92,27 +92,27 @@ def simulate(
     lost = np.where(arm.sliding, _LOST[1], _LOST[0])
     first, still = kept[0], np.zeros(n)
     for k in range(len(t)):
-        q, dq = stage.q[stage.motor], stage.v[stage.motor]
+        q, dq = rig.q[rig.motor], rig.v[rig.motor]
         seen, speed, _ = said(effects, q, dq, still)
         measured = np.round(seen / quantum) * quantum
         if k % 64 == 0 and not (np.abs(q - ref[0][k]) < lost + np.abs(seen - q)).all():
             raise DivergedError
         tau = law(k, measured, speed)
-        ddq = stage.step(tau, t[k])
+        ddq = rig.step(tau, t[k])
         if k >= first:
             i = k - first
             run.q[i], run.dq[i], run.ddq[i] = said(effects, q, dq, ddq)
             run.tau[i] = tau
-            run.parts[:, i] = stage.parts
+            run.parts[:, i] = rig.parts
             for row, e in enumerate(effects):
                 if e.kind in IN_BODY:
                     run.parts[row, i, e.joint] = e.params["ia"] * ddq[e.joint]
         for part in range(1, substeps):
-            stage.step(tau, t[k] + part * h)
+            rig.step(tau, t[k] + part * h)
     return run
 
 
-class _Stage:
+class _Rig:
     """MuJoCo's model with the effects around it."""
 
     def __init__(self, arm: Arm, effects: tuple[Effect, ...], h: float, compliance: np.ndarray):

@@ -1,7 +1,7 @@
 """Amplitudes from wanted strengths, and strengths from finished runs.
 
 The strength of an effect is the RMS torque on its strongest joint that the declared model cannot absorb
-(for a touch: within its window), in units of the larger of the torque's noise and what a plain fit of the
+(for a contact: within its window), in units of the larger of the torque's noise and what a plain fit of the
 declared model leaves of the log of a run without the effect.
 """
 

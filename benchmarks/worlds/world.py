@@ -58,7 +58,7 @@ class World:
         return joint_scales(self.arm)[0] - self.arm.rotor
 
     def present(self, name: str) -> tuple[Effect, ...]:
-        """The effects in a run: a touch happens in the training run alone."""
+        """The effects in a run: a contact happens in the training run alone."""
         return tuple(e for e in self.effects if name == "train" or e.kind != "contact")
 
     def run(self, name: str, effects: tuple[Effect, ...] | None = None) -> Run:

@@ -66,7 +66,9 @@ def is_fleet(asked: Asked, logs: list[Path] | None, validation: list[Path] | Non
         return False
     if logs or validation:
         what = "--validation" if validation else str(logs[0] if logs else "")
-        raise InputError(f"{what}: --fleet {asked.logs} names all logs, each is judged by itself")
+        raise InputError(
+            f"{what}: --fleet {asked.logs} names all logs, each is diagnosed by itself"
+        )
     if asked.scheduler is not None and (asked.workers or asked.adaptive):
         raise InputError("--scheduler has workers of its own: leave out --workers and --adaptive")
     return True

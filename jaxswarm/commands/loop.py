@@ -29,6 +29,26 @@ from jaxswarm.work import work
 # What the commands write into their folder, and would overwrite there.
 _DIAGNOSED = ("model.json", "diagnosis.json", "report.html")
 
+Declare = Annotated[
+    str | None,
+    typer.Option(help="What is known to be there: none, or name[@joint[:partner]],..."),
+]
+Earlier = Annotated[
+    Path | None, typer.Option(help="model.json identified before: find what changed since.")
+]
+Validations = Annotated[list[Path] | None, typer.Option(help="Log to score on; may be repeated.")]
+Seconds = Annotated[
+    float | None,
+    typer.Option(
+        min=1e-3,
+        callback=finite,
+        help="Seconds after which no further round begins: what is known then is reported.",
+    ),
+]
+Discover = Annotated[
+    bool, typer.Option("--discover", help="Search a formula for what no known law explains.")
+]
+
 
 def register(app: typer.Typer) -> None:
     """Add the commands of this group."""
@@ -69,32 +89,15 @@ def register(app: typer.Typer) -> None:
         robot: RobotName,
         out: Out,
         logs: LogsOrNone = None,
-        declare: Annotated[
-            str | None,
-            typer.Option(help="What is known to be there: none, or name[@joint[:partner]],..."),
-        ] = None,
-        model: Annotated[
-            Path | None, typer.Option(help="model.json identified before: find what changed since.")
-        ] = None,
-        validation: Annotated[
-            list[Path] | None, typer.Option(help="Log to score on; may be repeated.")
-        ] = None,
+        declare: Declare = None,
+        model: Earlier = None,
+        validation: Validations = None,
         seed: Seed = 0,
         motion_cutoff: MotionCutoff = None,
         torque_cutoff: TorqueCutoff = None,
         accept: Accept = None,
-        budget: Annotated[
-            float | None,
-            typer.Option(
-                min=1e-3,
-                callback=finite,
-                help="Seconds after which no further round begins: what is known then is reported.",
-            ),
-        ] = None,
-        discover: Annotated[
-            bool,
-            typer.Option("--discover", help="Search a formula for what no known law explains."),
-        ] = False,
+        budget: Seconds = None,
+        discover: Discover = False,
         effects_from: EffectsFrom = None,
         fleet: fleets.Fleet = None,
         against: fleets.Against = None,
@@ -107,26 +110,14 @@ def register(app: typer.Typer) -> None:
         """Find the effect a declared model lacks, add it, and show the error before and after."""
         start()
         asked = fleets.Asked(fleet, against, arm_pattern, workers, scheduler, adaptive)
-        if model is not None and declare is not None:
-            raise InputError(
-                "--declare and --model exclude each other; a model holds what is declared"
-            )
-        if model is not None and discover:
-            raise InputError("--discover goes with --declare: against a model nothing is searched")
+        _check_question(declare, model, discover)
         if fleets.is_fleet(asked, logs, validation):
             if discover or effects_from:
                 raise InputError(
                     "--fleet takes neither --discover nor --effects-from; diagnose one log"
                 )
-            question = (
-                declare,
-                model,
-                seed,
-                motion_cutoff,
-                torque_cutoff,
-                tuple(accept or ()),
-                budget,
-            )
+            cutoffs = motion_cutoff, torque_cutoff
+            question = (declare, model, seed, *cutoffs, tuple(accept or ()), budget)
             show(fleets.run(asked, robot, out, *question), json)
             return
         from jaxswarm.diagnose import print_diagnosis
@@ -135,13 +126,9 @@ def register(app: typer.Typer) -> None:
         from jaxswarm.identify.run import Options
 
         options = Options(
-            seed=seed,
-            motion_cutoff=motion_cutoff,
-            torque_cutoff=torque_cutoff,
-            accept=tuple(accept or ()),
-            budget=budget,
-            discover=discover,
-        )
+            seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff,
+            accept=tuple(accept or ()), budget=budget, discover=discover,
+        )  # fmt: skip
         given = logs or []  # without logs and without a fleet there is a message before
         inputs = (*given, *(validation or ()), model, Path(robot), effects_from)
         with work(out, inputs, _DIAGNOSED, resumable=True) as status:
@@ -156,3 +143,11 @@ def register(app: typer.Typer) -> None:
                 result = diagnose_files(given, robot, declare, out, validation, options, status)
         console.notes([*result["logs"], *result.get("validation_logs", ())])
         console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))
+
+
+def _check_question(declare: str | None, model: Path | None, discover: bool) -> None:
+    """Refuse what an earlier model excludes."""
+    if model is not None and declare is not None:
+        raise InputError("--declare and --model exclude each other; a model holds what is declared")
+    if model is not None and discover:
+        raise InputError("--discover goes with --declare: against a model nothing is searched")

@@ -58,6 +58,7 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
     def run(**arguments: Any) -> Any:
         texts = {name: arguments.pop(name) for name in _OPTIONS}
         start()
+        from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot import RobotChoice, describe_robot, parse_options
 
         if arguments["robot"] is None:
@@ -66,7 +67,7 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
             return command(**arguments)
         choice = RobotChoice(arguments["robot"], parse_options(**texts))
         result = command(**{**arguments, "robot": choice})
-        for note in describe_robot(choice).notes:
+        for note in with_effects(describe_robot(choice).notes):
             print(f"note: {choice}: {note}", file=sys.stderr)
         return result
 
@@ -102,11 +103,13 @@ def register(app: typer.Typer) -> None:
     @with_robot_options
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
         """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
+        from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot import RobotChoice
         from jaxswarm.robot.show import draw, print_robot, summary
 
         choice = robot if isinstance(robot, RobotChoice) else RobotChoice(robot)
         result = summary(choice)
+        result["notes"] = with_effects(result["notes"])
         if out is not None:
             draw(choice, out)
         console.show(result, json, lambda: print_robot(result))

@@ -10,6 +10,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.files import Files
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import place, to_result
@@ -18,24 +19,17 @@ from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes
 from jaxswarm.diagnose.selection.changes import Comparison, compare
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.drawing import Drawing
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
-from jaxswarm.identify.forward.model import load_model
+from jaxswarm.identify.forward.model import Model, load_model
 from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
-from jaxswarm.identify.run import (
-    Options,
-    described,
-    findings,
-    read_motions,
-    refuse_missing_channels,
-    refuse_resting_joints,
-)
-from jaxswarm.provenance import provenance
+from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_resting_joints
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -68,51 +62,54 @@ def compare_files(
     """
     options = options or Options()
     budget = given_budget(options.budget)
-    model = load_model(model_path)
-    robot = load_robot(robot_spec)
+    model, robot = _same_arm(model_path, robot_spec)
+    outputs.check_folder(out)
+    progress("reading logs")
+    gains = np.asarray(model.robot.drive_gain)
+    read = Files(paths, validation or [], options.accept).read(robot, model.filtering, gains)
+    refuse_missing_channels(model.terms, read.all)
+    refuse_resting_joints(read.fitted, robot)
+    refuse_weak(read.motions, 10 * robot.num_joints, options.accept)
+    refuse_too_large(read.motions)
+    told = read.told({"robot": robot.name, **vars(options)}, model_path)
+    text = Path(model_path).read_text(encoding="utf-8")
+    journal = Journal(out, fingerprint(robot, read.motions, text, options.seed))
+    with Drawing() as drawing:
+        found = compare(
+            model,
+            read.motions,
+            seed=options.seed,
+            progress=progress,
+            journal=journal,
+            budget=budget,
+        )
+        result, diagnosis, left = conclude_comparison(found, read.unseen, options.seed, progress)
+        shown = order_pictures(drawing, diagnosis, read.unseen)
+        result |= {"model": Path(model_path).name, **told}
+        write_report(diagnosis, left, result, drawing, out, progress, shown=shown)
+    journal.close(done=found.spent is None)
+    return result
+
+
+def _same_arm(model_path: Path, robot_spec: str) -> tuple[Model, Robot]:
+    """A model and the robot it has to be of."""
+    model, robot = load_model(model_path), load_robot(robot_spec)
     if (robot.joints, robot.kinds) != (model.robot.joints, model.robot.kinds):
         raise InputError(
             f"{model_path}: is a model of {model.robot.name} with joints "
             f"{', '.join(model.robot.joints)}, not of {robot.name} with {', '.join(robot.joints)}; "
             "pass the robot it was identified for"
         )
-    outputs.check_folder(out)
-    progress("reading logs")
-    further = list(validation or ())
-    gains = np.asarray(model.robot.drive_gain)
-    read, prepared = read_motions([*paths, *further], robot, model.filtering, gains, options.accept)
-    refuse_missing_channels(model.terms, read)
-    refuse_resting_joints(read[: len(paths)], robot)
-    motions = [part for parts in prepared[: len(paths)] for part in parts]
-    refuse_weak(motions, 10 * robot.num_joints, options.accept)
-    unseen = [part for parts in prepared[len(paths) :] for part in parts]
-    refuse_too_large(motions)
-    text = Path(model_path).read_text(encoding="utf-8")
-    journal = Journal(out, fingerprint(robot, motions, text, options.seed))
-    with Drawing() as drawing:
-        found = compare(
-            model, motions, seed=options.seed, progress=progress, journal=journal, budget=budget
-        )
-        result, diagnosis, left = conclude_comparison(found, unseen, options.seed, progress)
-        shown = order_pictures(drawing, diagnosis, unseen)
-        result["model"] = Path(model_path).name
-        result["findings"] = findings(read)
-        given = {"robot": robot.name, **vars(options)}
-        result["provenance"] = provenance([*paths, *further, model_path], given)
-        result["logs"] = described(read[: len(paths)])
-        result["validation_logs"] = described(read[len(paths) :])
-        write_report(diagnosis, left, result, drawing, out, progress, shown=shown)
-    journal.close(done=found.spent is None)
-    return result
+    return model, robot
 
 
 def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda text: None):
     """The comparison as ``diagnosis.json`` has it, as a diagnosis for the pictures, and what remains."""
     progress("looking at what remains")
     diagnosis = _as_diagnosis(found)
-    left = find_unexplained(found.after, found.background, seed)
+    left = find_unexplained(found.after, found.crossfit, seed)
     left = proven(found.after, material(left, remainders(found.after)), unseen)
-    result = to_result(diagnosis, left, unseen)
+    result = to_result(outcome_of(diagnosis, left, unseen))
     result["physical_consistency"] = consistency_told(found.after)
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):
@@ -124,10 +121,12 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     measured, moving = found.before.regression.torque, found.before.regression.moving
     if not unseen:
         before = _errors(measured, found.before.fit.residual, moving)
-        stages = [_errors(measured, r, moving) for r in found.unseen]
+        after_each = [_errors(measured, r, moving) for r in found.unseen]
         result["error"]["before"] = before
-        result["error"]["after"] = stages[-1] if stages else before
-        for step, one, other in zip(result["steps"], [before, *stages], stages, strict=False):
+        result["error"]["after"] = after_each[-1] if after_each else before
+        for step, one, other in zip(
+            result["steps"], [before, *after_each], after_each, strict=False
+        ):
             step["before"], step["after"] = one, other
     result["declared"] = [place(t, robot.joints) for t in found.before.model.terms]
     return result, diagnosis, left
@@ -168,13 +167,13 @@ def _reasons(found: Comparison) -> list[str]:
 
 def _as_diagnosis(found: Comparison) -> Diagnosis:
     """The same outcome in the shape the report knows."""
-    before = (found.before, *found.stages)
+    before = (found.before, *found.after_each)
     steps = []
-    for k, (one, other) in enumerate(zip(before, found.stages, strict=False)):
+    for k, (one, other) in enumerate(zip(before, found.after_each, strict=False)):
         change = found.changes[k]
         rest = with_changes(found.before, found.changes[:k] + found.changes[k + 1 :])
         steps.append(Step(change.term, change.score, (), change.others, one, other, (), rest=rest))
     return Diagnosis(
-        found.before, found.after, tuple(steps), found.last, found.background, found.asked,
-        spent=found.spent,
+        found.before, found.after, tuple(steps), found.last, found.crossfit, found.asked,
+        rules=found.rules, spent=found.spent,
     )  # fmt: skip

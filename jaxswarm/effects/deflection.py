@@ -11,7 +11,7 @@ joint j, linearized about the motor's motion,
 position of joint j. It is integrated from the motor's side (:func:`deflection`); the quasi-static
 correction would differentiate the noise twice more and fail near resonance. The stiffness of a gear with
 backlash is told by the frequency ``flank`` at which the link swings on it when closed, with damping ratio
-0.5; its lag is averaged over ``blur``, by which the moment of a strike may be off (zero: strikes where they
+0.5; its lag is averaged over ``blur``, by which the moment of an impact may be off (zero: impacts where they
 are predicted). The simulation knows neither of the two and takes a stiff flank. The rigid body then moves
 by ``q - e``, friction and rotor inertia stay with the motor. Reference: M. W. Spong, J. Dyn. Sys. Meas.
 Control 109 (1987); M. Nordin, P.-O. Gutman, Automatica 38 (2002), eq. 6 for the dead zone.
@@ -69,10 +69,10 @@ def deflection(
             part = (index + 1) / substeps  # what drives the lag runs straight between samples
             m, c, s, tau = (old + part * (new - old) for old, new in ends)
             beyond = e - jnp.clip(e, -gap, gap)
-            touching = (jnp.abs(beyond) > 0) | (gap <= 0)
-            spring = s + jnp.where(touching, k, 0.0)
-            damper = c + jnp.where(touching, d, 0.0)
-            offset = jnp.where(touching, k * (e - beyond), 0.0)
+            closed = (jnp.abs(beyond) > 0) | (gap <= 0)
+            spring = s + jnp.where(closed, k, 0.0)
+            damper = c + jnp.where(closed, d, 0.0)
+            offset = jnp.where(closed, k * (e - beyond), 0.0)
             predicted, speed = e + h * v + 0.25 * h * h * a, v + 0.5 * h * a
             force = tau + offset - damper * speed - spring * predicted
             a = force / (m + 0.5 * h * damper + 0.25 * h * h * spring)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+import jax
 import numpy as np
 
 from jaxswarm.effects.base import Effect, get_law
@@ -69,6 +70,12 @@ class Term:
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns multiply, in their order."""
         return self.law.linear_names(joints)
+
+
+# Values are data of a compiled program, the rest is its structure.
+jax.tree_util.register_dataclass(
+    Term, data_fields=["values"], meta_fields=["effect", "joint", "other", "formula"]
+)
 
 
 def physical_unit(unit: str, kind: str) -> str:

@@ -41,7 +41,7 @@ register(
     )
 )
 
-# Without better knowledge: frequency of the link on a closed gear [Hz], doubt about a strike's moment [s].
+# Without better knowledge: frequency of the link on a closed gear [Hz], doubt about an impact's moment [s].
 _FLANK, _BLUR = 30.0, 0.12
 
 register(
@@ -59,7 +59,7 @@ register(
                 _FLANK,
                 "of the link on a closed gear",
                 "log",
-                # A torque averaged over the moment of a strike says nothing of the flank.
+                # A torque averaged over the moment of an impact says nothing of the flank.
                 hidden_by="blur",
             ),
             Parameter(
@@ -69,14 +69,14 @@ register(
                 1.0,
                 False,
                 _BLUR,
-                "time a predicted strike may be off",
+                "time a predicted impact may be off",
                 fitted=False,
             ),
         ),
         summary="encoder on the motor: dead zone in the transmission",
         reference="Nordin, Gutman 2002, Automatica 38(10)",
         meaning=(
-            "The gear has play, so the link lags by the gap at every reversal; a gap above the "
+            "The gear has backlash, so the link lags by the gap at every reversal; a gap above the "
             "data sheet means wear, or preload to be set."
         ),
         gap=lambda p: p["gap"],

@@ -22,7 +22,7 @@ class Entry(NamedTuple):
     Attributes:
         source: The log.
         verdict: That of the diagnosis, or ``refused`` or ``failed``.
-        reason: Why it cannot be used or judged; empty: no such.
+        reason: Why nothing can be said of it; empty: no such.
         found: Effects that were added or have changed, as text.
         over_noise: Residual over noise of every joint; empty: unknown.
     """

@@ -51,7 +51,7 @@ def diagnose_fleet(
     """Diagnose every log of a fleet and say which arm needs a look.
 
     Args:
-        logs: Folder, glob or address of logs, see :func:`jaxswarm.fleet.sources.find_logs`.
+        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`.
         robot: The kind of the arms.
         out: Folder for ``fleet.parquet``, ``fleet.html`` and ``logs/``; what is in it is not done again.
         declare: What is known to be on every arm.
@@ -72,11 +72,7 @@ def diagnose_fleet(
     if against is not None and against not in AGAINST:
         raise InputError(f"--against {against}: give fleet, to compare every arm with the others")
     settings = _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
-    pattern = read_pattern(arm_pattern)
-    outputs.check_folder(out)
-    progress("looking for logs")
-    sources = in_order(find_logs(logs, pattern))
-    _refuse_among_logs(out, logs, sources)
+    sources = _sources(logs, read_pattern(arm_pattern), out, progress)
     store = Store(out / RESULTS, fingerprint(settings))
     failed = _work(store, sources, settings, cluster or Cluster(), progress)
 
@@ -85,29 +81,38 @@ def diagnose_fleet(
 
     progress("putting the results together")
     fleet = collect(results())
-    found = deviations_of(fleet.series) if against else None
-    moved = drifts_of(fleet.series)
+    found, moved = deviations_of(fleet.series) if against else None, drifts_of(fleet.series)
     arms = rank(fleet.entries, found or (), moved)
-    images = _pictures(fleet, arms, moved)
-    outputs.write_results(
-        out,
-        {
-            TABLE: _table_writer(results, found or ()),
-            PAGE: render(settings.robot.name, fleet, arms, found, moved, images),
-        },
-    )
+    page = render(settings.robot.name, fleet, arms, found, moved, _pictures(fleet, arms, moved))
+    outputs.write_results(out, {TABLE: _table_writer(results, found or ()), PAGE: page})
     content = {
         "robot": settings.robot.name,
         "logs": len(sources),
-        "verdicts": verdicts(fleet),
-        "arms": [arm._asdict() | {"last": arm.last and arm.last.isoformat()} for arm in arms],
-        "differences": [one._asdict() for one in found or () if one.differs],
-        "drifts": [one._asdict() for one in moved if one.drifts],
-        "unused": [_unused(one) for one in fleet.entries if one.verdict in (REFUSED, FAILED)],
+        **_content(fleet, arms, found or (), moved),
         "table": str(out / TABLE),
         "page": str(out / PAGE),
     }
     return Result(content, (headline(arms), *_told(content)), (_ranking(arms),))
+
+
+def _sources(logs: str, pattern, out: Path, progress: Callable[[str], None]) -> list[Source]:
+    """The logs in their order, with a folder that can hold the results."""
+    outputs.check_folder(out)
+    progress("looking for logs")
+    sources = in_order(find_logs(logs, pattern))
+    _refuse_among_logs(out, logs, sources)
+    return sources
+
+
+def _content(fleet: Fleet, arms: Sequence[Arm], found: Sequence, moved: Sequence) -> dict:
+    """What was found of the arms, as plain data."""
+    return {
+        "verdicts": verdicts(fleet),
+        "arms": [arm._asdict() | {"last": arm.last and arm.last.isoformat()} for arm in arms],
+        "differences": [one._asdict() for one in found if one.differs],
+        "drifts": [one._asdict() for one in moved if one.drifts],
+        "unused": [_unused(one) for one in fleet.entries if one.verdict in (REFUSED, FAILED)],
+    }
 
 
 def _settings(

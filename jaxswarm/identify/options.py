@@ -9,6 +9,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.physical.enforce import consistency_of, consistency_report, with_bodies
 from jaxswarm.identify.physical.physical_model import PULL
+from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot.load import load_robot
 
 
@@ -30,6 +31,11 @@ class Options:
     accept: tuple[str, ...] = ()
     budget: float | None = None
     discover: bool = False
+
+    @property
+    def filtering(self) -> Filtering:
+        """The frequencies asked for."""
+        return Filtering(self.motion_cutoff, self.torque_cutoff)
 
 
 # Simulation and swarms are loaded for those who ask for them.

@@ -144,8 +144,7 @@ def identify_files(
         effects: List of declared effects.
         out: Folder to write to.
         validation: Log to score on; None: blocks of time held out in turn.
-        options: See :class:`Options`.
-        progress: Called with one line before each stage.
+        options, progress: See :class:`Options`; called with one line before each step.
 
     Returns:
         The content of ``identification.json``.
@@ -153,34 +152,31 @@ def identify_files(
     Raises:
         InputError: On anything that cannot be used; nothing is written then.
     """
-    options = options or Options()
-    robot = load_robot(robot_spec)
+    options, robot = options or Options(), load_robot(robot_spec)
     terms = parse_terms(effects, robot.joints)
     check_options(options)
     refuse_undeclarable(terms)
     outputs.check_folder(out)
     with Drawing() as drawing:
         progress("reading logs")
-        further = [] if validation is None else [validation]
-        filtering = Filtering(options.motion_cutoff, options.torque_cutoff)
-        logs, motions = read_motions([*paths, *further], robot, filtering, accept=options.accept)
-        unseen = motions.pop() if further else None
-        validated = logs[len(paths) :]
-        logs = logs[: len(paths)]
+        files = paths if validation is None else [*paths, validation]
+        read, motions = read_motions(files, robot, options.filtering, accept=options.accept)
+        unseen = None if validation is None else motions.pop()
+        logs, validated = read[: len(paths)], read[len(paths) :]
+        fitted = [part for parts in motions for part in parts]
         refuse_resting_joints(logs, robot)
-        refuse_weak([m for parts in motions for m in parts], 10 * robot.num_joints, options.accept)
-        refuse_missing_channels(terms, [*logs, *validated])
+        refuse_weak(fitted, 10 * robot.num_joints, options.accept)
+        refuse_missing_channels(terms, read)
         progress("fitting")
-        found = estimate(robot, terms, [part for parts in motions for part in parts])
+        found = estimate(robot, terms, fitted)
         found, search = _searched(found, options, progress)
-        found, told, consistency = refined(found, options, progress)
-        shown = max(unseen or found.motions, key=lambda motion: len(motion.t))
-        order_pictures(drawing, found, shown, search)
+        found, told, bodies = refined(found, options, progress)
+        longest = max(unseen or found.motions, key=lambda motion: len(motion.t))
+        order_pictures(drawing, found, longest, search)
         progress("scoring")
         report = report_of(found, logs, unseen, validation, search)
-        report |= {"estimator": told, "physical_consistency": consistency}
+        report |= {"estimator": told, "physical_consistency": bodies, "findings": findings(read)}
         report["validation_logs"] = described(validated)
-        report["findings"] = findings([*logs, *validated])
         progress("writing")
         outputs.write_results(
             out,

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects.examples import one_of_each, usual_friction
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -102,21 +103,7 @@ def synthetic_log(
     rng = np.random.default_rng(seed)
     moving = rng if motion_seed is None else np.random.default_rng(motion_seed)
     t, q, dq, ddq = fourier_motion(robot.num_joints, moving, duration, rate)
-    motion = Motion(
-        source=f"synthetic {robot.name}, seed {seed}",
-        joints=robot.joints,
-        t=t,
-        q=q,
-        dq=dq,
-        ddq=ddq,
-        tau=None,
-        channels={},
-        decimator=Decimator(np.ones(1), 1),
-        motion_cutoff=(np.inf,) * robot.num_joints,
-        torque_cutoff=np.inf,
-        interval=1.0 / rate,
-        torque_noise=None,
-    )
+    motion = _exact_motion(robot, f"synthetic {robot.name}, seed {seed}", rate, t, q, dq, ddq)
     model = Model(robot, terms, (width,) * robot.num_joints, Filtering(), (1.0,) * robot.num_joints)
     clean = model_torque(model, motion)
     return Log(
@@ -134,29 +121,30 @@ def demo_case(robot: Robot, seed: int) -> tuple[Robot, tuple[Term, ...], tuple[T
     rng = np.random.default_rng(seed)
     n = robot.num_joints
     arm = robot.replace(parameters=jnp.asarray(random_links(robot, rng)))
-    declared = tuple(
-        Term(name, j, values={symbol: float(rng.uniform(low, high) / (1 + j))})
-        for name, symbol, low, high in (
-            ("viscous_friction", "b", 3.0, 6.0),
-            ("coulomb_friction", "fc", 3.0, 6.0),
-        )
-        for j in range(n)
-    )
+    declared = usual_friction(rng, n)
     joint = int(rng.integers(n))
-    other = (joint + 1) % n
-    catalog = (
-        Term("stribeck_friction", joint, values={"df": 4.0, "vs": 0.1, "delta": 2.0}),
-        Term("torque_ripple", joint, values={"sine": 0.9, "cosine": 0.7, "n": 22.0}),
-        Term("joint_spring", joint, values={"k": 18.0, "tau0": 2.0}),
-        Term("load_dependent_friction", joint, values={"mu": 0.08, "inertial": 1.0}),
-        Term("hysteresis", joint, values={"fc": 5.0, "x0": 0.06}),
-        Term("thermal_drift", joint, values={"fc": 5.0, "tc": 12.0}),
-        Term("transmission_coupling", joint, other, values={"b": 5.0, "fc": 0.0, "ia": 0.0}),
-        Term("quadratic_drag", joint, values={"c": 2.5}),
-        Term("time_delay", values={"seconds": 0.008}),
-    )
-    # Joint 1 of an upright arm carries no gravity load, so load friction is drawn elsewhere.
+    catalog = one_of_each(joint, (joint + 1) % n)
     hidden = catalog[int(rng.integers(len(catalog)))]
-    if hidden.effect == "load_dependent_friction" and joint == 0:
+    # Joint 1 of an upright arm carries no gravity: what depends on the load is put elsewhere.
+    if hidden.law.uses_load and joint == 0:
         hidden = Term(hidden.effect, 1, values=hidden.values)
     return arm, declared, (hidden,)
+
+
+def _exact_motion(robot: Robot, source: str, rate: float, t, q, dq, ddq) -> Motion:
+    """A motion (T,), (T, n) at a rate [Hz] that nothing was measured of and no filter has changed."""
+    return Motion(
+        source=source,
+        joints=robot.joints,
+        t=t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        tau=None,
+        channels={},
+        decimator=Decimator(np.ones(1), 1),
+        motion_cutoff=(np.inf,) * robot.num_joints,
+        torque_cutoff=np.inf,
+        interval=1.0 / rate,
+        torque_noise=None,
+    )

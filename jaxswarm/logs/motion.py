@@ -12,27 +12,11 @@ from scipy import interpolate
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
-from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.encoder import between_counts
 from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
-from jaxswarm.logs.sampling import usual_period
+from jaxswarm.logs.resampling import resample, stride_for, thin, uniform_clock
 from jaxswarm.logs.smoothing import smooth
-
-# Working rate per band of the motion: friction jumps where a joint reverses, and a jump between samples
-# folds back into the band, which moves the sign's width and every delay.
-_RATE = 16.0
-
-
-# Samples that a spline of fifth order and the smoothing of a motion need at the working rate.
-_LEAST_SAMPLES = 20
-_LEAST_WORKING = 10
-# The low-pass before thinning looks three filter lengths beyond either end.
-_LEAST_THINNED = 28
-
-
-class TooShort(InputError):
-    """A log, or a stretch of one, with too few samples to filter."""
 
 
 @dataclass(frozen=True)
@@ -117,22 +101,6 @@ class Motion:
         return f"Motion({self.source!r}, {len(self.t)} samples at {self.rate:.4g} Hz)"
 
 
-def _uniform(log: Log) -> tuple[np.ndarray, float]:
-    """A uniform clock at the log's usual rate, over the log's time."""
-    step = usual_period(log.t)
-    count = int(round((log.t[-1] - log.t[0]) / step)) + 1
-    rate = (count - 1) / (log.t[-1] - log.t[0])
-    return log.t[0] + np.arange(count) / rate, rate
-
-
-def _resample(t: np.ndarray, x: np.ndarray, clock: np.ndarray, cubic: bool) -> np.ndarray:
-    if len(t) == len(clock) and np.abs(t - clock).max() < 1e-3 * (clock[1] - clock[0]):
-        return np.asarray(x, dtype=float)
-    if cubic and np.isfinite(x).all():
-        return interpolate.CubicSpline(t, x, axis=0)(clock)
-    return interpolate.interp1d(t, x, axis=0)(np.clip(clock, t[0], t[-1]))
-
-
 def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     """Turn a log into the :class:`Motion` a model is evaluated on.
 
@@ -144,45 +112,30 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         InputError: If the log is too short to filter.
     """
     filtering = filtering or Filtering()
-    if len(log.t) < _LEAST_SAMPLES:
-        raise TooShort(
-            f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least "
-            f"{_LEAST_SAMPLES}"
-        )
-    log = with_sample_times(log)
-    full_clock, rate = _uniform(log)
-    q = _resample(log.t, between_counts(log.t, log.q), full_clock, cubic=True)
+    log, full_clock, rate = uniform_clock(log)
+
+    def resampled(x: np.ndarray, clock: np.ndarray = full_clock) -> np.ndarray:
+        return resample(log.t, np.asarray(x, dtype=float), clock, cubic=False)
+
+    q = resample(log.t, between_counts(log.t, log.q), full_clock, cubic=True)
     logged = None
     if log.dq is not None and filtering.use_logged_velocity is not False:
-        logged = _resample(log.t, log.dq, full_clock, cubic=False)
-    measured = None if log.tau is None else _resample(log.t, log.tau, full_clock, cubic=False)
+        logged = resampled(log.dq)
+    measured = None if log.tau is None else resampled(log.tau)
     band = _band(filtering, find_band(q, rate, log.joints, logged, measured))
-    torque_cutoff = band.torque
-    if not 0.0 < torque_cutoff <= 0.5 * rate:
-        raise InputError(
-            f"{log.source}: torque cutoff {torque_cutoff:g} Hz is outside (0, {0.5 * rate:g}] Hz, "
-            "half the sampling rate; choose a lower one"
-        )
-    stride = max(1, int(rate / (_RATE * band.motion.max())))
-    thinned_away = stride > 1 and len(full_clock) < _LEAST_THINNED
-    if thinned_away or len(full_clock[::stride]) < _LEAST_WORKING:
-        least = max(_LEAST_THINNED, _LEAST_WORKING * stride) / rate
-        raise TooShort(
-            f"{log.source}: {log.t[-1] - log.t[0]:.3g} s are too short for motion below "
-            f"{band.motion.max():.3g} Hz; log at least {least:.2g} s, or raise --motion-cutoff"
-        )
+    torque_cutoff = _check_cutoff(log, band.torque, rate)
+    stride = stride_for(log, len(full_clock), rate, band.motion.max())
     working = rate / stride
     clock = full_clock[::stride]
-    velocity = None if band.ratio is None else _thin(logged, rate, stride)
-    q = smooth(_thin(q, rate, stride), working, band.motion, velocity, band.ratio)
+    velocity = None if band.ratio is None else thin(logged, rate, stride)
+    q = smooth(thin(q, rate, stride), working, band.motion, velocity, band.ratio)
     dq, ddq = derivatives(q, working, 2)
     if log.ddq is not None:
-        given = _resample(log.t, log.ddq, full_clock, cubic=False)
-        ddq = smooth(_thin(given, rate, stride), working, band.motion)
+        ddq = smooth(thin(resampled(log.ddq), rate, stride), working, band.motion)
     tau = noise = None
     if measured is not None:
         noise = white_noise(measured) * np.sqrt(torque_cutoff / (0.5 * rate))
-        tau = _thin(measured, rate, stride)
+        tau = thin(measured, rate, stride)
     decimator = design_decimator(working, torque_cutoff)
     if len(decimator.kept(len(clock))) < 10:
         decimator = Decimator(np.ones(1), 1)
@@ -194,10 +147,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         dq=dq,
         ddq=ddq,
         tau=tau,
-        channels={
-            name: _resample(log.t, np.asarray(x, dtype=float), clock, cubic=False)
-            for name, x in log.channels.items()
-        },
+        channels={name: resampled(x, clock) for name, x in log.channels.items()},
         decimator=decimator,
         motion_cutoff=tuple(map(float, band.motion)),
         torque_cutoff=float(torque_cutoff),
@@ -210,6 +160,16 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         velocity_ratio=band.ratio,
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
+
+
+def _check_cutoff(log: Log, cutoff: float, rate: float) -> float:
+    """The cutoff [Hz] of the torque, which a log at this rate [Hz] has to allow."""
+    if not 0.0 < cutoff <= 0.5 * rate:
+        raise InputError(
+            f"{log.source}: torque cutoff {cutoff:g} Hz is outside (0, {0.5 * rate:g}] Hz, "
+            "half the sampling rate; choose a lower one"
+        )
+    return cutoff
 
 
 def _band(filtering: Filtering, found: Band) -> Band:
@@ -234,13 +194,3 @@ def shift_motion(motion: Motion, seconds: float) -> Motion:
         ddq=moved(motion.ddq),
         skew=motion.skew + seconds,
     )
-
-
-def _thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
-    """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
-    if stride == 1:
-        return np.asarray(x, dtype=float)
-    from scipy import signal  # loads for half a second what a log at a low rate does not need
-
-    sections = signal.butter(6, 0.4 * rate / stride, fs=rate, output="sos")
-    return signal.sosfiltfilt(sections, x, axis=0)[::stride]

@@ -7,6 +7,7 @@ gives third differences of :math:`\sqrt{20}\,\sigma`.
 
 import numpy as np
 
+from jaxswarm.logs.filtering import white_noise
 from jaxswarm.logs.sampling import usual_period
 
 # Steps below these shares of the largest value are digits of the number format, not of a sensor.
@@ -96,8 +97,7 @@ def slowest_motion(time: np.ndarray, position: np.ndarray, speed: np.ndarray, st
 
 
 def _noise(values: np.ndarray) -> float:
-    third = np.diff(values, n=3)
-    return float(np.median(np.abs(third))) / 0.6745 / np.sqrt(20.0) if len(third) else 0.0
+    return float(white_noise(values[:, None])[0]) if len(values) > 3 else 0.0
 
 
 def reversals(speed: np.ndarray, threshold: float) -> int:

@@ -12,7 +12,8 @@ from jaxswarm.errors import InputError
 from jaxswarm.logs.consistency import drop_contradictions
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log, take
-from jaxswarm.logs.motion import Filtering, Motion, TooShort, prepare
+from jaxswarm.logs.motion import Filtering, Motion, prepare
+from jaxswarm.logs.resampling import TooShort
 from jaxswarm.logs.sampling import sampling, usual_period
 
 # Samples closer than this share of the usual period came in one message: their stamps tell no motion.

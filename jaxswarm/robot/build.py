@@ -38,26 +38,7 @@ def build_robot(
     for joint in ordered:
         _check_joint(f"robot {name!r}, joint {joint.name!r}", joint)
     check_numbers(f"robot {name!r}", "gravity", gravity, (3,))
-    moving: list[Joint] = []
-    # For every joint seen: the moving joint that carries it (-1: base), and its frame's pose there.
-    carrier: dict[str | None, tuple[int, np.ndarray, np.ndarray]] = {
-        None: (-1, np.eye(3), np.zeros(3))
-    }
-    parents, poses, parameters = [], [], []
-    for joint in ordered:
-        index, rotation, translation = carrier[joint.parent]
-        translation = rotation @ np.asarray(joint.translation, dtype=float) + translation
-        rotation = rotation @ np.asarray(joint.rotation, dtype=float)
-        if joint.kind == "fixed":
-            carrier[joint.name] = (index, rotation, translation)
-            if index >= 0:
-                parameters[index] += move_parameters(joint.parameters, rotation, translation)
-            continue
-        carrier[joint.name] = (len(moving), np.eye(3), np.zeros(3))
-        moving.append(joint)
-        parents.append(index)
-        poses.append((rotation, translation))
-        parameters.append(np.array(joint.parameters, dtype=float))
+    moving, parents, poses, parameters = _lumped(ordered)
     if not moving:
         raise InputError(f"robot {name!r} has no moving joint: at least one is needed.")
     if drive_gain is None:
@@ -79,6 +60,34 @@ def build_robot(
         parameters=np.stack(parameters),
         drive_gain=np.asarray(drive_gain, dtype=float),
     )
+
+
+def _lumped(ordered: Sequence[Joint]) -> tuple[list[Joint], list[int], list[tuple], list]:
+    """Moving joints, parents before children, with parents, poses in them and link parameters (10,).
+
+    What hangs on a fixed joint belongs to the moving joint that carries it.
+    """
+    moving: list[Joint] = []
+    # For every joint seen: the moving joint that carries it (-1: base), and its frame's pose there.
+    carrier: dict[str | None, tuple[int, np.ndarray, np.ndarray]] = {
+        None: (-1, np.eye(3), np.zeros(3))
+    }
+    parents, poses, parameters = [], [], []
+    for joint in ordered:
+        index, rotation, translation = carrier[joint.parent]
+        translation = rotation @ np.asarray(joint.translation, dtype=float) + translation
+        rotation = rotation @ np.asarray(joint.rotation, dtype=float)
+        if joint.kind == "fixed":
+            carrier[joint.name] = (index, rotation, translation)
+            if index >= 0:
+                parameters[index] += move_parameters(joint.parameters, rotation, translation)
+            continue
+        carrier[joint.name] = (len(moving), np.eye(3), np.zeros(3))
+        moving.append(joint)
+        parents.append(index)
+        poses.append((rotation, translation))
+        parameters.append(np.array(joint.parameters, dtype=float))
+    return moving, parents, poses, parameters
 
 
 def build_description(description: Description) -> Robot:

@@ -79,6 +79,15 @@ def robot_from_dh(
         "joints": [f"joint{j + 1}" for j in range(n)] if joints is None else joints,
         "parameters": np.zeros((n, 10)) if parameters is None else parameters,
     }
+    rows = _rows(name, convention, columns, base_rotation)
+    return build_robot(name, rows, gravity=gravity, drive_gain=drive_gain)
+
+
+def _rows(
+    name: str, convention: str, columns: dict, base_rotation: np.ndarray | None
+) -> list[Joint]:
+    """The joints of a table whose columns have one entry for each."""
+    n = len(columns["alpha"])
     for column, values in columns.items():
         if len(values) != n:
             raise InputError(
@@ -91,22 +100,17 @@ def robot_from_dh(
         rotation, translation = poses[0]
         poses[0] = (base_rotation @ rotation, base_rotation @ translation)
     names = columns["joints"]
-    return build_robot(
-        name,
-        [
-            Joint(
-                name=names[j],
-                kind=columns["kinds"][j],
-                parent=names[j - 1] if j else None,
-                rotation=poses[j][0],
-                translation=poses[j][1],
-                parameters=columns["parameters"][j],
-            )
-            for j in range(n)
-        ],
-        gravity=gravity,
-        drive_gain=drive_gain,
-    )
+    return [
+        Joint(
+            name=names[j],
+            kind=columns["kinds"][j],
+            parent=names[j - 1] if j else None,
+            rotation=poses[j][0],
+            translation=poses[j][1],
+            parameters=columns["parameters"][j],
+        )
+        for j in range(n)
+    ]
 
 
 Pose = tuple[np.ndarray, np.ndarray]

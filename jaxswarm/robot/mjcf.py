@@ -146,20 +146,18 @@ def _couplings(mujoco, model, names) -> tuple[dict[str, Mimic], list[str]]:
 def _left_out(mujoco, model, names) -> list[str]:
     """Return notes on what acts in MuJoCo and is no part of a rigid tree."""
     notes = []
-    for what, values, effect in (
-        ("armature", model.dof_armature, "rotor_inertia"),
-        ("damping", model.dof_damping, "viscous_friction"),
-        ("frictionloss", model.dof_frictionloss, "coulomb_friction"),
+    for what, values in (
+        ("armature", model.dof_armature),
+        ("damping", model.dof_damping),
+        ("frictionloss", model.dof_frictionloss),
     ):
         given = {names[j]: v for j, v in zip(model.dof_jntid, values, strict=True) if v.any()}
         if given:
             shown = ", ".join(f"{joint} {v.max():.4g}" for joint, v in given.items())
-            notes.append(f"{what} is not part of the links ({shown}): declare {effect}")
+            notes.append(f"{what} is not part of the links ({shown})")
     springs = [names[j] for j in range(model.njnt) if model.jnt_stiffness[j].any()]
     if springs:
-        notes.append(
-            f"springs are not part of the links ({', '.join(springs)}): declare joint_spring"
-        )
+        notes.append(f"stiffness is not part of the links ({', '.join(springs)})")
     if model.ntendon:
         notes.append(f"{model.ntendon} tendons are not modeled")
     if model.body_gravcomp.any():

@@ -29,6 +29,8 @@ _KINDS = {
     "fixed": "fixed",
 }
 _WORLD = "world"
+# What acts on a joint beside its links, and what MJCF calls it.
+_BESIDE = {"damping": "damping", "friction": "frictionloss", "spring_stiffness": "stiffness"}
 # Until here an axis is given in the frame of the model, later in that of the joint.
 _AXIS_IN_MODEL = 1.4
 # SDF writes no limit as a number.
@@ -184,12 +186,12 @@ def _axis(root, element, kind, frames, rotation, place, notes):
             none = abs(number) >= _NO_LIMIT or (key in ("velocity", "effort") and number < 0.0)
             values[key] = np.nan if none else number
     dynamics = found.find("dynamics")
-    for tag in ("damping", "friction", "spring_stiffness") if dynamics is not None else ():
+    for tag, what in _BESIDE.items() if dynamics is not None else ():
         entry = dynamics.find(tag)
-        if entry is not None and numbers_in(entry, 1, f"{place}: {tag}")[0] != 0.0:
-            notes.append(
-                f"{tag} of {place.rpartition(' ')[2]} is no part of the links: declare the effect"
-            )
+        value = 0.0 if entry is None else numbers_in(entry, 1, f"{place}: {tag}")[0]
+        if value != 0.0:
+            joint = element.get("name", "").strip()
+            notes.append(f"{what} is not part of the links ({joint} {value:.4g})")
     mimic = found.find("mimic")
     if mimic is not None:
         numbers = [

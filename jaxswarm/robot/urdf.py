@@ -29,7 +29,7 @@ _KINDS = {
     "floating": "floating",
     "planar": "planar",
 }
-# What there is no need to tell that it was passed over: it says how a robot looks or where it touches.
+# What there is no need to tell that it was passed over: it says how a robot looks or what it may collide with.
 _LOOKS = ("material", "visual", "collision")
 # Moments of inertia may miss the triangle inequality by rounding.
 _TRIANGLE = 1e-6

@@ -1,6 +1,6 @@
 """XML as a tree of elements, read without entities and without a care for namespaces.
 
-Robot files carry tags and prefixes of every tool that touched them, declared or not; a namespace-aware
+Robot files carry tags and prefixes of every tool that edited them, declared or not; a namespace-aware
 reader refuses the file for them. Entities can blow a small file up or pull in other files, and no robot
 needs them: a document type declaration is refused.
 """

@@ -124,5 +124,5 @@ def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
     into = jnp.sign(twist) * jnp.maximum(jnp.abs(twist) - gap, 0.0)
     # The damping fades in over a tenth of the gap: a force that jumps on contact would cost
     # the integrator its order.
-    touch = jnp.minimum(jnp.abs(into) / (0.1 * gap), 1.0)
-    return k * into + d * touch * twist_rate
+    closed = jnp.minimum(jnp.abs(into) / (0.1 * gap), 1.0)
+    return k * into + d * closed * twist_rate

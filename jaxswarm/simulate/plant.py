@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import REGISTRY, Effect, get_law
-from jaxswarm.effects.formula import Formula, formula_law
+from jaxswarm.effects.formula import formula_law
 from jaxswarm.effects.kinds import (
     BodyChange,
     ExternalTorque,
@@ -29,36 +29,15 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.effects.placement import moved_joint
-from jaxswarm.effects.term import of_kind
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
 
 FLANK_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
 
 
-@jax.tree_util.register_dataclass
-@dataclasses.dataclass(frozen=True, eq=False)
-class Acting:
-    """One effect in its place.
-
-    Attributes:
-        effect: Registered name.
-        joint: Index of its joint, None for a global effect.
-        other: Index of the partner joint of a pair effect, else None.
-        values: Parameter values by name.
-        formula: A law that no registry holds, as data.
-    """
-
-    effect: str = dataclasses.field(metadata={"static": True})
-    joint: int | None = dataclasses.field(default=None, metadata={"static": True})
-    other: int | None = dataclasses.field(default=None, metadata={"static": True})
-    values: dict[str, Any] = dataclasses.field(default_factory=dict)
-    formula: Formula | None = dataclasses.field(default=None, metadata={"static": True})
-
-    @property
-    def law(self) -> Effect:
-        """The registered law, or that of the formula."""
-        return get_law(self.effect) if self.formula is None else formula_law(self.formula)
+# An effect in its place is a term of a model: what was identified can be simulated as it is.
+Acting = Term
 
 
 @jax.tree_util.register_dataclass
@@ -118,7 +97,7 @@ def make_plant(
     Args:
         robot: The rigid body.
         effects: Objects with the attributes ``effect`` (name), ``joint``, ``other`` (index or
-            None) and ``values``; :class:`Acting` or the terms of an identified model. Missing values
+            None) and ``values``: the terms of a model. Missing values
             are the law's nominal ones.
         width: Width of the smooth sign in rad/s or m/s, > 0, one for all joints or one each.
 

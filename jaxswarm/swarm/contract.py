@@ -4,8 +4,11 @@ What ``minimize``, the wrappers, ``vmap`` and checkpoints rely on is checked her
 with a sentence for what does not hold. All of ours pass it, alone and inside every wrapper.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
+import chex
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -167,19 +170,30 @@ def _require_like(old, new):
     _require(olds == news, f"update changes the structure of the state from {olds} to {news}")
     named = jax.tree_util.tree_flatten_with_path(old)[0]
     for (path, a), b in zip(named, jax.tree.leaves(new), strict=True):
-        name = jax.tree_util.keystr(path)
-        same = a.shape == b.shape and a.dtype == b.dtype
-        _require(same, f"update changes state{name} from {a.dtype}{a.shape} to {b.dtype}{b.shape}")
+        with _saying(f"update changes state{jax.tree_util.keystr(path)}"):
+            chex.assert_trees_all_equal_shapes_and_dtypes(a, b)
 
 
 def _same(a, b):
-    pairs = zip(jax.tree.leaves(a), jax.tree.leaves(b), strict=True)
-    return all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
+    try:
+        chex.assert_trees_all_equal(a, b)
+    except AssertionError:
+        return False
+    return True
 
 
 def _require_close(a, b, message):
     named = jax.tree_util.tree_flatten_with_path(a)[0]
     for (path, x), y in zip(named, jax.tree.leaves(b), strict=True):
         tolerance = 1e-4 if x.dtype == jnp.float32 else 1e-9
-        close = np.allclose(x, y, rtol=tolerance, atol=tolerance, equal_nan=True)
-        _require(close, f"{message} in state{jax.tree_util.keystr(path)}: {x} and {y}")
+        with _saying(f"{message} in state{jax.tree_util.keystr(path)}"):
+            chex.assert_trees_all_close(x, y, rtol=tolerance, atol=tolerance)
+
+
+@contextmanager
+def _saying(message: str) -> Iterator[None]:
+    """Put what does not hold before what chex says of it."""
+    try:
+        yield
+    except AssertionError as error:
+        raise AssertionError(f"{message}: {error}") from None

@@ -1,4 +1,4 @@
-"""What a search returns: the parameters, and enough to judge and to continue it."""
+"""What a search returns: the parameters, and enough to assess and to continue it."""
 
 from typing import Any
 

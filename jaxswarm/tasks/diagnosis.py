@@ -3,26 +3,23 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from jaxswarm.diagnose.decision.insufficient import undecidable
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
 from jaxswarm.diagnose.discovery.discover import discover as find_formulas
 from jaxswarm.diagnose.memory import refuse_too_large
-from jaxswarm.diagnose.report.result import place
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence, where
 from jaxswarm.diagnose.run import conclude
 from jaxswarm.diagnose.run_against import conclude_comparison
 from jaxswarm.diagnose.selection.budget import Budget, given_budget
 from jaxswarm.diagnose.selection.changes import compare as changes_since
 from jaxswarm.diagnose.selection.stepwise import diagnose as search
+from jaxswarm.diagnose.unfit import undecided_by
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
-from jaxswarm.identify.checks.check_log import without_relation
-from jaxswarm.identify.checks.weak import WEAK, all_rest, refuse_weak, resting_joints, too_short
+from jaxswarm.identify.checks.weak import refuse_weak, resting_joints
 from jaxswarm.identify.forward.model import Model
-from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import findings, refuse_resting_joints, refuse_undeclarable
-from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
 from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double, refuse_shared
@@ -56,8 +53,8 @@ def diagnose(
         validation: Further logs, to score on.
         rules: Thresholds of the decision; with ``declare`` only.
         seed: Seed of the searches.
-        motion_cutoff: Low-pass of the positions [Hz]; None: found from the data; with ``declare`` only.
-        torque_cutoff: Low-pass shared by torque and model [Hz], likewise.
+        motion_cutoff, torque_cutoff: Low-pass of the positions, and of torque and model [Hz]; None: found
+            from the data; with ``declare`` only.
         accept: Findings about the logs in spite of which they are fitted, by name.
         budget: Time [s] after which no further round of the search begins; None: no limit.
         discover: Whether to search a formula for what no law explains; with ``declare`` only.
@@ -71,40 +68,44 @@ def diagnose(
     """
     robot, limit = as_robot(robot), given_budget(budget)
     if model is not None:
-        if declare is not None or rules is not None or motion_cutoff or torque_cutoff:
-            raise InputError("model excludes declare, rules and cutoffs: the model holds them")
-        if discover:
-            raise InputError("discover=True goes with declare: against a model nothing is searched")
+        _refuse_beside_model((declare, rules, motion_cutoff, torque_cutoff), discover)
         return _against(logs, as_model(model), validation, seed, limit, progress, accept)
     terms = parse_terms(declare or "none", robot.joints)
     refuse_undeclarable(terms)
-    filtering = Filtering(motion_cutoff, torque_cutoff)
-    read, motions = prepared(logs, robot, filtering, terms, accept)
-    reasons = resting_joints(motions, robot)
-    columns = 10 * robot.num_joints + sum(len(t.columns(robot.joints)) for t in terms)
-    short = [] if WEAK in accept else too_short(motions, columns)
-    lost = all_rest(motions)
-    if not lost and "no_relation" not in accept:
-        lost = without_relation(robot, motions)
-    if short or lost:
-        declared = [place(t, robot.joints) for t in terms]
-        result = undecidable(robot, declared, units(robot), [*lost, *short, *reasons])
-        result["findings"] = findings(read)
-        return Fitted(result, (verdict_sentence(result),), (), motion=motions[0])
+    band = Filtering(motion_cutoff, torque_cutoff)
+    read, motions = prepared(logs, robot, band, terms, accept)
+    unfit = undecided_by(motions, robot, terms, accept)
+    if unfit is not None:
+        unfit["findings"] = findings(read)
+        return Fitted(unfit, (verdict_sentence(unfit),), (), motion=motions[0])
     refuse_too_large(motions)
     found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
-    unseen: list[Motion] = []
-    if validation is not None:
-        scored, unseen = prepared(validation, robot, found.final.model.filtering, terms, accept)
-        refuse_shared(read, scored)
-    formulas = None
-    if discover:
-        found, formulas = find_formulas(found, unseen, seed, progress)
+    unseen = _unseen(validation, read, found.final.model, terms, accept)
+    found, formulas = find_formulas(found, unseen, seed, progress) if discover else (found, None)
     result, left = conclude(found, unseen, seed, progress, formulas)
-    result["reasons"] += reasons
+    result["reasons"] += resting_joints(motions, robot)
     result["findings"] = findings(read)
     shown = unseen[0] if unseen else found.final.motions[0]
     return _result(result, with_smooth_terms(found.final, left), shown)
+
+
+def _unseen(
+    validation: Logs | None, read: Sequence, model: Model, terms: tuple, accept: Sequence[str]
+) -> list:
+    """Logs to score on, prepared as the model asks for; none of them may be a fitted one."""
+    if validation is None:
+        return []
+    scored, unseen = prepared(validation, model.robot, model.filtering, terms, accept)
+    refuse_shared(read, scored)
+    return unseen
+
+
+def _refuse_beside_model(held: tuple, discover: bool) -> None:
+    """Refuse what an earlier model holds already, and a search that only a declaration has."""
+    if any(one is not None for one in held):
+        raise InputError("model excludes declare, rules and cutoffs: the model holds them")
+    if discover:
+        raise InputError("discover=True goes with declare: against a model nothing is searched")
 
 
 def _against(
@@ -113,10 +114,7 @@ def _against(
     read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
     refuse_resting_joints(read, model.robot)
     refuse_weak(motions, 10 * model.robot.num_joints, accept)
-    unseen: list[Motion] = []
-    if validation is not None:
-        scored, unseen = prepared(validation, model.robot, model.filtering, model.terms, accept)
-        refuse_shared(read, scored)
+    unseen = _unseen(validation, read, model, model.terms, accept)
     refuse_too_large(motions)
     found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)

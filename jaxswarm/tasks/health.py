@@ -27,7 +27,7 @@ PACKAGES = (
     "rich",
     "typer",
 )
-OPTIONAL = ("optimistix", "pyarrow", "rosbags", "pooch")
+OPTIONAL = ("pyarrow", "rosbags", "pooch")
 # A slide of known mass and friction without noise: what is left is the error of differentiation.
 _TRUTH = {"m1": 20.0, "b_slide": 30.0, "fc_slide": 5.0}
 _ACCURACY = 0.01

@@ -15,6 +15,7 @@ from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
+from jaxswarm.identify.report.errors import error_rows
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
@@ -137,11 +138,7 @@ def identify(
 
 
 def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:
-    rows = {
-        "fitted logs": report["error"]["train"],
-        "held-out blocks": report["error"]["held_out_blocks"],
-        "validation log": report["error"]["validation"],
-    }
+    rows = error_rows(report)
     notes = [f"{log['source']}: {note}" for log in report["logs"] for note in log["notes"]]
     tables = (
         error_table(report["robot"], rows, report["joints"], report["torque_units"]),

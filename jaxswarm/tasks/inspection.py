@@ -118,7 +118,7 @@ def _can(joint, cover, log: Log) -> list[str]:
     if cover.slow < _LITTLE_SLOW:
         told.append("hardly any slow motion: friction at low speed (Stribeck) cannot be seen")
     if cover.load_reversals == 0:
-        told.append("the torque never changes sign: play cannot be seen")
+        told.append("the torque never changes sign: a dead zone in a gear cannot be seen")
     return told
 
 

@@ -31,7 +31,7 @@ from jaxswarm.simulate import (
     stable_substeps,
     track,
 )
-from jaxswarm.simulate import simulate as play
+from jaxswarm.simulate import simulate as drive
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_logs, as_model, in_double
 from jaxswarm.tasks.words import number
@@ -94,18 +94,12 @@ def simulate(
     t, wanted, tau = resampled(log, rate)
     plant = make_plant(robot, model.terms, width=model.width)
     dt = float(t[1] - t[0])
-    picks = np.linspace(0, len(t) - 1, _PLACES).astype(int)
-    substeps = max(stable_substeps(plant, jnp.asarray(q), dt) for q in wanted[0][picks])
-    if substeps * len(t) > _MOST_STEPS:
-        raise InputError(
-            f"{substeps} steps a sample are needed, {substeps * len(t):.3g} in all (at most "
-            f"{_MOST_STEPS:.0e}): a joint is too stiff for its inertia, or the reference too long"
-        )
+    substeps = _substeps(plant, wanted[0], dt)
     gains = gains_of(plant, wanted[0][0], kp, kd)
     start = rest(plant, jnp.asarray(wanted[0][0]), jnp.asarray(wanted[1][0]))
     progress(f"simulating {len(t)} samples of {substeps} steps")
     if playback:
-        motion = jax.jit(lambda p, s, u: play(p, s, u, dt=dt, hold="first", substeps=substeps))(
+        motion = jax.jit(lambda p, s, u: drive(p, s, u, dt=dt, hold="first", substeps=substeps))(
             plant, start, jnp.asarray(tau)
         )
     else:
@@ -118,6 +112,18 @@ def simulate(
             plant, start, controller, target
         )
     return _result(model, plant, motion, wanted[0], log, None if playback else gains, substeps)
+
+
+def _substeps(plant: Plant, q: np.ndarray, dt: float) -> int:
+    """Steps of the integrator within a sample [s] that hold on the way through positions (T, n)."""
+    picks = np.linspace(0, len(q) - 1, _PLACES).astype(int)
+    substeps = max(stable_substeps(plant, jnp.asarray(one), dt) for one in q[picks])
+    if substeps * len(q) > _MOST_STEPS:
+        raise InputError(
+            f"{substeps} steps a sample are needed, {substeps * len(q):.3g} in all (at most "
+            f"{_MOST_STEPS:.0e}): a joint is too stiff for its inertia, or the reference too long"
+        )
+    return substeps
 
 
 def resampled(log: Log, rate: float | None) -> tuple[np.ndarray, tuple, np.ndarray | None]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from jaxswarm.identify.report.errors import error_cells
 from jaxswarm.tables import Table
 
 
@@ -27,12 +28,7 @@ def error_table(title: str, rows: Mapping[str, dict | None], joints, units: Sequ
     for name, errors in rows.items():
         if errors is None:
             continue
-        errors = errors[0] if isinstance(errors, list) else errors
-        cells = [
-            f"{rms:.4g} {unit} ({100 * share:.2f} %)"
-            for rms, share, unit in zip(errors["rms"], errors["relative"], units, strict=True)
-        ]
-        lines.append((name, *cells, f"{100 * errors['relative_global']:.3f} %"))
+        lines.append((name, *error_cells(errors, units)))
     return Table(title, ("torque error", *joints, "global"), tuple(lines))
 
 

@@ -9,66 +9,66 @@ from jaxswarm.effects.term import Term
 
 
 @pytest.fixture(scope="module")
-def stage():
+def case():
     spring = Term("joint_spring", 1, values={"k": 5.0, "tau0": 0.5})
     return declared_fit(log_with(spring))
 
 
-def weighted(found, background):
+def weighted(found, crossfit):
     """The model's columns and what its joints' own sign widths would do, and the torque, weighted."""
     own = found.regression.columns[:, :, found.fit.base.kept]
     columns = np.concatenate([own, width_slopes(found)], axis=2)
-    weight = background.weight[:, :, None]
-    return columns * weight, found.regression.torque * background.weight
+    weight = crossfit.weight[:, :, None]
+    return columns * weight, found.regression.torque * crossfit.weight
 
 
-def test_free_part_is_orthogonal_to_the_model_on_training_rows(stage):
-    found, background = stage
-    columns, _ = weighted(found, background)
-    candidate = background.weigh(np.random.default_rng(0).normal(size=(*columns.shape[:2], 3)))
-    for fold in background.folds:
+def test_free_part_is_orthogonal_to_the_model_on_training_rows(case):
+    found, crossfit = case
+    columns, _ = weighted(found, crossfit)
+    candidate = crossfit.weigh(np.random.default_rng(0).normal(size=(*columns.shape[:2], 3)))
+    for fold in crossfit.folds:
         free = fold.free_part(candidate)[fold.train].reshape(-1, 3)
         model = columns[fold.train].reshape(-1, columns.shape[2])
         model = model / np.linalg.norm(model, axis=0)
         np.testing.assert_allclose(model.T @ free, 0.0, atol=1e-9 * np.linalg.norm(free))
 
 
-def test_held_out_residual_equals_an_explicit_refit(stage):
-    found, background = stage
-    columns, torque = weighted(found, background)
-    for fold in background.halves:
+def test_held_out_residual_equals_an_explicit_refit(case):
+    found, crossfit = case
+    columns, torque = weighted(found, crossfit)
+    for fold in crossfit.halves:
         a, y = columns[fold.train].reshape(-1, columns.shape[2]), torque[fold.train].ravel()
         scale = np.linalg.norm(a, axis=0)
         theta = np.linalg.lstsq(a / scale, y, rcond=1e-12)[0] / scale
         np.testing.assert_allclose(fold.residual, torque - columns @ theta, atol=1e-6)
 
 
-def test_what_the_model_can_do_is_absorbed_whole_and_given_back_as_parameters(stage):
-    found, background = stage
-    columns = weighted(found, background)[0][:, :, : found.fit.base.size]
+def test_what_the_model_can_do_is_absorbed_whole_and_given_back_as_parameters(case):
+    found, crossfit = case
+    columns = weighted(found, crossfit)[0][:, :, : found.fit.base.size]
     change = np.random.default_rng(1).normal(size=columns.shape[2])
     torque = columns @ change
-    for fold in background.folds:
+    for fold in crossfit.folds:
         free = fold.free_part(torque[:, :, None])
         assert np.abs(free).max() < 1e-8 * np.abs(torque).max()
         np.testing.assert_allclose(columns @ fold.absorbed(torque), torque, atol=1e-7)
 
 
-def test_halves_share_no_rows_and_cover_all(stage):
-    _, background = stage
-    first, second = (fold.train for fold in background.halves)
+def test_halves_share_no_rows_and_cover_all(case):
+    _, crossfit = case
+    first, second = (fold.train for fold in crossfit.halves)
     assert (first ^ second).all()
-    assert background.whole.train.all()
-    for block in np.unique(background.block):
-        assert np.ptp(first[background.block == block].astype(int)) == 0
+    assert crossfit.whole.train.all()
+    for block in np.unique(crossfit.block):
+        assert np.ptp(first[crossfit.block == block].astype(int)) == 0
 
 
-def test_a_frozen_model_absorbs_nothing(stage):
-    found, _ = stage
-    background = cross_fit(found, frozen=True)
-    candidate = np.ones((*background.weight.shape, 1))
-    np.testing.assert_array_equal(background.whole.free_part(candidate), candidate)
-    np.testing.assert_allclose(background.whole.residual, found.fit.residual * background.weight)
+def test_a_frozen_model_absorbs_nothing(case):
+    found, _ = case
+    crossfit = cross_fit(found, frozen=True)
+    candidate = np.ones((*crossfit.weight.shape, 1))
+    np.testing.assert_array_equal(crossfit.whole.free_part(candidate), candidate)
+    np.testing.assert_allclose(crossfit.whole.residual, found.fit.residual * crossfit.weight)
 
 
 def test_outliers_are_bounded_and_do_not_count_as_noise():
@@ -79,18 +79,18 @@ def test_outliers_are_bounded_and_do_not_count_as_noise():
     np.testing.assert_allclose((residual * weight)[::100], 4.0)
 
 
-def test_effective_samples_are_fewer_where_the_residual_is_structured(stage):
-    structured = stage[1].effective
+def test_effective_samples_are_fewer_where_the_residual_is_structured(case):
+    structured = case[1].effective
     clean = declared_fit(log_with())[1].effective
     assert structured < 0.5 * clean
 
 
-def test_columns_on_one_joint_need_its_rows_only(stage):
-    found, background = stage
+def test_columns_on_one_joint_need_its_rows_only(case):
+    found, crossfit = case
     own = np.random.default_rng(0).normal(size=(len(found.fit.residual), 4))
     columns = np.zeros((*found.fit.residual.shape, 4))
     columns[:, 1] = own
-    for fold in background.folds:
+    for fold in crossfit.folds:
         np.testing.assert_allclose(
             fold.free_rows(own, 1), fold.free_part(columns)[:, 1], atol=1e-10
         )

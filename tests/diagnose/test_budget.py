@@ -11,10 +11,11 @@ from slide import run
 import jaxswarm
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.journal import FILE
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import evidence_sentence
 from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.synthetic import demo_case, synthetic_log
@@ -49,7 +50,7 @@ def test_a_spent_budget_ends_the_search_with_what_was_added_so_far():
     assert 1 <= len(added(found)) <= 2
     assert told[-1] == found.spent.sentence
     assert all(s.candidate.term.identity != found.steps[0].added.identity for s in found.last)
-    result = to_result(found, [])
+    result = to_result(outcome_of(found))
     assert result["budget"] == {"seconds": 2, "rounds": 2}
     assert any(reason.startswith("stopped by the budget") for reason in result["reasons"])
 
@@ -57,7 +58,7 @@ def test_a_spent_budget_ends_the_search_with_what_was_added_so_far():
 def test_no_time_at_all_still_tells_of_the_declared_model():
     found, _ = search(Budget(1e-6))
     assert found.spent.rounds == 0 and added(found) == [] and found.last == ()
-    result = to_result(found, [], rules=Rules())
+    result = to_result(outcome_of(found), rules=Rules())
     assert result["verdict"] == "unexplained"
     assert "the budget left no time for" in evidence_sentence(result)
 
@@ -65,7 +66,7 @@ def test_no_time_at_all_still_tells_of_the_declared_model():
 def test_a_budget_that_suffices_is_not_told():
     log = log_with(seed=21)
     found = diagnose(small_arm(), blank(), [prepare(log, BAND)], budget=Budget(1e6))
-    assert found.spent is None and to_result(found, [])["budget"] is None
+    assert found.spent is None and to_result(outcome_of(found))["budget"] is None
 
 
 @pytest.fixture

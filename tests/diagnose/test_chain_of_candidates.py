@@ -29,7 +29,7 @@ STRONG = Term("drive_gain", 1, values={"gain": 1.3})
 
 
 @pytest.fixture(scope="module")
-def stand():
+def lin():
     """A model that is 20 ms late with a drive that reports 1.3 times its torque."""
     found, _ = declared_fit(log_with())
     terms = (*found.model.terms, LATE, STRONG)
@@ -37,15 +37,15 @@ def stand():
     return Linearization(found, cross_fit(found))
 
 
-def fitted_columns(stand, term):
+def fitted_columns(lin, term):
     """The same term's columns as the regression of the model with it has them."""
-    model = stand.found.model
+    model = lin.found.model
     parts = [
-        assemble(model.robot, (*model.terms, term), m, model.width, stand.pi, r, decimate=True)
-        for m, r in zip(stand.found.motions, stand.found.rigids, strict=True)
+        assemble(model.robot, (*model.terms, term), m, model.width, lin.pi, r, decimate=True)
+        for m, r in zip(lin.found.motions, lin.found.rigids, strict=True)
     ]
     size = len(term.columns(model.robot.joints))
-    return stand.background.weigh(np.concatenate(parts)[:, :, -size:])
+    return lin.crossfit.weigh(np.concatenate(parts)[:, :, -size:])
 
 
 @pytest.mark.parametrize(
@@ -57,34 +57,34 @@ def fitted_columns(stand, term):
     ],
     ids=lambda t: t.effect,
 )
-def test_columns_of_a_law_are_those_of_the_fit_with_a_delay_and_a_gain(stand, term):
-    np.testing.assert_allclose(stand.law(term), fitted_columns(stand, term), rtol=1e-9, atol=1e-9)
+def test_columns_of_a_law_are_those_of_the_fit_with_a_delay_and_a_gain(lin, term):
+    np.testing.assert_allclose(lin.law(term), fitted_columns(lin, term), rtol=1e-9, atol=1e-9)
 
 
-def test_a_payload_and_a_tilt_pass_the_drives_too(stand):
-    model, found = stand.found.model, stand.found
+def test_a_payload_and_a_tilt_pass_the_drives_too(lin):
+    model, found = lin.found.model, lin.found
     parts = [
-        assemble(model.robot, model.terms, m, model.width, stand.pi, r, decimate=True)[:, :, 10:20]
+        assemble(model.robot, model.terms, m, model.width, lin.pi, r, decimate=True)[:, :, 10:20]
         for m, r in zip(found.motions, found.rigids, strict=True)
     ]
-    carried = body_candidate(stand, Term("payload")).columns[0]
+    carried = body_candidate(lin, Term("payload")).columns[0]
     np.testing.assert_allclose(
-        carried, stand.background.weigh(np.concatenate(parts)), rtol=1e-9, atol=1e-9
+        carried, lin.crossfit.weigh(np.concatenate(parts)), rtol=1e-9, atol=1e-9
     )
     step = 1e-4
     tilted = [
         [
             assemble(
                 model.robot, (*model.terms, Term("base_tilt", values={"gx": g, "gy": 0.0})),
-                m, model.width, stand.pi, r, decimate=True,
+                m, model.width, lin.pi, r, decimate=True,
             ) @ linear_values(model)
             for g in (step, -step)
         ]
         for m, r in zip(found.motions, found.rigids, strict=True)
     ]  # fmt: skip
     slope = np.concatenate([(high - low) / (2 * step) for high, low in tilted])
-    found_slope = body_candidate(stand, Term("base_tilt")).columns[0][:, :, 0]
-    np.testing.assert_allclose(found_slope, slope * stand.background.weight, rtol=1e-4, atol=1e-4)
+    found_slope = body_candidate(lin, Term("base_tilt")).columns[0][:, :, 0]
+    np.testing.assert_allclose(found_slope, slope * lin.crossfit.weight, rtol=1e-4, atol=1e-4)
 
 
 def fold_of(residual):
@@ -93,14 +93,14 @@ def fold_of(residual):
     return one
 
 
-def test_a_search_sees_a_late_torque_as_late(stand):
+def test_a_search_sees_a_late_torque_as_late(lin):
     """Its columns follow from late motion, which is as good as a late torque, but for the sampling."""
     term = Term("stribeck_friction", 1, values={"vs": 0.15, "delta": 2.0})
-    motion, width = stand.found.motions[0], stand.found.model.width
-    told = (stand.law(term) / stand.background.weight[:, :, None])[:, 1, 0]
+    motion, width = lin.found.motions[0], lin.found.model.width
+    told = (lin.law(term) / lin.crossfit.weight[:, :, None])[:, 1, 0]
 
     def apart(delay):
-        series = late(joint_series(motion, width, stand.loads[0], 1), delay, motion)
+        series = late(joint_series(motion, width, lin.loads[0], 1), delay, motion)
         nonlinear = {p.name: term.values[p.name] for p in term.law.nonlinear}
         own = motion.decimator.apply(np.asarray(law_columns(term.law, nonlinear, series)))[:, 0]
         scale = own @ told / (own @ own)
@@ -128,7 +128,7 @@ def test_a_point_without_a_finite_torque_hides_no_other():
     assert np.isfinite(gains).all()
 
 
-def test_a_law_with_four_nonlinear_parameters_is_searched(stand, key):
+def test_a_law_with_four_nonlinear_parameters_is_searched(lin, key):
     names = ("c1", "c2", "c3", "c4")
     law = Law(
         "wavy", "joint",
@@ -139,13 +139,13 @@ def test_a_law_with_four_nonlinear_parameters_is_searched(stand, key):
         "a tanh of a polynomial of q", "made up",
         torque=lambda p, s: p["a"] * jnp.tanh(sum(p[n] * s.q**k for k, n in enumerate(names, 1))),
     )  # fmt: skip
-    motion = stand.found.motions[0]
+    motion = lin.found.motions[0]
     values = dict(zip(names, (0.5, -0.3, 0.2, 0.1), strict=True))
-    series = joint_series(motion, (0.01,) * 3, stand.loads[0], 1)
+    series = joint_series(motion, (0.01,) * 3, lin.loads[0], 1)
     torque = np.asarray(law.torque({"a": 2.0, **values}, series))
     one = fold_of(motion.decimator.apply(torque))
     stages = FoldData(*(jnp.stack([x, x]) for x in one))
-    with searching([(law, 1, None)], [motion], (0.01,) * 3, stand.loads, [stages], key) as finish:
+    with searching([(law, 1, None)], [motion], (0.01,) * 3, lin.loads, [stages], key) as finish:
         found = finish()[0][0]
     assert set(found) == set(names)
     said = np.asarray(law.torque({"a": 1.0, **found}, series))
@@ -156,14 +156,14 @@ def test_a_closed_gear_is_as_stiff_in_the_search_as_in_the_fit():
     """Two logs in which the link has another inertia: each has its own stiffness, as in the fit."""
     motions = [prepare(log_with(motion_seed=seed), BAND) for seed in (7, 8)]
     found = estimate(small_arm(), blank(), motions, bounded=False)
-    stand = Linearization(found, cross_fit(found))
-    own = stand.sensed(0)
-    stiff = [contact_stiffness(s.inertia(stand.pi), 30.0)[0] for s in own]
+    lin = Linearization(found, cross_fit(found))
+    own = lin.sensed(0)
+    stiff = [contact_stiffness(s.inertia(lin.pi), 30.0)[0] for s in own]
     assert abs(stiff[0] / stiff[1] - 1.0) > 1e-3
-    both = _curves(stand, Term("backlash", 0), [_Point(0.005, 0.0, 30.0)], stand.pi, 2)
+    both = _curves(lin, Term("backlash", 0), [_Point(0.005, 0.0, 30.0)], lin.pi, 2)
     alone = estimate(small_arm(), blank(), motions[1:], bounded=False)
     single = Linearization(alone, cross_fit(alone))
-    one = _curves(single, Term("backlash", 0), [_Point(0.005, 0.0, 30.0)], stand.pi, 2)
+    one = _curves(single, Term("backlash", 0), [_Point(0.005, 0.0, 30.0)], lin.pi, 2)
     np.testing.assert_allclose(both[:, -one.shape[1] :], one, rtol=1e-9, atol=1e-12)
 
 

@@ -1,4 +1,4 @@
-"""Touches: several and short ones are found in their logs, with torques, and spoil nothing else."""
+"""Contacts: several and short ones are found in their logs, with torques, and spoil nothing else."""
 
 from dataclasses import replace
 
@@ -8,18 +8,19 @@ from planted import BAND, DECLARED, blank, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.report.result import to_result
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, load_model, model_torque, save_model
-from jaxswarm.identify.forward.regression import touched_rows
+from jaxswarm.identify.forward.regression import event_rows
 from jaxswarm.identify.report.summary import linear_units
 from jaxswarm.logs.motion import prepare
 
-TOUCHES = [(2.5, 2.8, 6.0, -4.0), (6.0, 6.7, 0.0, 5.0), (9.2, 9.6, -7.0, 0.0)]
+CONTACTS = [(2.5, 2.8, 6.0, -4.0), (6.0, 6.7, 0.0, 5.0), (9.2, 9.6, -7.0, 0.0)]
 
 
-def touched(log, touches=TOUCHES):
+def pushed(log, contacts=CONTACTS):
     tau = log.tau.copy()
-    for start, end, *torque in touches:
+    for start, end, *torque in contacts:
         tau[(log.t >= start) & (log.t <= end)] += torque
     return replace(log, tau=tau)
 
@@ -30,15 +31,15 @@ def contact(start, end, log=0.0):
 
 @pytest.fixture(scope="module")
 def found():
-    return diagnose(small_arm(), blank(), [prepare(touched(log_with()), BAND)])
+    return diagnose(small_arm(), blank(), [prepare(pushed(log_with()), BAND)])
 
 
-def test_several_short_touches_are_found_with_their_torques_and_nothing_else(found):
+def test_several_short_contacts_are_found_with_their_torques_and_nothing_else(found):
     terms = sorted((s.added for s in found.kept), key=lambda t: t.values["start"])
     assert [t.effect for t in terms] == ["contact"] * 3
-    result = to_result(found, [])
+    result = to_result(outcome_of(found))
     entries = sorted(result["effects"], key=lambda e: e["parameters"]["start"]["value"])
-    for entry, (start, end, *torque) in zip(entries, TOUCHES, strict=True):
+    for entry, (start, end, *torque) in zip(entries, CONTACTS, strict=True):
         told = entry["parameters"]
         assert told["start"]["value"] == pytest.approx(start, abs=0.15)
         assert told["end"]["value"] == pytest.approx(end, abs=0.15)
@@ -46,15 +47,15 @@ def test_several_short_touches_are_found_with_their_torques_and_nothing_else(fou
         for joint, true in zip(("joint1", "joint2"), torque, strict=True):
             row = told[f"tau_{joint}"]
             assert row["unit"] == "N m" and row["interval_95"][0] < row["value"]
-            # Begin and end are known to a decimated sample, which is a share of a short touch.
+            # Begin and end are known to a decimated sample, which is a share of a short contact.
             assert abs(row["value"] - true) < 3.0 * row["std_error"]
             assert row["std_error"] < 0.06 * abs(true) + 0.3
 
 
-def test_a_known_touch_leaves_the_parameters_as_they_are_without_it():
+def test_a_known_contact_leaves_the_parameters_as_they_are_without_it():
     """Its samples, and those its low-pass reaches, are not used: the rest is what it was."""
-    plain, hit = prepare(log_with(), BAND), prepare(touched(log_with(), TOUCHES[:1]), BAND)
-    window = contact(*TOUCHES[0][:2])
+    plain, hit = prepare(log_with(), BAND), prepare(pushed(log_with(), CONTACTS[:1]), BAND)
+    window = contact(*CONTACTS[0][:2])
     clean = estimate(small_arm(), (*blank(), window), [plain], width=0.01)
     found = estimate(small_arm(), (*blank(), window), [hit], width=0.01)
     np.testing.assert_allclose(found.fit.values, clean.fit.values, rtol=1e-4, atol=1e-4)
@@ -64,8 +65,8 @@ def test_a_known_touch_leaves_the_parameters_as_they_are_without_it():
         assert abs(torque[joint] - true) < 4.0 * errors[joint] and errors[joint] < 0.5
 
 
-def test_a_touch_belongs_to_its_log_alone(tmp_path):
-    logs = [log_with(motion_seed=7), touched(log_with(motion_seed=8), TOUCHES[1:2])]
+def test_a_contact_belongs_to_its_log_alone(tmp_path):
+    logs = [log_with(motion_seed=7), pushed(log_with(motion_seed=8), CONTACTS[1:2])]
     motions = [prepare(log, BAND) for log in logs]
     found = estimate(small_arm(), (*blank(), contact(6.0, 6.7, 1.0)), motions, width=0.01)
     rows = ~found.regression.used
@@ -80,22 +81,22 @@ def test_a_touch_belongs_to_its_log_alone(tmp_path):
 
 
 def test_the_filter_of_rows_outside_does_not_reach_into_the_window():
-    motion = prepare(touched(log_with(), TOUCHES[:1]), BAND)
+    motion = prepare(pushed(log_with(), CONTACTS[:1]), BAND)
     plain = prepare(log_with(), BAND)
-    rows = touched_rows([contact(*TOUCHES[0][:2])], motion, 0)
+    rows = event_rows([contact(*CONTACTS[0][:2])], motion, 0)
     apart = np.abs(motion.decimator.apply(motion.tau) - plain.decimator.apply(plain.tau))
     # The filter before the decimation is recursive: a trace of it is everywhere.
     assert apart[~rows].max() < 1e-4 * apart[rows].max()
     assert rows.mean() < 0.2
 
 
-def test_two_touches_are_two_terms_and_an_unplaced_one_is_neither():
+def test_two_contacts_are_two_terms_and_an_unplaced_one_is_neither():
     first, second = contact(1.0, 1.5), contact(4.0, 4.5)
     four = (first, second, contact(1.0, 1.5, 1.0), Term("contact"))
     assert len({term.identity for term in four}) == 4
     names = [*first.columns(("a", "b")), *second.columns(("a", "b"))]
     assert len(set(names)) == 4
-    motion = prepare(touched(log_with(), TOUCHES[:2]), BAND)
+    motion = prepare(pushed(log_with(), CONTACTS[:2]), BAND)
     terms = (*blank(), contact(2.5, 2.8), contact(6.0, 6.7))
     both = estimate(small_arm(), terms, [motion], width=0.01)
     assert both.model.terms[-2].values["tau_joint1"] == pytest.approx(6.0, abs=1.0)

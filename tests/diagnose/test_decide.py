@@ -9,7 +9,8 @@ from scipy import signal, stats
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_special_case, overlap
-from jaxswarm.diagnose.decision.score import Rules, passes, score, slope_p_value
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import passes, score, slope_p_value
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term
@@ -51,41 +52,53 @@ def test_power_of_the_test():
 
 
 @pytest.fixture(scope="module")
-def stage():
+def case():
     return declared_fit(log_with(Term("joint_spring", 1, values={"k": 6.0, "tau0": 0.0})))
 
 
-def candidate(stage, own, joint=1, size=1, effect="joint_spring"):
+def candidate(case, own, joint=1, size=1, effect="joint_spring"):
     """A candidate with the given columns (T, k) on a joint."""
-    _, background = stage
-    columns = np.zeros((*background.weight.shape, own.shape[1]))
+    _, crossfit = case
+    columns = np.zeros((*crossfit.weight.shape, own.shape[1]))
     columns[:, joint] = own
-    columns = background.weigh(columns)
+    columns = crossfit.weigh(columns)
     return Candidate(Term(effect, joint), (columns,) * 3, size)
 
 
-def position(stage):
-    motion = stage[0].motions[0]
+def position(case):
+    motion = case[0].motions[0]
     return motion.q[motion.decimator.kept(len(motion.t)), 1]
 
 
 @pytest.fixture(scope="module")
-def truth(stage):
-    return candidate(stage, position(stage)[:, None], effect="torque_offset")
+def truth(case):
+    return candidate(case, position(case)[:, None], effect="torque_offset")
 
 
-def test_truth_scores_and_passes_and_noise_does_not(stage, truth):
-    right = score(truth, stage[1])
+def test_truth_scores_and_passes_and_noise_does_not(case, truth):
+    right = score(truth, case[1])
     assert right.share > 0.8 and right.joint == 1 and right.repeats > 0.8
     assert right.coefficients[0] == pytest.approx(6.0, rel=0.05)
     assert right.blocks.sum() == pytest.approx(right.gain) == right.per_joint.sum()
     assert passes(right, 100, Rules())
-    noise = np.random.default_rng(0).normal(size=(len(position(stage)), 1))
-    assert not passes(score(candidate(stage, noise), stage[1]), 100, Rules())
+    noise = np.random.default_rng(0).normal(size=(len(position(case)), 1))
+    assert not passes(score(candidate(case, noise), case[1]), 100, Rules())
 
 
-def test_every_threshold_can_refuse(stage, truth):
-    good, rules = score(truth, stage[1]), Rules()
+def test_the_share_of_a_joint_effect_is_that_of_its_own_joint(case):
+    """What it takes off another joint, by the parameters that both share, does not count."""
+    crossfit, rng = case[1], np.random.default_rng(0)
+    more = np.zeros_like(crossfit.weight)
+    more[:, 0] = 10.0 * crossfit.whole.residual.std() * rng.normal(size=len(more))
+    loud = [replace(f, residual=f.residual + more) for f in crossfit.folds]
+    crossfit = replace(crossfit, whole=loud[0], halves=tuple(loud[1:]))
+    truth = candidate(case, position(case)[:, None])
+    own, other = (score(replace(truth, term=Term("joint_spring", j)), crossfit) for j in (1, 0))
+    assert own.joint == 1 and own.share > 0.8 and other.joint == 0 and other.share < 0.2
+
+
+def test_every_threshold_can_refuse(case, truth):
+    good, rules = score(truth, case[1]), Rules()
     assert passes(good, 100, rules)
     for change in (
         {"share": 0.99 * rules.share},
@@ -98,59 +111,59 @@ def test_every_threshold_can_refuse(stage, truth):
     assert passes(replace(good, p_value=0.9 * rules.significance / 100), 100, rules)
 
 
-def test_a_coefficient_against_physics_is_not_allowed(stage):
-    wrong = candidate(stage, -position(stage)[:, None], effect="coulomb_friction")
-    item = score(wrong, stage[1])
+def test_a_coefficient_against_physics_is_not_allowed(case):
+    wrong = candidate(case, -position(case)[:, None], effect="coulomb_friction")
+    item = score(wrong, case[1])
     assert item.gain > 0 and not item.allowed
 
 
-def test_the_smaller_of_two_that_say_the_same_is_chosen_and_the_other_is_no_rival(stage, truth):
-    q = position(stage)
-    wide = candidate(stage, np.stack([q, np.sin(9 * q)], axis=1), size=2)
-    background = stage[1]
-    assert is_special_case(truth, wide, background)
-    assert not is_special_case(wide, truth, background)
-    both = [score(c, background) for c in (wide, truth)]
-    chosen, rivals = choose(both, Rules(), background)
+def test_the_smaller_of_two_that_say_the_same_is_chosen_and_the_other_is_no_rival(case, truth):
+    q = position(case)
+    wide = candidate(case, np.stack([q, np.sin(9 * q)], axis=1), size=2)
+    crossfit = case[1]
+    assert is_special_case(truth, wide, crossfit)
+    assert not is_special_case(wide, truth, crossfit)
+    both = [score(c, crossfit) for c in (wide, truth)]
+    chosen, rivals = choose(both, Rules(), crossfit)
     assert chosen.candidate is truth and rivals == []
 
 
-def test_equal_candidates_of_other_laws_are_rivals(stage, truth):
-    q = position(stage)
-    twin = candidate(stage, (q + 0.001 * np.cos(5 * q))[:, None], effect="coulomb_friction")
-    background = stage[1]
-    assert overlap(truth, twin, background) > 0.95
-    chosen, rivals = choose([score(c, background) for c in (truth, twin)], Rules(), background)
+def test_equal_candidates_of_other_laws_are_rivals(case, truth):
+    q = position(case)
+    twin = candidate(case, (q + 0.001 * np.cos(5 * q))[:, None], effect="coulomb_friction")
+    crossfit = case[1]
+    assert overlap(truth, twin, crossfit) > 0.95
+    chosen, rivals = choose([score(c, crossfit) for c in (truth, twin)], Rules(), crossfit)
     assert {chosen.candidate.term.effect, rivals[0].candidate.term.effect} == {
         "torque_offset",
         "coulomb_friction",
     }
 
 
-def test_a_smaller_law_that_leaves_what_the_larger_explains_is_beaten(stage, truth):
-    q, background = position(stage), stage[1]
-    rough = candidate(stage, (q + 0.04 * np.cos(5 * q))[:, None], effect="coulomb_friction")
+def test_a_smaller_law_that_leaves_what_the_larger_explains_is_beaten(case, truth):
+    q, crossfit = position(case), case[1]
+    rough = candidate(case, (q + 0.04 * np.cos(5 * q))[:, None], effect="coulomb_friction")
     large = replace(truth, size=3)
-    near, right = score(rough, background), score(large, background)
+    near, right = score(rough, crossfit), score(large, crossfit)
     assert near.gain > 0.97 * right.gain
-    assert beats(right, near, Rules(), background) and not beats(near, right, Rules(), background)
-    chosen, rivals = choose([near, right], Rules(), background)
+    assert beats(right, near, Rules(), crossfit) and not beats(near, right, Rules(), crossfit)
+    chosen, rivals = choose([near, right], Rules(), crossfit)
     assert chosen.candidate is large and rivals == []
 
 
-def test_a_larger_law_of_another_place_is_a_rival_though_it_can_do_the_same(stage, truth):
-    q, background = position(stage), stage[1]
-    wide = candidate(stage, np.stack([q, np.sin(9 * q)], axis=1), size=2, effect="base_tilt")
+def test_a_larger_law_of_another_place_is_a_rival_though_it_can_do_the_same(case, truth):
+    q, crossfit = position(case), case[1]
+    wide = candidate(case, np.stack([q, np.sin(9 * q)], axis=1), size=2, effect="base_tilt")
     wide = replace(wide, term=Term("base_tilt"))
-    assert not is_special_case(truth, wide, background)
-    chosen, rivals = choose([score(c, background) for c in (wide, truth)], Rules(), background)
+    assert not is_special_case(truth, wide, crossfit)
+    chosen, rivals = choose([score(c, crossfit) for c in (wide, truth)], Rules(), crossfit)
     assert chosen.candidate is truth and [r.candidate for r in rivals] == [wide]
 
 
-def test_further_columns_leave_what_a_refit_with_them_leaves(stage, truth):
-    background = stage[1]
-    wider = background.with_columns(truth.columns)
-    for fold, more, columns in zip(background.folds, wider.folds, truth.columns, strict=True):
+def test_further_columns_leave_what_a_refit_with_them_leaves(case, truth):
+    crossfit = case[1]
+    wider = crossfit.with_columns(truth.columns)
+    for fold, more, columns in zip(crossfit.folds, wider.folds, truth.columns, strict=True):
         every = np.concatenate([fold.project, columns], axis=2)
         rows, all_rows = (
             every[fold.train].reshape(-1, every.shape[2]),
@@ -162,21 +175,21 @@ def test_further_columns_leave_what_a_refit_with_them_leaves(stage, truth):
         assert np.abs(more.free_part(columns)[fold.train]).max() < 1e-8 * np.abs(columns).max()
 
 
-def test_unrelated_candidates_are_no_rivals_and_the_better_wins(stage, truth):
-    background = stage[1]
-    other = candidate(stage, np.sin(4 * position(stage))[:, None], joint=0)
-    scores = [score(c, background) for c in (other, truth)]
-    chosen, rivals = choose(scores, Rules(), background)
+def test_unrelated_candidates_are_no_rivals_and_the_better_wins(case, truth):
+    crossfit = case[1]
+    other = candidate(case, np.sin(4 * position(case))[:, None], joint=0)
+    scores = [score(c, crossfit) for c in (other, truth)]
+    chosen, rivals = choose(scores, Rules(), crossfit)
     assert chosen.candidate is truth and rivals == []
     assert difference(scores[1], scores[0]) > 2.0 > difference(scores[0], scores[1])
 
 
-def test_a_candidate_whose_link_runs_away_is_refused(stage, truth, monkeypatch):
+def test_a_candidate_whose_link_runs_away_is_refused(case, truth, monkeypatch):
     """To first order it looked well; the refit finds no finite torque, which is an answer too."""
-    found, background = stage
+    found, crossfit = case
 
     def runs_away(*args):
         raise Diverged("no finite torque")
 
     monkeypatch.setattr(refitting, "refit", runs_away)
-    assert refit_with(found, score(truth, background)) is None
+    assert refit_with(found, score(truth, crossfit)) is None

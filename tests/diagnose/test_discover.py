@@ -17,6 +17,7 @@ from jaxswarm.diagnose.discovery.sums import polished, unexplained
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.dimensions import parse_unit, unit_of
 from jaxswarm.effects.formula import DISCOVERED
 from jaxswarm.effects.postfix import check_program, fields_of
@@ -113,8 +114,8 @@ def test_what_is_only_noise_in_time_is_refused():
     walk = np.cumsum(rng.normal(size=len(log.t))) * 0.03
     extra = np.zeros_like(log.tau)
     extra[:, 1] = walk - walk.mean()
-    found, background = declared_fit(replace(log, tau=log.tau + extra))
-    _, search = discover(Diagnosis(found, found, (), (), background, 50))
+    found, crossfit = declared_fit(replace(log, tau=log.tau + extra))
+    _, search = discover(Diagnosis(found, found, (), (), crossfit, 50))
     assert [one for one in search.found if "t" not in one.added.formula.fields] == []
 
 
@@ -150,7 +151,7 @@ def test_a_damaged_formula_in_a_model_file_is_refused(tmp_path):
 
 def test_the_result_tells_the_law_its_evidence_and_what_fits_alike():
     _, after, search = searched("magnet")
-    result = to_result(after, [], search=search)
+    result = to_result(outcome_of(after, laws=search.found), search=search)
     (entry,) = result["discovered"]
     assert entry["joint"] == "joint2" and entry["formula"] == "a*q_joint2*exp(-(q_joint2/s)^2)"
     assert entry["latex"].startswith(r"a\,q_{\mathrm{joint2}}")
@@ -168,8 +169,8 @@ def test_the_result_tells_the_law_its_evidence_and_what_fits_alike():
 
 
 def test_programs_are_sound_and_none_is_there_twice():
-    found, background = declared_fit(log_with())
-    problem = joint_problem(Linearization(found, background), 1, 0)
+    found, crossfit = declared_fit(log_with())
+    problem = joint_problem(Linearization(found, crossfit), 1, 0)
     pieces = programs(problem.data, problem.units, problem.angles)
     assert len({skeleton(one.program) for one in pieces}) == len(pieces) > 10_000
     for one in pieces[:: len(pieces) // 400]:
@@ -182,15 +183,15 @@ def test_programs_are_sound_and_none_is_there_twice():
 
 
 def test_constants_are_refined_to_the_least_residual():
-    found, background = declared_fit(planted("magnet"))
-    problem = joint_problem(Linearization(found, background), 1, None)
+    found, crossfit = declared_fit(planted("magnet"))
+    problem = joint_problem(Linearization(found, crossfit), 1, None)
     formula = searched("magnet")[2].found[0].chosen.formula
 
     def left(s: float) -> float:
         return float(
-            (unexplained(problem, formula._replace(values={"s": s}), background.whole) ** 2).sum()
+            (unexplained(problem, formula._replace(values={"s": s}), crossfit.whole) ** 2).sum()
         )
 
     near = formula._replace(values={"s": 0.4})
-    best = polished(problem, near, background.whole).values["s"]
+    best = polished(problem, near, crossfit.whole).values["s"]
     assert left(best) <= min(left(0.99 * best), left(1.01 * best)) < left(0.4)

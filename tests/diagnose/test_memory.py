@@ -44,7 +44,7 @@ def test_a_small_change_or_a_small_share_needs_no_search(share, change, known):
     assert memory.recall(TERM, old[None, :100]) is None
 
 
-def test_only_the_first_judgment_counts():
+def test_only_the_first_score_counts():
     """It was made on the residuals that are kept."""
     old = np.ones(50)
     memory = memory_of(old, 0.9, 0.2)

@@ -9,7 +9,8 @@ from planted import BAND, NOISE, added, diagnose_log, log_with
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules, passes
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term, parse_terms

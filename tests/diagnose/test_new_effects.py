@@ -11,11 +11,13 @@ from planted import BAND, DECLARED, blank, declared_fit, log_with, small_arm
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules, passes
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.report.figures import evidence
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.effects import (
@@ -128,10 +130,10 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     parsed = parse_terms(law.name, small_arm().joints)
     assert [t.joint for t in parsed] == ([None] if law.scope == "global" else [0, 1])
     log = log_of(term)
-    found, background = declared_fit(log)
+    found, crossfit = declared_fit(log)
     assert any(t.place == term.place for t in eligible_terms(found.model, found.motions))
     # A candidate that passes, and the refit that finds the truth.
-    (score,) = score_terms(Linearization(found, background), [replace(term, values={})], 0)
+    (score,) = score_terms(Linearization(found, crossfit), [replace(term, values={})], 0)
     assert passes(score, 20, Rules())
     after = refit_with(found, score)
     added = find_term(after, score.candidate.term)
@@ -140,7 +142,7 @@ def test_a_new_effect_of_each_kind_needs_its_registration_only(toy, tmp_path):
     assert (after.fit.sigma < 0.8 * found.fit.sigma).any()
     # Its values, intervals and pictures in the report; the model in its file.
     step = Step(added, score, (), (), found, after, ())
-    result = to_result(Diagnosis(found, after, (step,), (), cross_fit(after), 20), [])
+    result = to_result(outcome_of(Diagnosis(found, after, (step,), (), cross_fit(after), 20)))
     names = {p.name for p in law.parameters} | set(law.linear_names(small_arm().joints))
     assert set(result["effects"][0]["parameters"]) == names
     assert isinstance(evidence(step, after.model, after.motions[0]), Figure)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.decision.remainder import MATERIAL, Remainder, material, remainders
+from jaxswarm.diagnose.decision.remainder import Remainder, material, remainders
+from jaxswarm.diagnose.decision.rules import MATERIAL
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, row_doubt, row_noise, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import row_weight
@@ -47,7 +48,7 @@ def test_rows_in_which_a_joint_turns_round_are_known_less_and_count_less():
     assert (np.corrcoef(doubt.ravel(), weight.ravel())[0, 1]) < -0.5
 
 
-def test_a_strike_is_noise_where_it_is_and_nowhere_else():
+def test_an_impact_is_noise_where_it_is_and_nowhere_else():
     log = log_with()
     quiet = fitted()
     tau = np.array(log.tau)

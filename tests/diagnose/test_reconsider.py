@@ -9,7 +9,7 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import overlap
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
 from jaxswarm.diagnose.selection.pair import pair
@@ -22,17 +22,17 @@ DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
 
 
 @pytest.fixture(scope="module")
-def stage():
-    before, background = declared_fit(log_with(DRAG))
+def case():
+    before, crossfit = declared_fit(log_with(DRAG))
     scores = score_terms(
-        Linearization(before, background), eligible_terms(before.model, before.motions), 0
+        Linearization(before, crossfit), eligible_terms(before.model, before.motions), 0
     )
     return before, {s.candidate.term.identity: s for s in scores}
 
 
-def step_of(stage, effect, others) -> Step:
+def step_of(case, effect, others) -> Step:
     """As if another law had been chosen."""
-    before, scores = stage
+    before, scores = case
     score = scores[effect, 1, None, None]
     after = refit_with(before, score)
     added = next(t for t in after.model.terms if t.effect == effect)
@@ -40,27 +40,27 @@ def step_of(stage, effect, others) -> Step:
     return Step(added, score, (), near, before, after, (), near)
 
 
-def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(stage):
-    step = step_of(stage, "nonlinear_viscous_friction", ["quadratic_drag"])
+def test_a_law_that_stood_in_for_a_simpler_one_is_exchanged(case):
+    step = step_of(case, "nonlinear_viscous_friction", ["quadratic_drag"])
     assert [t.effect for t in competitors(step)] == ["quadratic_drag"]
     steps, found, changed = reconsider([step], step.after, 60, Rules())
     assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
     assert steps[0].added.values["c"] == pytest.approx(1.5, rel=0.05)
     assert steps[0].added.identity in {t.identity for t in found.model.terms}
     assert "nonlinear_viscous_friction" not in {t.effect for t in found.model.terms}
-    assert steps[0].before is stage[0]
+    assert steps[0].before is case[0]
     assert "quadratic_drag" in {t.effect for t in steps[0].after.model.terms}
 
 
-def test_competitors_say_the_same_on_the_same_joint(stage):
-    before, scores = stage
-    background = cross_fit(before)
+def test_competitors_say_the_same_on_the_same_joint(case):
+    before, scores = case
+    crossfit = cross_fit(before)
     chosen = scores["nonlinear_viscous_friction", 1, None, None]
-    near = near_ones(chosen, list(scores.values()), background)
+    near = near_ones(chosen, list(scores.values()), crossfit)
     assert "quadratic_drag" in {s.candidate.term.effect for s in near}
     assert chosen not in near and {s.joint for s in near} == {1}
     for one in near:
-        assert overlap(chosen.candidate, one.candidate, background) > 0.7
+        assert overlap(chosen.candidate, one.candidate, crossfit) > 0.7
 
 
 @pytest.mark.parametrize(
@@ -69,14 +69,14 @@ def test_competitors_say_the_same_on_the_same_joint(stage):
 def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
     """Even where the law with a free exponent was ahead while the others were not fitted with it."""
     hidden = Term("nonlinear_viscous_friction", 1, values={"c": 1.5, "alpha": alpha})
-    before, background = declared_fit(log_with(hidden))
+    before, crossfit = declared_fit(log_with(hidden))
     scores = score_terms(
-        Linearization(before, background), eligible_terms(before.model, before.motions), 0
+        Linearization(before, crossfit), eligible_terms(before.model, before.motions), 0
     )
     there = before, {s.candidate.term.identity: s for s in scores}
     step = step_of(there, "nonlinear_viscous_friction", ["quadratic_drag"])
 
-    def ahead(passed, rules, background):
+    def ahead(passed, rules, crossfit):
         assert "quadratic_drag" in {s.candidate.term.effect for s in passed}
         return next(s for s in passed if s.candidate.term.effect == step.added.effect), []
 
@@ -87,20 +87,20 @@ def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
     assert kept in {t.effect for t in found.model.terms}
 
 
-def test_the_right_law_stays_and_nothing_is_fitted_anew(stage):
-    step = step_of(stage, "quadratic_drag", ["nonlinear_viscous_friction"])
+def test_the_right_law_stays_and_nothing_is_fitted_anew(case):
+    step = step_of(case, "quadratic_drag", ["nonlinear_viscous_friction"])
     steps, found, changed = reconsider([step], step.after, 60, Rules())
     assert not changed and found is step.after
     assert steps[0].added == step.added
 
 
-def test_what_nobody_needs_is_dropped(stage):
-    right = step_of(stage, "quadratic_drag", [])
-    score = stage[1]["torque_offset", 1, None, None]
+def test_what_nobody_needs_is_dropped(case):
+    right = step_of(case, "quadratic_drag", [])
+    score = case[1]["torque_offset", 1, None, None]
     spare = Term("torque_offset", 1)
     both = refit(right.after, (*right.after.model.terms, spare))
     near = replace(
-        stage[1]["joint_spring", 1, None, None], gain=2.0 * abs(score.gain), joint=score.joint
+        case[1]["joint_spring", 1, None, None], gain=2.0 * abs(score.gain), joint=score.joint
     )
     later = Step(spare, score, (), (near,), right.after, both, (), (near,))
     steps, found, changed = reconsider([right, later], both, 60, Rules())
@@ -120,6 +120,6 @@ def test_a_law_bent_into_the_sum_of_two_is_told_as_two():
     assert gone.isdisjoint({s.added.effect for s in found.steps})
 
 
-def test_a_pair_is_refused_where_one_law_says_it_all(stage):
-    step = step_of(stage, "nonlinear_viscous_friction", ["quadratic_drag"])
+def test_a_pair_is_refused_where_one_law_says_it_all(case):
+    step = step_of(case, "nonlinear_viscous_friction", ["quadratic_drag"])
     assert pair([step], step.after, [1], 60, Rules()) is None

@@ -9,16 +9,17 @@ import pytest
 from planted import BAND, blank, diagnose_log, log_with, small_arm
 
 from jaxswarm.diagnose import Rules, diagnose
-from jaxswarm.diagnose.decision.remainder import NEAR, Remainder
+from jaxswarm.diagnose.decision.remainder import Remainder
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import verdict
 from jaxswarm.diagnose.report import figures as pictures
-from jaxswarm.diagnose.report.errors import grown
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
-from jaxswarm.diagnose.report.result import to_result
+from jaxswarm.diagnose.report.result import grown, to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.run import conclude, write_report
+from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.drawing import Drawing
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import load_model, model_torque
@@ -83,7 +84,7 @@ def test_errors_are_on_the_validation_log_and_fall(result):
 
 
 def test_without_validation_errors_are_on_held_out_time(found):
-    assert to_result(found, [])["error"]["after"]["on"] == "held-out blocks of time"
+    assert to_result(outcome_of(found))["error"]["after"]["on"] == "held-out blocks of time"
 
 
 def test_verdicts():
@@ -98,11 +99,11 @@ def test_verdicts():
 
 def test_no_verdict_contradicts_the_noise(found, clean):
     for one in (found, clean):
-        told = to_result(one, [])
+        told = to_result(outcome_of(one))
         assert max(told["residual_over_noise"]) < NEAR and told["proof"] == "held-out regions"
     # Half of the torque's error is made unexplained: a model without the spring.
     blind = replace(found, steps=(), final=found.declared)
-    told = to_result(blind, [])
+    told = to_result(outcome_of(blind))
     assert told["verdict"] == "unexplained" and told["residual_over_noise"][0] > NEAR
     entry = told["unexplained"][0]
     assert entry["joint"] == "joint1" and entry["depends_on"] == [] and entry["windows"]
@@ -116,14 +117,14 @@ def test_a_log_whose_torque_is_noise_cannot_be_judged(clean):
     noise = replace(fit, residual=clean.final.regression.torque)
     deaf = replace(clean.final, fit=noise, regression=replace(
         clean.final.regression, torque=rng.normal(size=fit.residual.shape)))  # fmt: skip
-    told = to_result(replace(clean, final=deaf, declared=deaf), [])
+    told = to_result(outcome_of(replace(clean, final=deaf, declared=deaf)))
     assert told["verdict"] == "cannot be judged"
     assert "units" in verdict_sentence(told)
 
 
 def test_of_several_validation_logs_the_worst_leads(found, unseen):
     other = prepare(log_with(seed=3), BAND)  # without the spring: there the addition does harm
-    told = to_result(found, [], [*unseen, replace(other, source="without")])
+    told = to_result(outcome_of(found, [], [*unseen, replace(other, source="without")]))
     assert [v["on"] for v in told["error"]["validation"]] == [unseen[0].source, "without"]
     assert told["error"]["after"]["on"] == "without" and told["proof"] == "other motion"
 
@@ -137,7 +138,7 @@ def test_an_error_that_grew_on_another_log_is_told():
 def test_sentence_of_every_verdict(found, clean):
     for one in (found, clean):
         for left in ([], [LEFT]):
-            told = to_result(one, left)
+            told = to_result(outcome_of(one, left))
             sentence = verdict_sentence(told)
             assert ("joint_spring on joint1" in sentence) == bool(one.steps)
             assert ("q_joint2" in sentence) == bool(left)
@@ -188,7 +189,7 @@ def test_report_escapes_what_it_is_told(result):
 def test_clock_that_is_read_late_is_told_and_is_no_effect():
     found = diagnose_log(log_with(Term("time_delay", values={"seconds": 0.002})))
     assert not found.kept
-    told = to_result(found, [])
+    told = to_result(outcome_of(found))
     assert told["filtering"]["clock_skew_s"] == pytest.approx(0.002, abs=3e-4)
     images = dict.fromkeys(("ladder.png", "torque.png", "residual_before.png", "residual.png"), b"")
     late = 1e3 * told["filtering"]["clock_skew_s"]
@@ -204,5 +205,5 @@ def test_pictures_have_a_figure_for_every_step(found):
 def test_the_rules_that_decided_are_told():
     strict = Rules(share=0.5)
     found = diagnose(small_arm(), blank(), [prepare(log_with(), BAND)], rules=strict)
-    told = to_result(found, [])
+    told = to_result(outcome_of(found))
     assert told["rules"]["share"] == 0.5 and found.rules == strict

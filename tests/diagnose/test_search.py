@@ -166,3 +166,18 @@ def test_a_search_that_is_left_does_not_go_on(motion, load, key, monkeypatch):
             raise KeyboardInterrupt
     time.sleep(1.0)
     assert len(begun) < len(tasks) / 2
+
+
+@pytest.mark.parametrize("free", [1e-1, 1e-2, 1e-3])
+def test_what_is_nearly_absorbed_is_explained_by_its_rest(free):
+    """A column of which the model takes up all but a small part: what that part explains is not lost."""
+    rng = np.random.default_rng(0)
+    basis = np.linalg.qr(rng.normal(size=(300, 6)))[0]
+    inside, rest = basis @ rng.normal(size=6), rng.normal(size=300)
+    rest -= basis @ (basis.T @ rest)
+    residual = rest + rng.normal(size=300)
+    residual -= basis @ (basis.T @ residual)
+    column = inside / np.linalg.norm(inside) + free * rest / np.linalg.norm(rest)
+    fold = FoldData(*map(jnp.asarray, (basis, residual, np.ones(300))))
+    exact = (rest @ residual) ** 2 / (rest @ rest)
+    assert float(explained(column[:, None], fold, False)) == pytest.approx(exact, rel=2e-3)

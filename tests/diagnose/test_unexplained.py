@@ -7,6 +7,8 @@ import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.decision.unexplained import (
+    _RIDGE,
+    _ridge,
     find_unexplained,
     residual_variables,
     with_smooth_terms,
@@ -35,7 +37,7 @@ LAWS = [
 @pytest.mark.parametrize(("other", "law"), LAWS)
 def test_law_outside_the_catalog_is_unexplained_with_its_variables(other, law):
     found = diagnose_log(with_extra(law))
-    left = [u for u in find_unexplained(found.final, found.background) if u.joint == 1]
+    left = [u for u in find_unexplained(found.final, found.crossfit) if u.joint == 1]
     assert added(found) == []
     assert set(left[0].depends_on) == {other, "dq_joint2"}
     assert left[0].share > 0.3 and left[0].p_value < 1e-3
@@ -43,16 +45,16 @@ def test_law_outside_the_catalog_is_unexplained_with_its_variables(other, law):
 
 
 def test_the_smooth_term_lowers_the_residual():
-    found, background = declared_fit(with_extra(LAWS[0][1]))
-    left = [u for u in find_unexplained(found, background) if u.joint == 1][0]
+    found, crossfit = declared_fit(with_extra(LAWS[0][1]))
+    left = [u for u in find_unexplained(found, crossfit) if u.joint == 1][0]
     residual = found.fit.residual[:, 1]
     assert np.std(residual - left.smooth) < 0.85 * np.std(residual)
 
 
 def test_a_smooth_term_predicts_another_log(tmp_path):
     law = LAWS[0][1]
-    found, background = declared_fit(with_extra(law))
-    left = [u for u in find_unexplained(found, background) if u.joint == 1]
+    found, crossfit = declared_fit(with_extra(law))
+    left = [u for u in find_unexplained(found, crossfit) if u.joint == 1]
     save_model(with_smooth_terms(found, left), tmp_path / "model.json")
     model = load_model(tmp_path / "model.json")
     other = with_extra(law, motion_seed=8)
@@ -65,8 +67,8 @@ def test_a_smooth_term_predicts_another_log(tmp_path):
 
 
 def test_a_smooth_term_stays_at_the_edge_of_its_range():
-    found, background = declared_fit(with_extra(LAWS[0][1]))
-    term = find_unexplained(found, background)[0].term
+    found, crossfit = declared_fit(with_extra(LAWS[0][1]))
+    term = find_unexplained(found, crossfit)[0].term
     motion = found.motions[0]
     edge = np.array(motion.q)
     edge[:, 1] = term.upper[term.inputs.index(("q", 1))]
@@ -78,8 +80,8 @@ def test_structure_over_time_is_shown_but_not_put_into_the_model():
     log = log_with()
     extra = np.zeros_like(log.tau)
     extra[:, 1] = 3.0 * np.sin(0.9 * log.t)
-    found, background = declared_fit(replace(log, tau=log.tau + extra))
-    left = [u for u in find_unexplained(found, background) if "t" in u.depends_on]
+    found, crossfit = declared_fit(replace(log, tau=log.tau + extra))
+    left = [u for u in find_unexplained(found, crossfit) if "t" in u.depends_on]
     assert left and left[0].term is None
     model = with_smooth_terms(found, left)
     assert model.smooth == ()
@@ -87,8 +89,8 @@ def test_structure_over_time_is_shown_but_not_put_into_the_model():
 
 
 def test_white_residual_has_no_structure():
-    found, background = declared_fit(log_with())
-    assert find_unexplained(found, background) == []
+    found, crossfit = declared_fit(log_with())
+    assert find_unexplained(found, crossfit) == []
 
 
 def test_variables_are_named_and_sampled_like_the_residual():
@@ -97,3 +99,15 @@ def test_variables_are_named_and_sampled_like_the_residual():
     wanted = {f"{s}_joint{j}" for s in ("q", "dq", "ddq") for j in (1, 2)} | {"t"}
     assert set(table) == wanted
     assert all(x.shape == (len(found.regression.t),) for x in table.values())
+
+
+def test_a_ridge_loses_no_digits_to_its_squares():
+    """Columns that nearly depend on each other: the ridge bounds the condition of their squares themselves."""
+    rng = np.random.default_rng(0)
+    free = rng.normal(size=(400, 20))
+    free[:, 10:] = free[:, :10] + 1e-6 * rng.normal(size=(400, 10))
+    residual = rng.normal(size=400)
+    held = np.sqrt(_RIDGE * (free**2).sum() / free.shape[1])
+    rows = np.concatenate([free, held * np.eye(20)])
+    exact = np.linalg.lstsq(rows, np.append(residual, np.zeros(20)), rcond=None)[0]
+    np.testing.assert_allclose(_ridge(free, residual), exact, rtol=1e-10, atol=1e-14)

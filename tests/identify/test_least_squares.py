@@ -184,7 +184,7 @@ def test_a_column_that_only_one_block_excites_is_absent_where_that_block_is_held
     rng = np.random.default_rng(3)
     columns = waves(rng, 400, 2, 3)
     columns[:, :, 2] = 0.0
-    columns[180:220, :, 2] = 1.0  # a touch
+    columns[180:220, :, 2] = 1.0  # a contact
     torque = columns @ np.array([2.0, -1.0, 5.0]) + 0.01 * rng.normal(size=(400, 2))
     problem = make_regression(columns, torque)
     found = SimpleNamespace(regression=problem, fit=fit(problem))

@@ -71,7 +71,7 @@ def test_slopes_through_a_lag_are_those_of_the_linearized_torque(term):
         step = 1e-6 * np.eye(len(PI))[column]
         difference = (through_lag(PI + step) - through_lag(PI - step)) / 2e-6
         scale = np.abs(difference).max()
-        # A strike that falls on another step of the integrator is a jump, and no slope.
+        # An impact that falls on another step of the integrator is a jump, and no slope.
         off = np.abs(slopes[:, :, column] - difference).max(axis=1) > 0.02 * scale
         assert off.mean() < 0.02
 

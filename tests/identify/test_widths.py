@@ -39,3 +39,10 @@ def test_no_joint_is_freed_for_what_may_be_chance():
     x, error = np.array([0.2, -0.4, 0.1]), np.array([0.07, 0.1, 0.05])
     assert not len(_apart(x, error))
     assert not len(_apart(np.zeros(0), np.zeros(0)))
+
+
+def test_a_sign_far_off_is_freed_though_its_error_is_large():
+    """What another joint lacks widens all errors; a sign four times too wide is still one."""
+    x = np.array([-1.35, -0.12, -1.24, -1.49, -0.75, 0.04, 0.06])
+    error = np.array([0.327, 0.041, 0.303, 0.292, 0.254, 0.016, 0.043])
+    assert {0, 2, 3} <= set(_apart(x, error).tolist())

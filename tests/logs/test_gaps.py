@@ -6,7 +6,8 @@ import pytest
 from jaxswarm.errors import InputError
 from jaxswarm.logs import Log, read_log, write_log
 from jaxswarm.logs.log import take
-from jaxswarm.logs.motion import Filtering, TooShort, prepare
+from jaxswarm.logs.motion import Filtering, prepare
+from jaxswarm.logs.resampling import TooShort
 from jaxswarm.logs.segments import merge_bursts, prepare_segments, split_at_gaps
 
 

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from jaxswarm.effects.advice import with_effects
 from jaxswarm.errors import InputError
 from jaxswarm.robot import describe_robot, inverse_dynamics, load_robot, parse_options
 
@@ -81,10 +82,10 @@ def test_torques_equal_mujoco(file, seed):
 
 
 def test_what_is_no_part_of_the_links_is_told(file):
-    notes = " | ".join(load_robot(file(ARM)).notes)
+    notes = " | ".join(with_effects(load_robot(file(ARM)).notes))
     assert "armature is not part of the links (pan 0.3, tilt 0.3" in notes
     assert "damping is not part of the links (pan 2): declare viscous_friction" in notes
-    assert "springs are not part of the links (other_joint4): declare joint_spring" in notes
+    assert "stiffness is not part of the links (other_joint4): declare joint_spring" in notes
 
 
 def test_limits_are_read_in_radians(file):

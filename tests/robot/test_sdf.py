@@ -147,7 +147,7 @@ def test_axes_of_old_files_stand_in_the_frame_of_the_model(tmp_path):
 def test_what_is_no_part_of_the_links_is_told(tmp_path):
     (tmp_path / "arm.sdf").write_text(SMALL.format(parent="world", more="<plugin/>"))
     notes = " ".join(load_robot(tmp_path / "arm.sdf").notes)
-    assert "damping of 'j'" in notes and "not read: <plugin>" in notes
+    assert "damping is not part of the links (j 0.5)" in notes and "not read: <plugin>" in notes
 
 
 @pytest.mark.parametrize(

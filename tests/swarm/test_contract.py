@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import chex
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -154,3 +155,22 @@ def test_registry_is_complete():
         assert entry.description and entry.reference
     assert [n for n, e in OPTIMIZERS.items() if e.reconstruction] == ["gpso", "sepso"]
     assert {aelspso, cma_es, ga, pso, shade} <= {e.factory for e in OPTIMIZERS.values()}
+
+
+class TestVariants(chex.TestCase):
+    """An update is the same compiled, interpreted and mapped by ``pmap``."""
+
+    @chex.variants(with_jit=True, without_jit=True, with_pmap=True)
+    def test_one_step(self):
+        for name in ("gpso", "shade", "cma_es", "ga"):
+            optimizer = OPTIMIZERS[name].factory(8)
+            state = optimizer.init(jax.random.key(0), 3)
+            value = jnp.sum(state.position**2, axis=1)
+
+            def step(position, value, optimizer=optimizer, state=state):
+                whole = state._replace(position=position) if hasattr(state, "_replace") else state
+                return optimizer.update(jax.random.key(1), whole, value)[0].position
+
+            plain = step(state.position, value)
+            found = self.variant(step)(state.position, value)
+            chex.assert_trees_all_close(found, plain, rtol=1e-5, atol=1e-6)

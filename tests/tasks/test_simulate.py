@@ -84,7 +84,7 @@ def test_torques_play_back_to_the_same_motion():
     model, target = model_of(arm(), VISCOUS), reference(751)
     driven = simulate(model, target)
     again = simulate(model, driven.log, playback=True)
-    # A zero-order hold was recorded and a first-order one plays: the difference is of the order dt.
+    # A zero-order hold was recorded and a first-order one is played back: the difference is of the order dt.
     np.testing.assert_allclose(again.motion.q, driven.motion.q, atol=0.01)
     assert again["gains"] is None
 

@@ -1,13 +1,13 @@
-r"""A joint with backlash whose strikes can be predicted one by one.
+r"""A joint with backlash whose impacts can be predicted one by one.
 
-Between two flanks the link flies freely; the moment and the force of a strike follow from the motion if
-the rigid parameters are good enough. Two things spoil those of the present fit. The strikes themselves,
+Between two flanks the link flies freely; the moment and the force of an impact follow from the motion if
+the rigid parameters are good enough. Two things spoil those of the present fit. The impacts themselves,
 a few large residuals, pull them: they are fitted again without the rows beyond three times the noise.
 And while the link follows its motor, inertia of the rotor and of the link are one: where a rotor is
 declared, divisions of the joint's inertia between the two are tried with every gap.
 
-Where the best of these explains most of what the joint lacks, strikes are predictable; where it does
-not, :mod:`jaxswarm.diagnose.candidates.transmission` asks how the load shifts around a strike.
+Where the best of these explains most of what the joint lacks, impacts are predictable; where it does
+not, :mod:`jaxswarm.diagnose.candidates.transmission` asks how the load shifts around an impact.
 """
 
 from dataclasses import replace
@@ -22,7 +22,7 @@ from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torqu
 from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.term import Term
 
-# Share of the joint's squared error that predicted strikes must explain, on unseen blocks of time too.
+# Share of the joint's squared error that predicted impacts must explain, on unseen blocks of time too.
 _MOST = 0.5
 # Second lattice about the best point: factors on the gap, changes of the rotor's share, flanks [Hz].
 _FINE_GAPS, _FINE_SHARES = np.geomspace(0.85, 1.18, 13), np.linspace(-0.075, 0.075, 5)
@@ -37,20 +37,20 @@ class _Point(NamedTuple):
     flank: float
 
 
-def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
-    """The gap of a joint with its strikes where they happen; None where those cannot be predicted."""
-    (pi, residual), j = stand.steady, term.joint
-    along = stand.rotor(j)
+def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
+    """The gap of a joint with its impacts where they happen; None where those cannot be predicted."""
+    (pi, residual), j = lin.steady, term.joint
+    along = lin.rotor(j)
     divided = bool(along.any())
 
     def curves_at(points: list[_Point], substeps: int, own: bool = False) -> np.ndarray:
         parts = [
-            _curves(stand, term, list(group), pi - share * along, substeps, own)
+            _curves(lin, term, list(group), pi - share * along, substeps, own)
             for share, group in groupby(points, lambda p: p.share)
         ]
         return np.concatenate(parts)
 
-    inertia = float(np.median(np.abs(stand.sensed(j)[0].inertia(stand.pi))))
+    inertia = float(np.median(np.abs(lin.sensed(j)[0].inertia(lin.pi))))
     lattice = [(o["gap"], o["flank"]) for o in term.law.lattice(inertia)]
     coarse = [_Point(g, s, f) for s in (ROTOR_SHARES if divided else (0.0,)) for g, f in lattice]
     curves = curves_at(coarse, SUBSTEPS // 2, own=True)[:, :, 0]
@@ -61,7 +61,7 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
     shares = np.unique(np.clip(best.share + _FINE_SHARES, 0.0, 0.95)) if divided else (0.0,)
     fine = [_Point(best.gap * g, s, f) for s in shares for f in _FLANKS for g in _FINE_GAPS]
     curves = curves_at(fine, SUBSTEPS)
-    folds = stand.background.folds
+    folds = lin.crossfit.folds
     picks = [int(np.argmax(_explained(curves[:, f.train, j], residual[f.train, j]))) for f in folds]
     unseen = [
         _explained(curves[[pick]][:, ~fold.train, j], residual[~fold.train, j])[0]
@@ -72,7 +72,7 @@ def sharp_candidate(stand: Linearization, term: Term) -> Candidate | None:
     best = fine[picks[0]]
     return Candidate(
         replace(term, values={"gap": float(best.gap), "flank": best.flank, "blur": 0.0}),
-        tuple(stand.background.weigh(curves[pick][:, :, None]) for pick in picks),
+        tuple(lin.crossfit.weigh(curves[pick][:, :, None]) for pick in picks),
         3,
         start=pi - best.share * along,
     )
@@ -85,7 +85,7 @@ def _explained(own: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 
 def _curves(
-    stand: Linearization,
+    lin: Linearization,
     term: Term,
     points: list[_Point],
     pi: np.ndarray,
@@ -93,9 +93,9 @@ def _curves(
     own: bool = False,
 ) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs; its own (m, T', 1)."""
-    motions, sensed = stand.found.motions, stand.sensed(term.joint)
+    motions, sensed = lin.found.motions, lin.sensed(term.joint)
     options = [{"gap": p.gap, "flank": p.flank} for p in points]
-    terms = stand.found.model.terms
+    terms = lin.found.model.terms
     parts = [
         lag_torque(motion, one, pi[None], *gears(term.law, options, one, pi), substeps, terms, own)
         for motion, one in zip(motions, sensed, strict=True)

@@ -14,17 +14,17 @@ class Candidate:
 
     Attributes:
         term: With the nonlinear parameters found on all rows.
-        columns: Weighted columns (T, n, k) for the whole log, the first half, the second half, each
+        columns: Weighted columns (T, n, k) for the whole log and for every fold, each
             with the nonlinear parameters found on its own rows.
         size: Parameters it spends, linear and nonlinear.
-        blur: Rows over which it is averaged before it is scored. When a gear with backlash strikes is decided
-            by torques below the noise; how the load shifts around the strike is not.
+        blur: Rows over which it is averaged before it is scored. When the flanks of a gear meet is decided
+            by torques below the noise; how the load shifts around the impact is not.
         start: Rigid parameters (10 n,) to refit from; None: those of the current model.
         signed: Whether the coefficient is a change of something known, of either sign.
     """
 
     term: Term
-    columns: tuple[np.ndarray, np.ndarray, np.ndarray]
+    columns: tuple[np.ndarray, ...]
     size: int
     blur: int = 1
     signed: bool = False

@@ -12,10 +12,10 @@ from jaxswarm.effects.term import Term
 _SHORTEST, _LENGTHS = 3, 32
 
 
-def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
+def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The window whose constant torques explain most, found on running sums of the residual."""
-    regression = stand.found.regression
-    residual = stand.background.as_event(stand.background.whole.residual)
+    regression = lin.found.regression
+    residual = lin.crossfit.as_event(lin.crossfit.whole.residual)
     total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
     best, pick = 0.0, None
     for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):
@@ -33,8 +33,8 @@ def external_candidate(stand: Linearization, term: Term) -> Candidate | None:
     values = {"start": float(start), "end": float(end), "log": float(log)}
 
     def build(k):
-        weight = term.law.weight(values, stand.found.motions[k].t) * (k == log)
-        return stand.reported(k, weight[:, None, None] * np.eye(residual.shape[1]))
+        weight = term.law.weight(values, lin.found.motions[k].t) * (k == log)
+        return lin.reported(k, weight[:, None, None] * np.eye(residual.shape[1]))
 
-    columns = stand.stack(build)
-    return Candidate(replace(term, values=values), (columns,) * 3, 2 + residual.shape[1])
+    columns = lin.stack(build)
+    return Candidate(replace(term, values=values), lin.on_all(columns), 2 + residual.shape[1])

@@ -15,6 +15,7 @@ import jax
 import numpy as np
 
 from jaxswarm import outputs
+from jaxswarm.effects.base import REGISTRY
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -60,8 +61,10 @@ class Journal:
 
 
 def fingerprint(robot: Robot, motions: Sequence[Motion], *options) -> str:
-    """Digest of our version, a robot, logs as they are filtered, and options by their ``repr``."""
-    digest = hashlib.sha256(repr((version("jaxswarm"), options)).encode())
+    """Digest of our version and laws, a robot, logs as they are filtered, and options by ``repr``."""
+    # Laws of a user's own file may change from one run to the next.
+    laws = [(law.name, law.parameters, law.grid_size) for law in REGISTRY.values()]
+    digest = hashlib.sha256(repr((version("jaxswarm"), laws, options)).encode())
     arrays = [
         *jax.tree.leaves(robot),
         *(x for m in motions for x in (m.t, m.q, m.dq, m.ddq, m.tau)),

@@ -25,8 +25,8 @@ _RANK = 3e-7
 class Linearization:
     """Where the model stands: its torque, motion and loads on every log, and how columns are weighed."""
 
-    def __init__(self, found: Estimate, background: CrossFit, memory: Memory | None = None):
-        self.found, self.background, self.memory = found, background, memory or Memory()
+    def __init__(self, found: Estimate, crossfit: CrossFit, memory: Memory | None = None):
+        self.found, self.crossfit, self.memory = found, crossfit, memory or Memory()
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = tilted(model.robot, model.terms)
@@ -117,13 +117,13 @@ class Linearization:
 
     def stack(self, build) -> np.ndarray:
         """Decimate and weigh what ``build(log index)`` gives as (T, n, k), all logs."""
-        return self.background.weigh(self.low(build))
+        return self.crossfit.weigh(self.low(build))
 
     def on_joint(self, own: np.ndarray, joint: int) -> np.ndarray:
         """Weigh decimated columns (T', k) of one joint as (T', n, k), all logs."""
         block = np.zeros((len(own), self.found.model.robot.num_joints, own.shape[1]))
         block[:, joint] = own
-        return self.background.weigh(block)
+        return self.crossfit.weigh(block)
 
     def law(self, term: Term) -> np.ndarray:
         """Columns of a law with its nonlinear parameters in place."""
@@ -145,7 +145,11 @@ class Linearization:
             laws[place] = self.low(build)
         return self.on_joint(laws[place], term.joint)
 
+    def on_all(self, columns: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Columns that are the same on every fold."""
+        return (columns,) * len(self.crossfit.folds)
+
     def residuals(self, joint: int) -> np.ndarray:
         """A joint's residual on every fold, (folds, T), zero outside the rows it was fitted to."""
-        folds = self.background.folds
+        folds = self.crossfit.folds
         return np.stack([np.where(f.train, f.residual[:, joint], 0.0) for f in folds])

@@ -37,20 +37,20 @@ from jaxswarm.logs.motion import Motion
 _MULTIPLE = 16
 
 
-def propose_all(stand: Linearization, terms: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
+def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
     """All terms as candidates; nonlinear parameters are searched where memory does not know them."""
     searched = [t for t in terms if t.law.searched]
     done: dict[Term, Candidate | None] = {}
     # The compiled searches run while the other candidates are built.
-    with _searched(stand, searched, key) as finish:
+    with _searched(lin, searched, key) as finish:
         for term in terms:
             if not term.law.searched:
-                done[term] = propose(term.law, stand, term)
+                done[term] = propose(term.law, lin, term)
         found = finish()
     for term, values in zip(searched, found, strict=True):
         best = [
-            refined(stand, term, fold, v, stand.memory.least)
-            for fold, v in zip(stand.background.folds, values, strict=True)
+            refined(lin, term, fold, v, lin.memory.least)
+            for fold, v in zip(lin.crossfit.folds, values, strict=True)
         ]
         placed = replace(term, values=best[0][0])
         columns = tuple(own for _, own in best)
@@ -59,7 +59,7 @@ def propose_all(stand: Linearization, terms: tuple[Term, ...], key: jax.Array) -
 
 
 @singledispatch
-def propose(law: Effect, stand: Linearization, term: Term) -> Candidate | None:
+def propose(law: Effect, lin: Linearization, term: Term) -> Candidate | None:
     """A term as a candidate for the present model; None where there is nothing to say.
 
     Terms whose nonlinear parameters are searched (``law.searched``) are proposed by :func:`propose_all`.
@@ -68,56 +68,56 @@ def propose(law: Effect, stand: Linearization, term: Term) -> Candidate | None:
 
 
 @propose.register
-def _(law: TorqueLaw, stand, term):
-    return Candidate(term, (stand.law(term),) * 3, len(law.linear))
+def _(law: TorqueLaw, lin, term):
+    return Candidate(term, lin.on_all(lin.law(term)), len(law.linear))
 
 
 @propose.register
-def _(law: TransmissionLaw, stand, term):
-    return lagging_candidate(stand, term)
+def _(law: TransmissionLaw, lin, term):
+    return lagging_candidate(lin, term)
 
 
 @propose.register
-def _(law: BodyChange, stand, term):
-    return body_candidate(stand, term)
+def _(law: BodyChange, lin, term):
+    return body_candidate(lin, term)
 
 
 @propose.register
-def _(law: ExternalTorque, stand, term):
-    return external_candidate(stand, term)
+def _(law: ExternalTorque, lin, term):
+    return external_candidate(lin, term)
 
 
 @propose.register
-def _(law: MeasurementLaw, stand, term):
-    return measurement_candidate(stand, term)
+def _(law: MeasurementLaw, lin, term):
+    return measurement_candidate(lin, term)
 
 
 @contextmanager
 def _searched(
-    stand: Linearization, terms: list[Term], key: jax.Array
+    lin: Linearization, terms: list[Term], key: jax.Array
 ) -> Iterator[Callable[[], list[list[dict]]]]:
     """Find nonlinear parameters of laws per fold where they are unknown, in the background."""
     if not terms:
         yield list
         return
-    memory = stand.memory
+    memory = lin.memory
     memory.round += 1
-    found = {t: memory.recall(t, stand.residuals(t.joint)) for t in terms}
+    found = {t: memory.recall(t, lin.residuals(t.joint)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
     known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
     if all(known.values()):
-        yield lambda: _keep(stand, terms, found, known)
+        yield lambda: _keep(lin, terms, found, known)
         return
-    motions = stand.found.motions
+    motions = lin.found.motions
     chosen = _comparable(motions)
     search = searching(
         [(t.law, t.joint, t.other) for t in unknown],
         [motions[k] for k in chosen],
-        stand.found.model.width,
-        [stand.loads[k] for k in chosen],
-        [_stages(stand, stand.found.regression.log == k) for k in chosen],
+        lin.found.model.width,
+        [lin.loads[k] for k in chosen],
+        [_folds(lin, lin.found.regression.log == k) for k in chosen],
         key,
-        lateness(stand.found.model.terms),
+        lateness(lin.found.model.terms),
     )
 
     with search as finish:
@@ -126,7 +126,7 @@ def _searched(
             searched = dict(zip(unknown, finish(), strict=True))
             if memory.journal:
                 memory.journal.keep(memory.round, searched)
-            return _keep(stand, terms, found, searched)
+            return _keep(lin, terms, found, searched)
 
         yield values
 
@@ -143,19 +143,19 @@ def _comparable(motions: Sequence[Motion]) -> list[int]:
     ]
 
 
-def _keep(stand: Linearization, terms: list[Term], found: dict, new: dict) -> list[list[dict]]:
+def _keep(lin: Linearization, terms: list[Term], found: dict, new: dict) -> list[list[dict]]:
     """Values per fold of all terms; those that are new are remembered."""
     for term, per_fold in new.items():
-        stand.memory.keep(term, stand.residuals(term.joint), per_fold)
+        lin.memory.keep(term, lin.residuals(term.joint), per_fold)
     return [{**found, **new}[t] for t in terms]
 
 
-def _stages(stand: Linearization, rows: np.ndarray) -> FoldData:
-    """The rows of one log as stages of the search, (joints, folds, ...)."""
-    folds = stand.background.folds
+def _folds(lin: Linearization, rows: np.ndarray) -> FoldData:
+    """The rows of one log as folds of the search, (joints, folds, ...)."""
+    folds = lin.crossfit.folds
     width = -(-max(f.basis.shape[2] for f in folds) // _MULTIPLE) * _MULTIPLE
     basis = np.stack([_filled(f.basis[rows], width) for f in folds], axis=1)
-    used = stand.background.weight[rows].any(axis=1)
+    used = lin.crossfit.weight[rows].any(axis=1)
     train = np.stack([f.train[rows] & used for f in folds])
     residual = np.stack([np.where(f.train[rows, None], f.residual[rows], 0.0) for f in folds])
     joints = basis.shape[0]

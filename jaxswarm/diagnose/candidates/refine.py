@@ -21,7 +21,7 @@ _LONGEST = 0.1
 
 
 def refined(
-    stand: Linearization, term: Term, fold: Fold, values: dict[str, float], least: float
+    lin: Linearization, term: Term, fold: Fold, values: dict[str, float], least: float
 ) -> tuple[dict[str, float], np.ndarray]:
     """Values of a law's searched parameters where its columns explain most of a fold, and the columns.
 
@@ -29,7 +29,7 @@ def refined(
     is made only if the fold's training rows are left with less.
 
     Args:
-        stand: The current model.
+        lin: The current model, linearized.
         term: A term of a law whose parameters are searched.
         fold: The rows it is fitted to.
         values: Where the search ended.
@@ -39,12 +39,12 @@ def refined(
         The values, and the weighted columns (T', n, k) there.
     """
     moving = [p for p in term.law.nonlinear if p.fitted]
-    columns = stand.law(replace(term, values=values))
+    columns = lin.law(replace(term, values=values))
     total = float((fold.residual[fold.train, term.joint] ** 2).sum())
     left, _ = _left(fold, columns, term.joint)
     if not moving or left > (1.0 - least) * total:
         return values, columns
-    found = [_descend(stand, term, fold, start, moving) for start in _starts(values, moving)]
+    found = [_descend(lin, term, fold, start, moving) for start in _starts(values, moving)]
     return min(found, key=lambda one: one[0])[1:]
 
 
@@ -59,10 +59,10 @@ def _starts(values: dict[str, float], moving) -> list[dict[str, float]]:
 
 
 def _descend(
-    stand: Linearization, term: Term, fold: Fold, values: dict[str, float], moving
+    lin: Linearization, term: Term, fold: Fold, values: dict[str, float], moving
 ) -> tuple[float, dict[str, float], np.ndarray]:
     """What is left of the joint's training rows in the valley of the values, the values there, the columns."""
-    columns = stand.law(replace(term, values=values))
+    columns = lin.law(replace(term, values=values))
     left, linear = _left(fold, columns, term.joint)
     for _ in range(_STEPS):
         here = np.array([p.encode(values[p.name]) for p in moving])
@@ -70,13 +70,13 @@ def _descend(
         for k, _ in enumerate(moving):
             aside = here.copy()
             aside[k] += _APART if here[k] < 0.5 else -_APART
-            moved = stand.law(replace(term, values={**values, **_at(moving, aside)}))
+            moved = lin.law(replace(term, values={**values, **_at(moving, aside)}))
             slopes.append((moved - columns) @ linear / (aside[k] - here[k]))
         wide = np.concatenate([columns, np.stack(slopes, axis=2)], axis=2)
         step = np.clip(_left(fold, wide, term.joint)[1][columns.shape[2] :], -_LONGEST, _LONGEST)
         for part in (1.0, 0.5, 0.25):
             there = {**values, **_at(moving, np.clip(here + part * step, 0.0, 1.0))}
-            other = stand.law(replace(term, values=there))
+            other = lin.law(replace(term, values=there))
             found, coefficients = _left(fold, other, term.joint)
             if found < left:
                 break

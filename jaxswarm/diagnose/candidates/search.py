@@ -49,7 +49,7 @@ class _Task(NamedTuple):
     positive: jax.Array
     cell: jax.Array
     series: Sample
-    stages: FoldData
+    folds: FoldData
 
 
 @partial(jax.jit, static_argnames=("laws", "factor"))
@@ -86,17 +86,17 @@ def _survey(
         points = jax.lax.dynamic_slice_in_dim(lattice, k * _BATCH, _BATCH)
         columns = jax.vmap(at)(points)
 
-        def one_fold(stage, point, most):
-            gains = jax.vmap(lambda c: explained(c, stage, task.positive))(columns)
+        def one_fold(fold, point, most):
+            gains = jax.vmap(lambda c: explained(c, fold, task.positive))(columns)
             # A law may have no finite torque at a point; it must not hide the others.
             gains = jnp.where(jnp.isnan(gains), -jnp.inf, gains)
             pick = jnp.argmax(gains)
             better = gains[pick] > most
             return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
 
-        return jax.vmap(one_fold)(task.stages, *best)
+        return jax.vmap(one_fold)(task.folds, *best)
 
-    folds, kind = task.stages.residual.shape[0], task.stages.residual.dtype
+    folds, kind = task.folds.residual.shape[0], task.folds.residual.dtype
     nowhere = jnp.full((folds, lattice.shape[1]), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
     return jax.lax.fori_loop(0, count, look, nowhere)
 
@@ -107,18 +107,18 @@ def _refine(
 ):
     """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, d)."""
 
-    def one_fold(stage, point, gain):
+    def one_fold(fold, point, gain):
         low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
 
-        def cost(u, stage):
+        def cost(u, fold):
             columns = _columns_at(laws, factor, task, taps, low + 2.0 * task.cell * u)
-            return -explained(columns, stage, task.positive)
+            return -explained(columns, fold, task.positive)
 
         unit = Space.vector(np.zeros(task.cell.shape[0]), np.ones(task.cell.shape[0]))
-        swarm = minimize(cost, gpso(_PARTICLES), unit, key, stage, num_steps=_STEPS)
+        swarm = minimize(cost, gpso(_PARTICLES), unit, key, fold, num_steps=_STEPS)
         return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
 
-    return jax.vmap(one_fold)(task.stages, *survey)
+    return jax.vmap(one_fold)(task.folds, *survey)
 
 
 @contextmanager
@@ -127,7 +127,7 @@ def searching(
     motions: Sequence[Motion],
     width: Sequence[float],
     loads: Sequence[Load],
-    stages: Sequence[FoldData],
+    folds: Sequence[FoldData],
     key: jax.Array,
     delay: float = 0.0,
 ) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
@@ -141,7 +141,7 @@ def searching(
         motions: The logs, with equal decimators.
         width: Width of every joint's smooth sign, (n,).
         loads: Rigid torque of the current model, of every log.
-        stages: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
+        folds: Of every log, leading axes (joints of the robot, folds); rows as its decimator keeps
             them.
         key: Random key.
         delay: Time [s] by which the model's torque clock lags: a law's torque is reported as late.
@@ -157,7 +157,7 @@ def searching(
     ends.append(_TAPS - (length + _TAPS) % -_CHUNK)
     rows = [(len(m.t) + end) // factor for m, end in zip(motions[:-1], ends, strict=False)]
     rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
-    joined = [_rows(stage, count) for stage, count in zip(stages, rows, strict=True)]
+    joined = [_rows(fold, count) for fold, count in zip(folds, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     laws = _searched(law for law, _, _ in tasks)
     points = max(_BATCH * -(-(law.grid_size or _POINTS) // _BATCH) for law in laws)
@@ -183,7 +183,7 @@ def searching(
             with tracing:
                 best = _survey(laws, factor, task, lattice, -(-points // _BATCH), taps)
             positions, gains = map(np.asarray, best)
-            if (gains > _WORTH * (task.stages.residual**2).sum(axis=1)).any():
+            if (gains > _WORTH * (task.folds.residual**2).sum(axis=1)).any():
                 with tracing:
                     refined = _refine(laws, factor, task, best, taps, key)
                 positions = np.asarray(refined)
@@ -202,13 +202,13 @@ def _held(series: Sample, count: int) -> Sample:
     return jax.tree.map(lambda x: np.pad(x, (0, count), mode="edge"), series)
 
 
-def _rows(stage: FoldData, count: int) -> FoldData:
-    """A stage with empty rows up to ``count``."""
+def _rows(fold: FoldData, count: int) -> FoldData:
+    """A fold with empty rows up to ``count``."""
 
     def fill(x):
         return np.pad(x, ((0, 0), (0, 0), (0, count - x.shape[2]), *((0, 0),) * (x.ndim - 3)))
 
-    return jax.tree.map(fill, stage)
+    return jax.tree.map(fill, fold)
 
 
 def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:

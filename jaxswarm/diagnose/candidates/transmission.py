@@ -18,11 +18,11 @@ from jaxswarm.diagnose.candidates.link_lag import (
 from jaxswarm.effects.term import Term
 
 # Times the rigid parameters are settled with a dead zone, and every how many-th gap that is done for:
-# the torque is averaged over the moments of the strikes, so that close gaps look alike.
+# the torque is averaged over the moments of the impacts, so that close gaps look alike.
 _SETTLE, _THINNED = 3, 2
 
 
-def lagging_candidate(stand: Linearization, term: Term) -> Candidate | None:
+def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """A link that lags behind its motor; None where the joint moves no inertia.
 
     Where a rotor is declared, divisions of the joint's inertia between it and the link are tried with
@@ -30,33 +30,33 @@ def lagging_candidate(stand: Linearization, term: Term) -> Candidate | None:
     """
     law, j = term.law, term.joint
     crossing = law.gap is not None
-    inertia = stand.sensed(j)[0].inertia(stand.pi)
+    inertia = lin.sensed(j)[0].inertia(lin.pi)
     if np.median(np.abs(inertia)) < 1e-6:
         return None
-    memory, residuals = stand.memory, stand.residuals(j)
+    memory, residuals = lin.memory, lin.residuals(j)
     known = memory.recall(term, residuals)
     if crossing and (known is None or not any(v["blur"] for v in known)):
-        sharp = sharp_candidate(stand, term)
+        sharp = sharp_candidate(lin, term)
         if sharp is not None:
             memory.keep(term, residuals, [sharp.term.values] * len(sharp.columns))
             return sharp
         known = None
-    rotor = np.zeros_like(stand.pi) if crossing else stand.rotor(j)
+    rotor = np.zeros_like(lin.pi) if crossing else lin.rotor(j)
     options = known or _options(term, inertia, ROTOR_SHARES if rotor.any() else (0.0,))
-    blur = max(1, round(law.nominal().get("blur", 0.0) / stand.found.regression.step[0]))
+    blur = max(1, round(law.nominal().get("blur", 0.0) / lin.found.regression.step[0]))
     probe = Candidate(term, (), len(law.free(law.nominal())), blur)
     build = _settled_curves if crossing else _curves
-    curves = build(stand, term, options, rotor)
+    curves = build(lin, term, options, rotor)
     picks = range(len(options))
     if known is None:
-        picks = [best_option(probe, fold, curves) for fold in stand.background.folds]
+        picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
         memory.keep(term, residuals, [options[p] for p in picks])
     best = options[picks[0]]
     return replace(
         probe,
         term=placed(term, best),
         columns=tuple(curves[p][:, :, None] for p in picks),
-        start=stand.pi - best["share"] * rotor,
+        start=lin.pi - best["share"] * rotor,
     )
 
 
@@ -73,43 +73,43 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
     return [{**o, "share": float(s)} for s in shares for o in inside]
 
 
-def _curves(stand: Linearization, term: Term, options: list[dict], rotor: np.ndarray) -> np.ndarray:
+def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarray) -> np.ndarray:
     """Weighted torque (m, T', n) that a flexible joint changes."""
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
-        parts.append(_weighted(stand, term, list(group), (stand.pi - share * rotor)[None]))
+        parts.append(_weighted(lin, term, list(group), (lin.pi - share * rotor)[None]))
     return np.concatenate(parts)
 
 
 def _settled_curves(
-    stand: Linearization, term: Term, options: list[dict], rotor: np.ndarray
+    lin: Linearization, term: Term, options: list[dict], rotor: np.ndarray
 ) -> np.ndarray:
     """Weighted torque (m, T', n) that a dead zone changes.
 
     When the link crosses it depends on small torques, and the parameters were fitted without the dead
     zone: they are settled with every gap, to first order, before it is scored.
     """
-    pis = stand.pi[None]
+    pis = lin.pi[None]
     for _ in range(_SETTLE):
-        curves = _weighted(stand, term, options, pis)
-        pis = stand.pi - np.stack([_absorbed(stand, c) for c in curves])
+        curves = _weighted(lin, term, options, pis)
+        pis = lin.pi - np.stack([_absorbed(lin, c) for c in curves])
     return curves
 
 
-def _weighted(stand: Linearization, term: Term, options: list[dict], pis) -> np.ndarray:
+def _weighted(lin: Linearization, term: Term, options: list[dict], pis) -> np.ndarray:
     """Weighted torque (m, T', n) of options with their rigid parameters."""
-    terms = stand.found.model.terms
+    terms = lin.found.model.terms
     parts = [
-        lag_torque(m, own, pis, *gears(term.law, options, own, stand.pi), terms=terms)
-        for m, own in zip(stand.found.motions, stand.sensed(term.joint), strict=True)
+        lag_torque(m, own, pis, *gears(term.law, options, own, lin.pi), terms=terms)
+        for m, own in zip(lin.found.motions, lin.sensed(term.joint), strict=True)
     ]
-    return np.concatenate(parts, axis=1) * stand.background.weight
+    return np.concatenate(parts, axis=1) * lin.crossfit.weight
 
 
-def _absorbed(stand: Linearization, torque: np.ndarray) -> np.ndarray:
+def _absorbed(lin: Linearization, torque: np.ndarray) -> np.ndarray:
     """Change of the rigid parameters (10 n,) by which the model takes up a weighted torque."""
-    base = stand.found.fit.base
+    base = lin.found.fit.base
     full = np.zeros(len(base.names))
-    change = stand.background.whole.absorbed(torque)
+    change = lin.crossfit.whole.absorbed(torque)
     full[base.kept[: len(change)]] = change
-    return full[: len(stand.pi)]
+    return full[: len(lin.pi)]

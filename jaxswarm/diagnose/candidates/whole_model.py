@@ -21,18 +21,18 @@ from jaxswarm.identify.forward.measuring_chain import report_own
 from jaxswarm.identify.forward.placement import placement_columns
 
 
-def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
+def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
     """How the model's torque would change in what the drives write down, to first order."""
     law, neutral = term.law, term.law.neutral()
     if law.excess is not None:
-        columns = stand.stack(lambda k: stand.reported(k, _turned(stand, term, k)))
-        return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+        columns = lin.stack(lambda k: lin.reported(k, _turned(lin, term, k)))
+        return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
     if law.distortion is not None:
-        columns = stand.on_joint(stand.low(lambda k: _distorted(stand, term, k)), term.joint)
-        return Candidate(term, (columns,) * 3, columns.shape[2])
+        columns = lin.on_joint(lin.low(lambda k: _distorted(lin, term, k)), term.joint)
+        return Candidate(term, lin.on_all(columns), columns.shape[2])
 
     def slopes(k):
-        output, step = stand.outputs[k], 1.0 / stand.found.motions[k].rate
+        output, step = lin.outputs[k], 1.0 / lin.found.motions[k].rate
         if term.joint is not None:
             output = output[:, term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
@@ -41,12 +41,12 @@ def measurement_candidate(stand: Linearization, term: Term) -> Candidate:
         slope, own = _report_slopes(law, _numbers(neutral), longer, step), slice(1, 1 + len(output))
         return np.stack([np.asarray(slope[p.name])[own] for p in law.parameters], axis=-1)
 
-    low = stand.low(slopes)
+    low = lin.low(slopes)
     if term.joint is None:
-        columns = stand.background.weigh(low)
+        columns = lin.crossfit.weigh(low)
     else:
-        columns = stand.on_joint(low, term.joint)
-    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+        columns = lin.on_joint(low, term.joint)
+    return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
 
 
 # Whole programs: each operation by itself would be traced, lowered and loaded on its own.
@@ -73,20 +73,20 @@ def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
     return {name: np.float64(value) for name, value in values.items()}
 
 
-def _distorted(stand: Linearization, term: Term, k: int) -> np.ndarray:
+def _distorted(lin: Linearization, term: Term, k: int) -> np.ndarray:
     """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
-    torque = stand.outputs[k][:, term.joint]
+    torque = lin.outputs[k][:, term.joint]
     own = distortion_columns(term.law, filled(torque))[: len(torque)]
-    terms = stand.found.model.terms
-    return report_own(terms, stand.found.motions[k], own, term.joint)
+    terms = lin.found.model.terms
+    return report_own(terms, lin.found.motions[k], own, term.joint)
 
 
-def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
+def _turned(lin: Linearization, term: Term, k: int) -> np.ndarray:
     """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
-    motion = stand.found.motions[k]
+    motion = lin.found.motions[k]
     along, own = filled(read_motion(term, motion)), slice(len(motion.t))
     slopes = misreading_slopes(term.law, term.law.neutral(), along)
-    by = stand.sensed(term.joint)[k].at(stand.pi)[1:]
+    by = lin.sensed(term.joint)[k].at(lin.pi)[1:]
     columns = [
         -sum(x * np.asarray(e[p.name])[own, None] for x, e in zip(by, slopes, strict=True))
         for p in term.law.parameters
@@ -94,47 +94,47 @@ def _turned(stand: Linearization, term: Term, k: int) -> np.ndarray:
     return np.stack(columns, axis=2)
 
 
-def body_candidate(stand: Linearization, term: Term) -> Candidate:
+def body_candidate(lin: Linearization, term: Term) -> Candidate:
     """Another gravity or a body on the last link, to first order."""
     law, neutral = term.law, term.law.neutral()
     if law.placement is not None:
 
         def moved(k):
-            at = stand.arm, stand.moved[k], stand.pi
-            return stand.reported(k, placement_columns(law, term.joint, *at))
+            at = lin.arm, lin.moved[k], lin.pi
+            return lin.reported(k, placement_columns(law, term.joint, *at))
 
-        columns = stand.stack(moved)
-        return Candidate(term, (columns,) * 3, columns.shape[2])
+        columns = lin.stack(moved)
+        return Candidate(term, lin.on_all(columns), columns.shape[2])
     if law.gravity is not None:
-        columns = stand.background.weigh(_gravity_columns(stand, term))
+        columns = lin.crossfit.weigh(_gravity_columns(lin, term))
     else:
         bodies = body_basis(law)
         last = slice(-10, None)
-        columns = stand.stack(lambda k: stand.reported(k, stand.carried(k)[:, :, last] @ bodies))
+        columns = lin.stack(lambda k: lin.reported(k, lin.carried(k)[:, :, last] @ bodies))
         if law.window:
-            return windowed_candidate(stand, term, columns)
-    return Candidate(replace(term, values=neutral), (columns,) * 3, columns.shape[2])
+            return windowed_candidate(lin, term, columns)
+    return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
 
 
-def _directions(stand: Linearization, term: Term) -> np.ndarray:
+def _directions(lin: Linearization, term: Term) -> np.ndarray:
     """Change of gravity by each parameter, (p, 3)."""
-    gravity = np.asarray(stand.arm.gravity, float)
+    gravity = np.asarray(lin.arm.gravity, float)
     slopes = _gravity_slopes(term.law, _numbers(term.law.neutral()), gravity)
     return np.stack([np.asarray(slopes[p.name]) for p in term.law.parameters])
 
 
-def _gravity_columns(stand: Linearization, term: Term) -> np.ndarray:
+def _gravity_columns(lin: Linearization, term: Term) -> np.ndarray:
     """Decimated torque by each parameter of a gravity, (T', n, p and more).
 
     Gravity aside also loads masses that the level arm never felt, such as that of a first link
     about its vertical axis: their torques follow as further columns with free coefficients.
     """
-    unknown = np.setdiff1d(np.arange(len(stand.pi)), stand.found.fit.base.kept)
-    *aside, level = _by_gravity(stand, _directions(stand, term))
-    known = np.stack([rows @ stand.pi for rows in aside], axis=2)
+    unknown = np.setdiff1d(np.arange(len(lin.pi)), lin.found.fit.base.kept)
+    *aside, level = _by_gravity(lin, _directions(lin, term))
+    known = np.stack([rows @ lin.pi for rows in aside], axis=2)
     free = np.concatenate([rows[:, :, unknown] for rows in aside], axis=2)
     # What the level arm's own columns cannot say already, as few columns as span it.
-    own = level.reshape(-1, len(stand.pi))
+    own = level.reshape(-1, len(lin.pi))
     basis, size, _ = np.linalg.svd(own, full_matrices=False)
     inside = basis[:, size > 1e-9 * size[0]]
     flat = free.reshape(len(own), -1)
@@ -143,28 +143,28 @@ def _gravity_columns(stand: Linearization, term: Term) -> np.ndarray:
     return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
 
 
-def _by_gravity(stand: Linearization, directions: np.ndarray) -> list[np.ndarray]:
+def _by_gravity(lin: Linearization, directions: np.ndarray) -> list[np.ndarray]:
     """Decimated rigid columns at rest for gravity along the directions and as it is, (T', n, 10 n) each.
 
     They follow from the links' positions alone, so that the next round need not build them again.
     """
-    measured = of_kind(stand.found.model.terms, MeasurementLaw)
+    measured = of_kind(lin.found.model.terms, MeasurementLaw)
     chain = [(t.place, *t.values.items()) for t in measured]
-    places = (directions.tobytes(), *(id(q) for q, _, _ in stand.moved), *chain)
-    memory = stand.memory
+    places = (directions.tobytes(), *(id(q) for q, _, _ in lin.moved), *chain)
+    memory = lin.memory
     if places in memory.gravity:
         return memory.gravity[places][1]
 
     def columns(gravity):
-        arm = stand.arm.replace(gravity=np.asarray(gravity))
+        arm = lin.arm.replace(gravity=np.asarray(gravity))
 
         def rows(k):
-            q, zero = stand.moved[k][0], np.zeros_like(stand.moved[k][1])
-            return stand.reported(k, rigid_columns(arm, q, zero, zero))
+            q, zero = lin.moved[k][0], np.zeros_like(lin.moved[k][1])
+            return lin.reported(k, rigid_columns(arm, q, zero, zero))
 
-        return stand.low(rows)
+        return lin.low(rows)
 
-    found = [columns(g) for g in (*directions, stand.arm.gravity)]
+    found = [columns(g) for g in (*directions, lin.arm.gravity)]
     # The positions are kept with them: their identity is the key.
-    memory.gravity = {places: ([q for q, _, _ in stand.moved], found)}
+    memory.gravity = {places: ([q for q, _, _ in lin.moved], found)}
     return found

@@ -22,11 +22,11 @@ _EDGES, _FINE, _LEAST = 48, 16, 0.1
 _RANK, _RIDGE = 1e-5, 1e-9
 
 
-def windowed_candidate(stand: Linearization, term: Term, columns: np.ndarray) -> Candidate | None:
+def windowed_candidate(lin: Linearization, term: Term, columns: np.ndarray) -> Candidate | None:
     """A body carried for a while, in the window that explains most of each fold's residual.
 
     Args:
-        stand: Where the model stands.
+        lin: The model, linearized.
         term: Of a :class:`BodyChange` with a window.
         columns: Weighted columns (T, n, 10) of the body if it were carried all along.
     """
@@ -34,12 +34,12 @@ def windowed_candidate(stand: Linearization, term: Term, columns: np.ndarray) ->
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     _, size, directions = np.linalg.svd(rows / scale, full_matrices=False)
     seen = columns / scale @ directions[size > _RANK * size[0]].T
-    values = [_best_window(stand, fold, seen) for fold in stand.background.folds]
+    values = [_best_window(lin, fold, seen) for fold in lin.crossfit.folds]
     if None in values:
         return None
     bounds = {p.name: (p.lower, p.upper) for p in term.law.nonlinear}
     values = [{n: float(np.clip(x, *bounds[n])) for n, x in v.items()} for v in values]
-    t, log = stand.found.regression.t, stand.found.regression.log
+    t, log = lin.found.regression.t, lin.found.regression.log
 
     def within(window):
         weight = np.asarray(term.law.weight(window, filled(t)))[: len(t)] * (log == window["log"])
@@ -49,9 +49,9 @@ def windowed_candidate(stand: Linearization, term: Term, columns: np.ndarray) ->
     return Candidate(placed, tuple(within(v) for v in values), seen.shape[2] + 2)
 
 
-def _best_window(stand: Linearization, fold: Fold, seen: np.ndarray) -> dict | None:
+def _best_window(lin: Linearization, fold: Fold, seen: np.ndarray) -> dict | None:
     """Start, end and log of the window that explains most of a fold's rows; None if none does."""
-    regression = stand.found.regression
+    regression = lin.found.regression
     x = np.where(fold.train[:, None, None], seen, 0.0)
     squares = np.einsum("tja,tjb->tab", x, x)
     inner = np.einsum("tja,tj->ta", x, fold.residual)

@@ -7,11 +7,9 @@ Econometrics J. 5 (2002) for doing it under autocorrelation.
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.score import Rules, Score, coefficients, score
+from jaxswarm.diagnose.decision.rules import AS_GOOD, OVERLAP, SPECIAL_CASE, Rules
+from jaxswarm.diagnose.decision.score import Score, coefficients, score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-
-# Candidates that say the same thing to this degree compete for one explanation.
-OVERLAP = 0.7
 
 
 def difference(one: Score, other: Score) -> float:
@@ -21,21 +19,21 @@ def difference(one: Score, other: Score) -> float:
     return float(change.mean() / max(spread, 1e-12 * abs(one.blocks).max() + 1e-300))
 
 
-def is_special_case(inner: Candidate, outer: Candidate, background: CrossFit) -> bool:
+def is_special_case(inner: Candidate, outer: Candidate, crossfit: CrossFit) -> bool:
     """Whether ``outer`` can do all that ``inner`` does: then it is its generalization, no rival."""
     if outer.size <= inner.size or outer.term.joint != inner.term.joint:
         return False
-    fold = background.whole
+    fold = crossfit.whole
     a = fold.free_part(inner.columns[0]).reshape(-1, inner.columns[0].shape[2])
     b = fold.free_part(outer.columns[0]).reshape(-1, outer.columns[0].shape[2])
     b = b / np.maximum(np.linalg.norm(b, axis=0), 1e-300)
     left = a - b @ np.linalg.lstsq(b, a, rcond=1e-6)[0]
-    return bool(np.linalg.norm(left) < 0.1 * np.linalg.norm(a))
+    return bool(np.linalg.norm(left) < SPECIAL_CASE * np.linalg.norm(a))
 
 
-def overlap(one: Candidate, other: Candidate, background: CrossFit) -> float:
+def overlap(one: Candidate, other: Candidate, crossfit: CrossFit) -> float:
     """Correlation of what two candidates take off the residual, 1 if they say the same."""
-    fold = background.whole
+    fold = crossfit.whole
     said = []
     for candidate in (one, other):
         free = fold.free_part(candidate.columns[0])
@@ -44,20 +42,20 @@ def overlap(one: Candidate, other: Candidate, background: CrossFit) -> float:
     return float(said[0] @ said[1] / size) if size > 0 else 0.0
 
 
-def beats(one: Score, other: Score, rules: Rules, background: CrossFit) -> bool:
+def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
     """Whether the first explains what the second leaves, and the second nothing that the first leaves.
 
     Encompassing by held-out prediction: G. E. Mizon, J.-F. Richard, Econometrica 54 (1986).
     """
 
     def adds(new: Score, old: Score) -> bool:
-        left = score(new.candidate, background.with_columns(old.candidate.columns))
+        left = score(new.candidate, crossfit.with_columns(old.candidate.columns))
         return left.gain > 0 and left.p_value < rules.rival
 
     return adds(one, other) and not adds(other, one)
 
 
-def choose(passed: list[Score], rules: Rules, background: CrossFit) -> tuple[Score, list[Score]]:
+def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score, list[Score]]:
     """The best of those that passed, and its rivals: those the data do not tell from it.
 
     Rivals say the same as the best, gain within ``rules.tie`` standard errors of it, and are beaten by
@@ -70,17 +68,17 @@ def choose(passed: list[Score], rules: Rules, background: CrossFit) -> tuple[Sco
         for s in ranked
         if s is best
         or (
-            overlap(best.candidate, s.candidate, background) > OVERLAP
-            and (difference(best, s) < rules.tie or s.gain > 0.97 * best.gain)
+            overlap(best.candidate, s.candidate, crossfit) > OVERLAP
+            and (difference(best, s) < rules.tie or s.gain > AS_GOOD * best.gain)
         )
     ]
     standing = [
-        s for s in close if not any(beats(r, s, rules, background) for r in close if r is not s)
+        s for s in close if not any(beats(r, s, rules, crossfit) for r in close if r is not s)
     ]
     chosen = min(standing or close, key=lambda s: (s.candidate.size, -s.gain))
     rivals = [
         s
         for s in standing
-        if s is not chosen and not is_special_case(chosen.candidate, s.candidate, background)
+        if s is not chosen and not is_special_case(chosen.candidate, s.candidate, crossfit)
     ]
     return chosen, rivals

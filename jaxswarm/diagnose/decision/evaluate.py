@@ -12,7 +12,7 @@ from jaxswarm.effects.term import Term
 
 
 def score_terms(
-    stand: Linearization,
+    lin: Linearization,
     terms: Sequence[Term],
     seed: int,
     signed: Callable[[Term], bool] = lambda term: False,
@@ -20,16 +20,14 @@ def score_terms(
     """Scores of candidates against a model.
 
     Args:
-        stand: The model and its stage.
+        lin: The model, linearized.
         terms: Terms to ask.
         seed: Seed of the searches.
         signed: Whether a term is a change of something known, of either sign.
     """
-    interval = max(m.interval for m in stand.found.motions)
-    candidates = propose_all(stand, tuple(terms), jax.random.key(seed))
-    scores = [
-        score(replace(c, signed=signed(c.term)), stand.background, interval) for c in candidates
-    ]
+    interval = max(m.interval for m in lin.found.motions)
+    candidates = propose_all(lin, tuple(terms), jax.random.key(seed))
+    scores = [score(replace(c, signed=signed(c.term)), lin.crossfit, interval) for c in candidates]
     for one in scores:
-        stand.memory.explained(one.candidate.term, one.trained)
+        lin.memory.explained(one.candidate.term, one.trained)
     return scores

@@ -5,16 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.rules import MATERIAL, NEAR
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import row_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# A residual within this multiple of the noise is near it. Clean logs of another simulator are left with 0.9
-# to 1.35 times their noise (q01-q04 of the practice logs); a soft joint that was missed left 3.3 times.
-NEAR = 2.0
-# Structure whose RMS is within this multiple of the noise of its joint is told as part of that noise, which
-# holds what is unknown of the motion: on 11 clean worlds it was 0.6 to 0.9 times it where there was any.
-MATERIAL = 1.0
 # Windows of time [s] in which the remainder is told, and how many at most.
 _WINDOW, _MOST_WINDOWS = 0.5, 6
 # Shares of the remainder's power at whose frequencies its band begins and ends.

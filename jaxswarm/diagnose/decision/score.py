@@ -22,36 +22,8 @@ import numpy as np
 from scipy import special
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.rules import DENSE, SELECTED, WEIGHTY, Rules
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
-
-# A window is the best of all its lengths and places, and residuals have heavier tails than the normal's:
-# what it explains counts by this part.
-_SELECTED = 2.0
-# An event explains at least this many times what a window of its length does on average.
-_DENSE = 4.0
-
-
-@dataclass(frozen=True)
-class Rules:
-    """Thresholds of the decision.
-
-    Attributes:
-        significance: Chance that anything is added to a log without a missing effect.
-        share: Least share of a joint's held-out squared error that an effect has to take off.
-        repeat: Least share of blocks in which it has to help.
-        over_noise, over_torque: Least RMS torque that it has to take off its joint's error, over that of
-            the noise and of the torque: a fifth of a residual that is nothing is nothing.
-        tie: Rivals whose gains differ by fewer standard errors than this are not told apart,
-        rival: unless one explains what another leaves with less than this chance of error.
-    """
-
-    significance: float = 0.01
-    share: float = 0.2
-    repeat: float = 0.6
-    over_noise: float = 0.3
-    over_torque: float = 0.001
-    tie: float = 2.0
-    rival: float = 0.001
 
 
 @dataclass(frozen=True)
@@ -71,7 +43,7 @@ class Score:
         coefficients: Linear coefficients of the whole fit, (k,).
         allowed: Whether signs agree with physics.
         over_noise, over_torque: RMS torque that it takes off its joint's error, over that of the noise
-            and of the torque; events are judged by their own torque instead.
+            and of the torque; events are scored by their own torque instead.
     """
 
     candidate: Candidate
@@ -98,20 +70,20 @@ def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = Non
     return np.linalg.lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6)[0] / scale
 
 
-def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> Score:
+def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Score:
     """Fit a candidate on each half and score it on the other.
 
     ``interval`` is the log's sampling interval [s], by which a delay is told from the log's own.
     """
     if candidate.term.law.recurring:
-        return _score_event(candidate, background)
-    count = int(background.block.max()) + 1
-    joints = background.weight.shape[1]
+        return _score_event(candidate, crossfit)
+    count = int(crossfit.block.max()) + 1
+    joints = crossfit.weight.shape[1]
     gains = np.zeros((count, joints))
     before = np.zeros(joints)
     inner, square = np.zeros(count), np.zeros(count)
     signs, trained = [], 0.0
-    for fold, columns in zip(background.halves, candidate.columns[1:], strict=True):
+    for fold, columns in zip(crossfit.halves, candidate.columns[1:], strict=True):
         free = fold.free_part(columns)
         a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
         signs.append(a)
@@ -120,11 +92,11 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
         trained = max(trained, _share_of(predicted[fold.train], residual[fold.train]))
         predicted, residual = predicted[out], residual[out]
         fall = residual**2 - (residual - predicted) ** 2
-        np.add.at(gains, background.block[out], fall)
-        np.add.at(inner, background.block[out], (predicted * residual).sum(axis=1))
-        np.add.at(square, background.block[out], (predicted**2).sum(axis=1))
+        np.add.at(gains, crossfit.block[out], fall)
+        np.add.at(inner, crossfit.block[out], (predicted * residual).sum(axis=1))
+        np.add.at(square, crossfit.block[out], (predicted**2).sum(axis=1))
         before += (residual**2).sum(axis=0)
-    whole = coefficients(background.whole.free_part(candidate.columns[0]), background.whole)
+    whole = coefficients(crossfit.whole.free_part(candidate.columns[0]), crossfit.whole)
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)
     joint = candidate.term.joint
@@ -132,11 +104,11 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
         joint = int(np.argmax(per_joint / before))
     # A joint effect is a matter of its own joint; others may gain through shared parameters.
     share = float(per_joint[joint] / before[joint])
-    rms = np.sqrt(max(per_joint[joint], 0.0) / len(background.weight))
-    rms /= background.weight[:, joint].max()
+    rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
+    rms /= crossfit.weight[:, joint].max()
     allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
     allowed = allowed and candidate.term.law.credible(whole[0], interval)
-    weighty = np.abs(blocks) > 0.1 * abs(blocks.mean())
+    weighty = np.abs(blocks) > WEIGHTY * abs(blocks.mean())
     return Score(
         candidate=candidate,
         gain=float(blocks.sum()),
@@ -149,32 +121,32 @@ def score(candidate: Candidate, background: CrossFit, interval: float = 0.0) -> 
         repeats=float((blocks[weighty] > 0).mean()) if weighty.any() else 0.0,
         coefficients=whole,
         allowed=bool(allowed),
-        over_noise=float(rms / background.noise[joint]),
-        over_torque=float(rms / max(background.size[joint], 1e-300)),
+        over_noise=float(rms / crossfit.noise[joint]),
+        over_torque=float(rms / max(crossfit.size[joint], 1e-300)),
     )
 
 
-def _score_event(candidate: Candidate, background: CrossFit) -> Score:
+def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     """What a window of time is worth: no other time can tell, so that it has to stand out by itself.
 
-    The share is that of the squared torque, not bounded as in the gain: the few samples of a touch are
+    The share is that of the squared torque, not bounded as in the gain: the few samples of an event are
     what the bounds are made against.
     """
-    whole, weight = background.whole, background.plain
+    whole, weight = crossfit.whole, crossfit.plain
     inside = candidate.columns[0].any(axis=(1, 2))
     free = whole.free_part(candidate.columns[0])
     a = coefficients(free, whole)
-    predicted, residual = (background.as_event(x) for x in (free @ a, whole.residual))
+    predicted, residual = (crossfit.as_event(x) for x in (free @ a, whole.residual))
     fall = residual**2 - (residual - predicted) ** 2
     raw = np.divide(1.0, weight**2, where=weight > 0, out=np.zeros_like(weight))
     shares = (fall * raw).sum(axis=0) / np.maximum((residual**2 * raw).sum(axis=0), 1e-300)
     joint, per_joint = int(np.argmax(shares)), fall.sum(axis=0)
     gain = float(per_joint.sum())
-    memory = residual.size / background.effective
+    memory = residual.size / crossfit.effective
     windows = len(residual) / max(int(inside.sum()), 1)
-    blocks = np.bincount(background.block, fall.sum(axis=1))
-    chance = special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / _SELECTED) * windows
-    dense = shares[joint] * windows >= _DENSE
+    blocks = np.bincount(crossfit.block, fall.sum(axis=1))
+    chance = special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
+    dense = shares[joint] * windows >= DENSE
     return Score(
         candidate=candidate,
         gain=gain,

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg
 
+from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.score import slope_p_value
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -23,9 +24,6 @@ from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
 _FEATURES = {1: 14, 2: 96}
 # Ridge, in units of the mean squared feature; less fits the noise of one half and fails on the other.
 _RIDGE = 0.03
-# Least share of a joint's held-out squared error to call structure, and to add a second variable.
-_LEAST, _SECOND = 0.2, 0.06
-_SIGNIFICANCE = 0.01
 
 
 @dataclass(frozen=True)
@@ -72,15 +70,15 @@ def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
 
 
 def find_unexplained(
-    found: Estimate, background: CrossFit, seed: int = 0, joints: Sequence[int] | None = None
+    found: Estimate, crossfit: CrossFit, seed: int = 0, joints: Sequence[int] | None = None
 ) -> list[Unexplained]:
     """Joints (all, or those given) whose residual the motion predicts although no law passed."""
-    asked = range(background.weight.shape[1]) if joints is None else joints
-    known = background.structure
+    asked = range(crossfit.weight.shape[1]) if joints is None else joints
+    known = crossfit.structure
     unknown = [j for j in asked if (seed, j) not in known]
     if unknown:
         table = _table(found)
-        known.update({(seed, j): _look(found, background, j, table, seed) for j in unknown})
+        known.update({(seed, j): _look(found, crossfit, j, table, seed) for j in unknown})
     return [known[seed, j] for j in asked if known[seed, j] is not None]
 
 
@@ -94,29 +92,29 @@ def _table(found: Estimate) -> dict[str, "_Input"]:
 
 
 def _look(
-    found: Estimate, background: CrossFit, joint: int, table: dict[str, "_Input"], seed: int
+    found: Estimate, crossfit: CrossFit, joint: int, table: dict[str, "_Input"], seed: int
 ) -> Unexplained | None:
     """The structure of one joint."""
-    singles = [(_try(background, joint, [table[n]], seed), (n,)) for n in table]
+    singles = [(_try(crossfit, joint, [table[n]], seed), (n,)) for n in table]
     singles.sort(key=lambda item: -item[0][0])
     best, pick = singles[0]
     # Pairs with each of the three most telling variables, and with the joint's own velocity.
     own = f"dq_{found.model.robot.joints[joint]}"
     leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
     pairs = [
-        (_try(background, joint, [table[a], table[b]], seed), (a, b))
+        (_try(crossfit, joint, [table[a], table[b]], seed), (a, b))
         for a in leads
         for b in table
         if a in table and b != a
     ]
     asked = len(singles) + len(pairs)
     pairs.sort(key=lambda item: -item[0][0])
-    if pairs and pairs[0][0][0] > best[0] + _SECOND:
+    if pairs and pairs[0][0][0] > best[0] + SECOND_VARIABLE:
         best, pick = pairs[0]
     share, p_value = best
-    if share < _LEAST or p_value * asked > _SIGNIFICANCE:
+    if share < STRUCTURE or p_value * asked > STRUCTURE_SIGNIFICANCE:
         return None
-    return _unexplained(found, background, joint, pick, (share, p_value * asked), table, seed)
+    return _unexplained(found, crossfit, joint, pick, (share, p_value * asked), table, seed)
 
 
 def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
@@ -127,13 +125,13 @@ def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
     return replace(model, smooth=(*model.smooth, *(item.term for item in kept)))
 
 
-def _unexplained(found, background, joint, pick, worth, table, seed) -> Unexplained:
+def _unexplained(found, crossfit, joint, pick, worth, table, seed) -> Unexplained:
     """Fit the smooth function of the picked variables on all rows."""
     inputs = [table[n] for n in pick]
-    weight, whole = background.weight[:, joint, None], background.whole
+    weight, whole = crossfit.weight[:, joint, None], crossfit.whole
     rows = _features(inputs, seed) * weight
     a = _ridge(whole.free_rows(rows, joint), whole.residual[:, joint])
-    torque = np.zeros(background.weight.shape)
+    torque = np.zeros(crossfit.weight.shape)
     torque[:, joint] = rows @ a
     change = np.zeros(len(found.fit.theta))
     change[found.fit.base.kept] = -whole.absorbed(torque)
@@ -191,19 +189,19 @@ def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
     return linalg.cho_solve(whole, free.T @ residual, check_finite=False)
 
 
-def _try(background: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:
+def _try(crossfit: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:
     """Held-out share of the joint's squared error, and its p-value over blocks."""
-    rows = _features(inputs, seed) * background.weight[:, joint, None]
-    count = int(background.block.max()) + 1
+    rows = _features(inputs, seed) * crossfit.weight[:, joint, None]
+    count = int(crossfit.block.max()) + 1
     gains, before = np.zeros(count), 0.0
     inner, square = np.zeros(count), np.zeros(count)
-    for fold in background.halves:
+    for fold in crossfit.halves:
         free = fold.free_rows(rows, joint)
         a = _ridge(free[fold.train], fold.residual[fold.train, joint])
         out = ~fold.train
         r = fold.residual[out, joint]
         said = free[out] @ a
-        block = background.block[out]
+        block = crossfit.block[out]
         gains += np.bincount(block, r**2 - (r - said) ** 2, count)
         inner += np.bincount(block, said * r, count)
         square += np.bincount(block, said**2, count)

@@ -3,11 +3,8 @@
 from collections.abc import Sequence
 
 from jaxswarm.diagnose.decision.remainder import Remainder
+from jaxswarm.diagnose.decision.rules import HOPELESS
 from jaxswarm.diagnose.decision.unexplained import Unexplained
-
-# A model that leaves this share of all torque on unseen time says nothing of the arm: the log, its units or
-# its signs are wrong. The worst right fit of a log at hand leaves a quarter (a missing spring, p04).
-HOPELESS = 0.8
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED, CANNOT = (
     "nothing missing",

@@ -21,7 +21,7 @@ _BEYOND = 10.0
 
 def as_term(problem: Joint, formula: Sum) -> Term:
     """The term of a formula on its joint, with the values of the fit to all rows."""
-    fold = problem.stand.background.whole
+    fold = problem.lin.crossfit.whole
     a = linear(problem, formula, fold, free_columns(problem, formula, fold))
     inner = {p.name: parse_unit(p.unit) for p in formula.constants}
     table = []
@@ -49,7 +49,7 @@ def _wider(p: Parameter, value: float) -> Parameter:
 def validity(problem: Joint, formula: Sum) -> tuple[tuple[str, float, float], ...]:
     """Range of every variable that a formula reads."""
     read = dict.fromkeys(name for p in formula.programs for name in fields_of(p))
-    used = problem.stand.background.weight[:, problem.joint] > 0.0
+    used = problem.lin.crossfit.weight[:, problem.joint] > 0.0
     return tuple(
         (name, float(problem.data[name][used].min()), float(problem.data[name][used].max()))
         for name in read
@@ -59,11 +59,11 @@ def validity(problem: Joint, formula: Sum) -> tuple[tuple[str, float, float], ..
 
 def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
     """A formula as a candidate of the selection: on every half with the constants found there."""
-    background = problem.stand.background
+    crossfit = problem.lin.crossfit
     term = as_term(problem, formula)
-    columns = [problem.stand.law(term)]
-    for half in background.halves:
+    columns = [problem.lin.law(term)]
+    for half in crossfit.halves:
         own = polished(problem, formula, half)
-        columns.append(problem.stand.law(replace(term, values={**term.values, **own.values})))
+        columns.append(problem.lin.law(replace(term, values={**term.values, **own.values})))
     size = len(term.formula.parameters)
     return Candidate(term, tuple(np.nan_to_num(c) for c in columns), size), term

@@ -28,9 +28,9 @@ def candidates(
         label: Region of every row.
         seed: Of the swarms.
     """
-    background = problem.stand.background
-    log = problem.stand.found.regression.log
-    folds = region_folds(background.whole, label)
+    crossfit = problem.lin.crossfit
+    log = problem.lin.found.regression.log
+    folds = region_folds(crossfit.whole, label)
     points: list[Point] = []
     tried, leads = 0, [None]
     for _ in range(_TERMS):
@@ -52,10 +52,10 @@ def candidates(
 
 def _near_noise(problem: Joint, best: Point) -> bool:
     """Whether nothing is left to be explained."""
-    background, j = problem.stand.background, problem.joint
-    weight = np.maximum(background.weight[:, j], 1e-300)
+    crossfit, j = problem.lin.crossfit, problem.joint
+    weight = np.maximum(crossfit.weight[:, j], 1e-300)
     left = np.sqrt(np.mean((best.left / weight) ** 2))
-    return bool(left < _NEAR * background.noise[j])
+    return bool(left < _NEAR * crossfit.noise[j])
 
 
 # Multiple of the noise below which a residual on other motion is not searched for more.
@@ -64,12 +64,12 @@ _NEAR = 1.5
 
 def _one_more(problem: Joint, pieces, lead: Sum | None, folds, seed: int) -> list[Point]:
     """The best programs beside those of a lead, all constants refined."""
-    whole = problem.stand.background.whole
+    whole = problem.lin.crossfit.whole
     if lead is None:
-        stage = whole
+        fold = whole
     else:
-        stage = whole.with_columns(problem.columns(lead.programs, lead.values))
-    trials = [t for t in screen(problem, problem.stage(stage), pieces, seed) if t.share > 0.0]
+        fold = whole.with_columns(problem.columns(lead.programs, lead.values))
+    trials = [t for t in screen(problem, problem.rows_of(fold), pieces, seed) if t.share > 0.0]
     done = []
     for trial in trials[:_TRIED]:
         formula = polished(problem, joined(lead, trial), whole)

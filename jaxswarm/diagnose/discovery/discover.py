@@ -6,18 +6,20 @@ grammar does not hold. Then the model is refitted with it, and it must survive o
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
+from jaxswarm.diagnose.decision.rules import MOST_LEFT, OF_SMOOTH
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
-from jaxswarm.diagnose.discovery.as_term import as_term, candidate_of
+from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
-from jaxswarm.diagnose.discovery.front import Point, alike, front
-from jaxswarm.diagnose.discovery.grammar import programs, skeleton
+from jaxswarm.diagnose.discovery.front import Point, front
+from jaxswarm.diagnose.discovery.grammar import programs
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
+from jaxswarm.diagnose.discovery.rivals import fit_alike, fitted_rivals
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, without_stand_ins
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -28,14 +30,8 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
-# Formulas of one joint that are put to the proof, and that are told beside the chosen one.
-_PROVED, _TOLD = 5, 3
-# A formula reaches at least this part of what a smooth function of one or two variables explains.
-_OF_SMOOTH = 0.8
-# Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
-_MOST_LEFT = 0.5
-# Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
-_TIE, _NEAR = 2.0, 1.2
+# Formulas of one joint that are put to the proof.
+_PROVED = 5
 
 
 @dataclass(frozen=True)
@@ -101,14 +97,14 @@ def discover(
             vain.append(outcome)
             continue
         diagnosis, outcome = without_stand_ins(diagnosis, outcome, seed)
-        found.append(outcome)
+        found.append(replace(outcome, rivals=fitted_rivals(outcome)))
 
 
 def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
     """Joints that no law explains: those whose structure was found, then those only far from the noise."""
     final = diagnosis.final
     remains = remainders(final)
-    found = material(find_unexplained(final, diagnosis.background, seed), remains)
+    found = material(find_unexplained(final, diagnosis.crossfit, seed), remains)
     told = [_Open(u.joint, u.depends_on, u.share) for u in sorted(found, key=lambda u: -u.share)]
     known = {one.joint for one in told}
     far = [r for r in remains if not r.near and r.joint not in known]
@@ -123,11 +119,11 @@ def _discover_on(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
-    stand = Linearization(final, diagnosis.background)
+    lin = Linearization(final, diagnosis.crossfit)
     ranked: list[tuple[Joint, Point]] = []
     tried = 0
     for partner, wanted in _variables(left, final.model.robot.joints):
-        problem = joint_problem(stand, j, partner, wanted)
+        problem = joint_problem(lin, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
         tried += count
@@ -144,7 +140,7 @@ def _discover_on(
             find_term(after, term),
             item,
             one,
-            _alternatives(problem, one, [p for own, p in ranked if own is problem]),
+            fit_alike(problem, one, [p for own, p in ranked if own is problem]),
             tuple(front([p for _, p in ranked])),
             tried,
             _known_shapes(one),
@@ -173,13 +169,13 @@ def _prove(
 ) -> tuple[Term, Score, Estimate] | str:
     """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
     final = diagnosis.final
-    if one.error > _MOST_LEFT:
+    if one.error > MOST_LEFT:
         return "the best formula leaves most of the error in regions of the motion it was not fitted to"
     candidate, term = candidate_of(problem, one.formula)
-    item = score(candidate, diagnosis.background, max(m.interval for m in final.motions))
+    item = score(candidate, diagnosis.crossfit, max(m.interval for m in final.motions))
     if not passes(item, tried + diagnosis.asked, diagnosis.rules):
         return "the best formula may be chance, given how many programs were tried, or is too small"
-    if item.share < _OF_SMOOTH * left.share:
+    if item.share < OF_SMOOTH * left.share:
         return "a smooth function explains clearly more than the best formula"
     after = refit_with(final, item)
     if after is None:
@@ -190,27 +186,6 @@ def _prove(
         harm = harmful(final, [Step(term, item, (), (), final, after, ())], after, other)
         why = harm and harm[1]
     return f"the best formula {why}" if why else (term, item, after)
-
-
-def _alternatives(
-    problem: Joint, one: Point, points: Sequence[Point]
-) -> tuple[tuple[Point, Term], ...]:
-    """Formulas of another form that fit alike, the shortest first."""
-    told = []
-    for point in points:
-        near = abs(alike(point, one)) < _TIE or point.error < _NEAR * one.error
-        if near and not _extends(point, one) and len(told) < _TOLD:
-            told.append((point, as_term(problem, point.formula)))
-    return tuple(told)
-
-
-def _extends(point: Point, one: Point) -> bool:
-    """Whether a formula is the other one, or the other one with further factors or terms."""
-    terms = [skeleton(p) for p in point.formula.programs]
-    return all(
-        any(all(own.count(f) >= inner.count(f) for f in inner) for own in terms)
-        for inner in (skeleton(p) for p in one.formula.programs)
-    )
 
 
 def _known_shapes(one: Point) -> tuple[str, ...]:

@@ -45,9 +45,9 @@ class Point(NamedTuple):
     length: float = np.inf
 
 
-def region_folds(stage: Fold, label: np.ndarray) -> list[tuple[Fold, np.ndarray]]:
+def region_folds(whole: Fold, label: np.ndarray) -> list[tuple[Fold, np.ndarray]]:
     """The model fitted without one region at a time, and the rows of that region."""
-    return [(stage.trained_on(label != k), label == k) for k in np.unique(label)]
+    return [(whole.trained_on(label != k), label == k) for k in np.unique(label)]
 
 
 def point(problem: Joint, formula: Sum, folds: Sequence[tuple[Fold, np.ndarray]]) -> Point:

@@ -20,7 +20,7 @@ _ROWS = 800
 _OWN = 1e-3
 
 
-class Stage(NamedTuple):
+class SearchRows(NamedTuple):
     """The rows of one joint for the compiled search.
 
     Attributes:
@@ -44,7 +44,7 @@ class Joint:
         joint, other: Index of the joint, and of the partner whose motion may enter; None: none.
         data: Field to its values on the rows of the decimated clock, (T,).
         units: Unit of every field.
-        stand: Where the model stands.
+        lin: The model, linearized.
         rows: Those of them that the search uses, (T,).
     """
 
@@ -52,27 +52,27 @@ class Joint:
     other: int | None
     data: Mapping[str, np.ndarray]
     units: Mapping[str, Unit]
-    stand: Linearization
+    lin: Linearization
     rows: np.ndarray
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the variables, in the order of a stage's rows."""
+        """Names of the variables, in the order of the searched rows."""
         return tuple(self.data)
 
     @property
     def angles(self) -> bool:
         """Whether the positions are angles."""
         places = [j for j in (self.joint, self.other) if j is not None]
-        return all(self.stand.found.model.robot.kinds[j] == "revolute" for j in places)
+        return all(self.lin.found.model.robot.kinds[j] == "revolute" for j in places)
 
-    def stage(self, fold: Fold) -> Stage:
+    def rows_of(self, fold: Fold) -> SearchRows:
         """The rows that are searched, with a model fitted to them alone."""
         own = fold.trained_on(self.rows)
         kind = np.float32
-        return Stage(
+        return SearchRows(
             np.stack([x[self.rows] for x in self.data.values()]).astype(kind),
-            self.stand.background.weight[self.rows, self.joint].astype(kind),
+            self.lin.crossfit.weight[self.rows, self.joint].astype(kind),
             own.basis[self.rows, self.joint].astype(kind),
             own.residual[self.rows, self.joint].astype(kind),
         )
@@ -82,44 +82,44 @@ class Joint:
         known = {**self.data, **values}
         size = len(self.rows)
         own = np.stack([np.broadcast_to(evaluate(p, known, np), size) for p in programs], axis=1)
-        return self.stand.on_joint(own, self.joint)
+        return self.lin.on_joint(own, self.joint)
 
 
 def joint_problem(
-    stand: Linearization, joint: int, other: int | None, wanted: Sequence[str] = ()
+    lin: Linearization, joint: int, other: int | None, wanted: Sequence[str] = ()
 ) -> Joint:
     """The variables of a joint: its own motion and load, a partner's motion, and what else is wanted.
 
     Args:
-        stand: Where the model stands.
+        lin: The model, linearized.
         joint, other: See :class:`Joint`.
         wanted: Further fields, such as the time, that may enter.
     """
     fields = ["q", "dq", "ddq", "direction", "load", "static_load", *wanted]
     if other is not None:
         fields += ["q_other", "dq_other", "ddq_other"]
-    width = stand.found.model.width
+    width = lin.found.model.width
     parts = []
-    for motion, load in zip(stand.found.motions, stand.loads, strict=True):
+    for motion, load in zip(lin.found.motions, lin.loads, strict=True):
         kept = motion.decimator.kept(len(motion.t))
         series = joint_series(motion, width, load, joint, other)._asdict()
         parts.append({name: np.asarray(series[name])[kept] for name in fields})
     data = {name: np.concatenate([part[name] for part in parts]) for name in fields}
     data = {name: x for name, x in data.items() if np.ptp(x) > 1e-9 and np.isfinite(x).all()}
-    used = np.flatnonzero(stand.background.weight.any(axis=1))
-    rows = np.zeros(len(stand.background.weight), bool)
+    used = np.flatnonzero(lin.crossfit.weight.any(axis=1))
+    rows = np.zeros(len(lin.crossfit.weight), bool)
     rows[used[:: max(1, -(-len(used) // _ROWS))]] = True
-    kinds = stand.found.model.robot.kinds
+    kinds = lin.found.model.robot.kinds
     units = field_units(kinds[joint], None if other is None else kinds[other])
-    return Joint(joint, other, data, units, stand, rows)
+    return Joint(joint, other, data, units, lin, rows)
 
 
-def share_of(column: jax.Array, stage: Stage) -> jax.Array:
+def share_of(column: jax.Array, searched: SearchRows) -> jax.Array:
     """Share of the residual's square that a column (R,) takes off, its constant eliminated."""
-    weighted = column * stage.weight
+    weighted = column * searched.weight
     size = weighted @ weighted
-    inner = weighted @ stage.basis
+    inner = weighted @ searched.basis
     left = size - inner @ inner
     own = (left > _OWN * size) & jnp.isfinite(size) & (size > 0.0)
-    gain = (weighted @ stage.residual) ** 2 / jnp.where(own, left, 1.0)
-    return jnp.where(own, gain, 0.0) / (stage.residual @ stage.residual)
+    gain = (weighted @ searched.residual) ** 2 / jnp.where(own, left, 1.0)
+    return jnp.where(own, gain, 0.0) / (searched.residual @ searched.residual)

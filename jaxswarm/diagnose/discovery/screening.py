@@ -16,7 +16,7 @@ from scipy.stats import qmc
 from jaxswarm.diagnose.discovery.grammar import MOST_CONSTANTS
 from jaxswarm.diagnose.discovery.machine import LENGTHS, Codes, encode, length_for, run
 from jaxswarm.diagnose.discovery.pieces import Piece
-from jaxswarm.diagnose.discovery.problem import Joint, Stage, share_of
+from jaxswarm.diagnose.discovery.problem import Joint, SearchRows, share_of
 from jaxswarm.swarm import Space, de, minimize
 
 # Points of the constants at which a program is looked at, by their number; and the half width of the cube in
@@ -53,19 +53,23 @@ class Box(NamedTuple):
     log: np.ndarray
 
 
-def screen(problem: Joint, stage: Stage, pieces: Sequence[Piece], seed: int = 0) -> list[Trial]:
+def screen(
+    problem: Joint, searched: SearchRows, pieces: Sequence[Piece], seed: int = 0
+) -> list[Trial]:
     """The best programs with refined constants, the best first."""
-    points, shares = _survey(problem, stage, pieces)
+    points, shares = _survey(problem, searched, pieces)
     chosen: list[int] = []
     for count in _POINTS:
         own = [i for i, one in enumerate(pieces) if len(one.constants) == count]
         own.sort(key=lambda i: (-shares[i], len(pieces[i].program)))
         chosen += own[:_KEPT]
-    trials = _refined(problem, stage, [pieces[i] for i in chosen], points[chosen], seed)
+    trials = _refined(problem, searched, [pieces[i] for i in chosen], points[chosen], seed)
     return sorted(trials, key=lambda one: -one.share)
 
 
-def _survey(problem: Joint, stage: Stage, pieces: Sequence[Piece]) -> tuple[np.ndarray, np.ndarray]:
+def _survey(
+    problem: Joint, searched: SearchRows, pieces: Sequence[Piece]
+) -> tuple[np.ndarray, np.ndarray]:
     """Best point of every program in the unit cube (P, M), and its share (P,)."""
     best = np.full((len(pieces), MOST_CONSTANTS), 0.5, np.float32)
     shares = np.zeros(len(pieces))
@@ -81,7 +85,7 @@ def _survey(problem: Joint, stage: Stage, pieces: Sequence[Piece]) -> tuple[np.n
             part += [part[-1]] * (_LANES - len(part))  # one shape, one compiled program
             at = np.array([row[i] for i, _ in part])
             cube = np.stack([u for _, u in part])
-            told = _shares(jax.tree.map(lambda x, at=at: x[at], (codes, box)), cube, stage)
+            told = _shares(jax.tree.map(lambda x, at=at: x[at], (codes, box)), cube, searched)
             for (i, u), share in zip(part, np.asarray(told), strict=True):
                 if share > shares[i]:
                     shares[i], best[i] = share, u
@@ -116,25 +120,25 @@ def _decode(box: Box, u: jax.Array) -> jax.Array:
     return jnp.where(box.log, box.lower * ratio**u, box.lower + u * (box.upper - box.lower))
 
 
-def _share(program: tuple[Codes, Box], u: jax.Array, stage: Stage) -> jax.Array:
+def _share(program: tuple[Codes, Box], u: jax.Array, searched: SearchRows) -> jax.Array:
     codes, box = program
-    return share_of(run(codes, _decode(box, u), stage.variables), stage)
+    return share_of(run(codes, _decode(box, u), searched.variables), searched)
 
 
 _shares = jax.jit(jax.vmap(_share, in_axes=(0, 0, None)))
 
 
 def _cost(u: jax.Array, args) -> jax.Array:
-    program, low, width, stage = args
-    return -_share(program, low + width * u, stage)
+    program, low, width, searched = args
+    return -_share(program, low + width * u, searched)
 
 
 @partial(jax.jit, static_argnames="steps")
-def _swarms(programs, low, width, keys, stage: Stage, steps: int):
+def _swarms(programs, low, width, keys, searched: SearchRows, steps: int):
     """A swarm for every program, in a cube around its best point: positions (P, M), shares (P,)."""
 
     def one(program, low, width, key):
-        args = (program, low, width, stage)
+        args = (program, low, width, searched)
         found = minimize(_cost, de(_PARTICLES), _UNIT, key, args, num_steps=steps)
         return low + width * found.params, -found.value
 
@@ -142,7 +146,7 @@ def _swarms(programs, low, width, keys, stage: Stage, steps: int):
 
 
 def _refined(
-    problem: Joint, stage: Stage, pieces: list[Piece], points: np.ndarray, seed: int
+    problem: Joint, searched: SearchRows, pieces: list[Piece], points: np.ndarray, seed: int
 ) -> list[Trial]:
     """Programs with the constants that explain most, by differential evolution near the best point."""
     done: list[Trial] = []
@@ -160,7 +164,7 @@ def _refined(
         low = np.clip(center - cell, 0.0, 1.0 - 2.0 * cell).astype(np.float32)
         width = np.broadcast_to(2.0 * cell, low.shape).astype(np.float32)
         keys = jax.random.split(jax.random.key(seed), most)
-        place, share = _swarms((codes, box), low, width, keys, stage, _STEPS)
+        place, share = _swarms((codes, box), low, width, keys, searched, _STEPS)
         values = np.asarray(jax.vmap(_decode)(box, place))
         for k in range(len(own)):
             table = group[k].constants

@@ -17,6 +17,25 @@ from jaxswarm.identify.forward.model import Model
 
 
 @dataclass(frozen=True)
+class Rival:
+    """A formula that fits like the chosen one.
+
+    Attributes:
+        point: The formula as the front has it.
+        term: Its term.
+        model: The model with it in place of the chosen one.
+        rms: RMS difference of the two torques on the log [N m or N].
+        over_noise: The same over the joint's noise.
+    """
+
+    point: Point
+    term: Term
+    model: Model
+    rms: float
+    over_noise: float
+
+
+@dataclass(frozen=True)
 class Discovery:
     """A law that was found as a formula.
 
@@ -31,6 +50,7 @@ class Discovery:
         before, after: The estimates around it.
         removed: Terms that became superfluous.
         rest: As of a :class:`Step`, which the report takes it for.
+        rivals: The alternatives, fitted in its place.
     """
 
     added: Term
@@ -44,6 +64,7 @@ class Discovery:
     after: Estimate
     removed: tuple[Term, ...] = ()
     rest: Model | None = None
+    rivals: tuple[Rival, ...] = ()
 
 
 def without_stand_ins(
@@ -60,8 +81,8 @@ def without_stand_ins(
             continue
         own = step.added.identity
         rest = refit(after, tuple(t for t in after.model.terms if t.identity != own))
-        stand = Linearization(rest, cross_fit(rest))
-        scores = score_terms(stand, [replace(step.added, values={})], seed)
+        lin = Linearization(rest, cross_fit(rest))
+        scores = score_terms(lin, [replace(step.added, values={})], seed)
         if any(passes(s, diagnosis.asked, diagnosis.rules) for s in scores):
             continue
         after = rest
@@ -78,7 +99,7 @@ def without_stand_ins(
             diagnosis,
             final=after,
             steps=tuple(steps),
-            background=cross_fit(after),
+            crossfit=cross_fit(after),
             withdrawn=(*diagnosis.withdrawn, *gone),
         ),
         replace(found, added=added, before=before, after=after),

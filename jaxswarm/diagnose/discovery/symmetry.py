@@ -55,7 +55,7 @@ class Symmetry(NamedTuple):
 
 def symmetry_of(problem: Joint, formula: Sum) -> Symmetry:
     """Reverse the joint's velocity on all rows and see what the formula does."""
-    fold = problem.stand.background.whole
+    fold = problem.lin.crossfit.whole
     a = linear(problem, formula, fold, free_columns(problem, formula, fold))
     terms = [c * _along(problem, formula, p) for c, p in zip(a, formula.programs, strict=True)]
     turned = {n: -problem.data[n] for n in _MOVING if n in problem.data}

@@ -32,17 +32,17 @@ def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
     return sum(parts[s, s : s + kept] for s in range(spans))
 
 
-def explained(columns: jax.Array, stage: FoldData, positive: bool | jax.Array) -> jax.Array:
+def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) -> jax.Array:
     """Sum of squares that free linear parameters of the columns (T', k) take off the residual.
 
     Columns of zeros say nothing. ``positive`` refuses a negative coefficient of the first column.
     """
-    columns = columns * stage.train[:, None]
-    inner = stage.basis.T @ columns
+    columns = columns * fold.train[:, None]
+    inner = fold.basis.T @ columns
     gram = columns.T @ columns - inner.T @ inner
     size = jnp.sqrt(jnp.diag(columns.T @ columns)) + 1e-300
     gram = gram / size / size[:, None] + 1e-9 * jnp.eye(columns.shape[1])
-    right = (columns.T @ stage.residual) / size
+    right = (columns.T @ fold.residual) / size
     refused = jnp.logical_and(positive, right[0] <= 0)
     gain = 0.0
     # Column after column, each freed of those before: for one to three of them a solver has no part to do.

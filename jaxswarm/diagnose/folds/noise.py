@@ -47,7 +47,7 @@ def row_noise(found: Estimate) -> np.ndarray:
 def row_doubt(found: Estimate) -> np.ndarray:
     """The noise of every row (T', n) by which it counts: without what is sharp.
 
-    A strike of a gear or the edge of a touch is sharp too, and is what has to be explained.
+    An impact in a gear or the edge of a contact is sharp too, and is what has to be explained.
     """
     return _with_sensor(found, lambda m: m.model_noise)
 

@@ -1,4 +1,4 @@
-r"""What the current model can absorb, on every fold: the stage on which candidates are tried.
+r"""What the current model can absorb, on every fold, where candidates are tried.
 
 A candidate may be credited only with what the model cannot do without it. With the weighted columns of the
 training rows factored as :math:`W_A = Q R` and :math:`P = W R^{-1}` on all rows, a candidate's column c
@@ -113,7 +113,7 @@ class CrossFit:
         return (self.whole, *self.halves)
 
     def with_columns(self, columns: tuple[np.ndarray, ...]) -> "CrossFit":
-        """The stage of a model that has further weighted columns, given for every fold."""
+        """The folds of a model that has further weighted columns, given for every fold."""
         whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
         return replace(self, whole=whole, halves=tuple(halves), structure={})
 

@@ -1,23 +1,20 @@
 """Laws that were found as formulas, as ``diagnosis.json`` has them."""
 
-import numpy as np
-
 from jaxswarm.diagnose.discovery.discover import NoFormula, Search
 from jaxswarm.diagnose.discovery.front import Point
-from jaxswarm.diagnose.discovery.stand_ins import Discovery
-from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.discovery.stand_ins import Discovery, Rival
 from jaxswarm.diagnose.report.experiment import Experiment, best_experiment
-from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.dimensions import field_units, unit_text
 from jaxswarm.effects.formula_file import law_name
 from jaxswarm.effects.formula_text import infix, total
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.regression import Diverged
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
 
 # Formulas of the front that are told.
 _MOST = 12
+# A difference below this multiple of the noise is not seen in a log.
+_TOLD = 0.5
 _SYMBOLS = {
     "direction": ("sign(dq_{})", r"\operatorname{{sign}}(\dot q_{{{}}})"),
     "load": ("load_{}", r"\tau_{{l,{}}}"),
@@ -77,11 +74,7 @@ def _entry(one: Discovery, final: Estimate, joints: tuple[str, ...]) -> dict:
             {"formula": _point_text(p), "bits": p.bits, "error_on_other_motion": p.error}
             for p in one.front[:_MOST]
         ],
-        "alternatives": [
-            told
-            for point, other in one.alternatives
-            if (told := _alternative(one, point, other, joints)) is not None
-        ],
+        "alternatives": [_alternative(one, rival, joints) for rival in one.rivals],
         "file": f"{law_name(own)}.py",
         "picture": f"{law_name(own)}.png",
     }
@@ -127,24 +120,15 @@ def _range(term: Term, final: Estimate, joints: tuple[str, ...]) -> list[dict]:
     ]
 
 
-def _alternative(one: Discovery, point: Point, other: Term, joints: tuple[str, ...]) -> dict | None:
+def _alternative(one: Discovery, rival: Rival, joints: tuple[str, ...]) -> dict:
     """A formula that fits alike: how far it is from the chosen one, and the motion that would tell."""
-    plain, tex = field_names(other, joints)
-    own = one.added.identity
-    try:
-        kept = tuple(t for t in one.after.model.terms if t.identity != own)
-        fitted = refit(one.after, (*kept, other))
-    except Diverged:
-        return None
-    j, noise = other.joint, noise_of(one.after)
-    apart = fitted.fit.residual[:, j] - one.after.fit.residual[:, j]
-    trial = best_experiment(one.after.model, fitted.model, one.after.motions[0], j)
-    rms = float(np.sqrt(np.mean(apart**2)))
+    plain, tex = field_names(rival.term, joints)
+    trial = best_experiment(one.after.model, rival.model, one.after.motions[0], rival.term.joint)
     return {
-        "formula": other.formula.text(plain),
-        "latex": other.formula.latex(tex),
-        "error_on_other_motion": point.error,
-        "distance": {"rms": rms, "over_noise": rms / float(noise[j])},
+        "formula": rival.term.formula.text(plain),
+        "latex": rival.term.formula.latex(tex),
+        "error_on_other_motion": rival.point.error,
+        "distance": {"rms": rival.rms, "over_noise": rival.over_noise},
         "experiment": _words(trial, joints),
     }
 
@@ -160,7 +144,3 @@ def _words(trial: Experiment, joints: tuple[str, ...]) -> str:
         f"{trial.text}: there the two differ by {trial.ratio:.1f} times the torque noise on "
         f"{joints[trial.joint]}"
     )
-
-
-# A difference below this multiple of the noise is not seen in a log.
-_TOLD = 0.5

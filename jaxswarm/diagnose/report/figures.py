@@ -101,7 +101,7 @@ def ladder(result: dict) -> Figure:
     axes[0].invert_yaxis()
     words = "\n".join(names)
     figure.text(0.01, 0.02, words, fontsize=9, va="bottom", linespacing=1.3)
-    figure.suptitle("error on unseen motion; dashed: noise of the torque sensor", fontsize=11)
+    figure.suptitle("error on unseen motion; dashed: noise", fontsize=11)
     return figure
 
 

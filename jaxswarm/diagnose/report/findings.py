@@ -1,6 +1,6 @@
 """The upper half of the page: verdict, errors, effects, what remains and what to do."""
 
-from jaxswarm.diagnose.decision.remainder import NEAR
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
 from jaxswarm.diagnose.report.markup import bullets, folded, image, table, text
@@ -55,7 +55,7 @@ def errors(result: dict, images: dict[str, bytes]) -> str:
 
 def _ladder_words(result: dict) -> str:
     names = "; ".join(f"{k}: {stage.name}" for k, stage in enumerate(stages(result)))
-    return f"Bars: error of every joint. {names}. Dashed: noise of the torque sensor."
+    return f"Bars: error of every joint. {names}. Dashed: noise."
 
 
 def doubts(result: dict) -> str:

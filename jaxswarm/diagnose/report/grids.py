@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from jaxswarm.diagnose.decision.remainder import NEAR
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report.numbers import estimate, measure, number, percent, unit_text
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import where

@@ -1,6 +1,9 @@
 """The large pictures of a diagnosis as orders of plain arrays, which another process may draw."""
 
 from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
 
 from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -31,7 +34,7 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
         *signals,
         robot.joints,
         units(robot),
-        f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model",
+        f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model, {Path(shown.source).name}",
     )
     before = replace(diagnosis, final=diagnosis.declared)
     for name, one, title in (
@@ -43,23 +46,19 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
 
 
 def remaining(diagnosis: Diagnosis, title: str) -> tuple:
-    """Final residual against position, velocity, acceleration, load and time."""
+    """Final residual on all fitted logs against position, velocity, acceleration, load and time."""
     found = diagnosis.final
-    motion, regression = found.motions[0], found.regression
-    kept = motion.decimator.kept(len(motion.t))
-    rows = regression.log == 0
     own = Model(found.model.robot, (), found.model.width, found.model.filtering, found.model.sigma)
-    load = model_torque(own, motion)[kept]
+    parts = []
+    for motion in found.motions:
+        kept = motion.decimator.kept(len(motion.t))
+        rows = motion.q, motion.dq, motion.ddq, model_torque(own, motion), motion.t
+        parts.append([x[kept] for x in rows])
+    q, dq, ddq, load, t = map(np.concatenate, zip(*parts, strict=True))
     return (
-        found.fit.residual[rows],
-        {
-            "q": motion.q[kept],
-            "dq": motion.dq[kept],
-            "ddq": motion.ddq[kept],
-            "load": load,
-            "time [s]": motion.t[kept],
-        },
+        found.fit.residual,
+        {"q": q, "dq": dq, "ddq": ddq, "load": load, "time [s]": t},
         found.model.robot.joints,
         units(found.model.robot),
-        title,
+        title if len(parts) == 1 else f"{title}, {len(parts)} fitted logs or parts of one",
     )

@@ -2,29 +2,20 @@
 
 from collections.abc import Sequence
 
-from jaxswarm.diagnose.decision.remainder import Remainder, remainders
-from jaxswarm.diagnose.decision.score import Rules, Score
-from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
-from jaxswarm.diagnose.decision.verdict import (
-    CANNOT,
-    NO_PROOF,
-    OTHER_MOTION,
-    REGIONS,
-    hopeless,
-    verdict,
-)
+import numpy as np
+
+from jaxswarm.diagnose.decision.remainder import Remainder
+from jaxswarm.diagnose.decision.rules import HARM, Rules
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.unexplained import Unexplained
+from jaxswarm.diagnose.decision.verdict import CANNOT, hopeless, verdict
 from jaxswarm.diagnose.discovery.discover import Search
-from jaxswarm.diagnose.discovery.stand_ins import Discovery
-from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.report import discovered
-from jaxswarm.diagnose.report.errors import UnseenErrors, grown
 from jaxswarm.diagnose.report.experiment import best_experiment, separating_command
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.survives import HARM
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
@@ -33,7 +24,15 @@ from jaxswarm.identify.report.summary import (
     units,
     with_intervals,
 )
-from jaxswarm.logs.motion import Motion
+
+# How the noise of a joint is told.
+NOISE = (
+    "row by row, over all rows: sample-to-sample noise of the torque sensor (median third difference, taken "
+    "as white; the least of the fitted logs); what the noise of the positions makes of the model, by drawing "
+    "it; and what is sharper than sampling shows, by the power of the residual above the torque cutoff"
+)
+# Candidates told among those that were not added.
+_MOST_TOLD = 12
 
 
 def place(term: Term, joints: tuple[str, ...]) -> dict:
@@ -44,85 +43,42 @@ def place(term: Term, joints: tuple[str, ...]) -> dict:
     return entry
 
 
-def to_result(
-    diagnosis: Diagnosis,
-    left: Sequence[Unexplained],
-    validation: Sequence[Motion] = (),
-    rules: Rules | None = None,
-    search: Search | None = None,
-) -> dict:
+def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | None = None) -> dict:
     """All that is known at the end, as nested dictionaries.
 
     Args:
-        diagnosis: The loop's outcome.
-        left: Structure that remains.
-        validation: Logs to score on.
+        outcome: What was computed when the selection had ended.
         rules: Other thresholds than those that decided, to see what they would have refused.
         search: Formulas that were searched, and found or not; None: none were asked for.
     """
-    laws = search or Search((), ())
+    laws, diagnosis = search or Search((), ()), outcome.diagnosis
     rules = rules or diagnosis.rules
     final, robot = diagnosis.final, diagnosis.final.model.robot
     joints = robot.joints
-    errors = UnseenErrors(validation, diagnosis.declared, final)
-    steps = [_step(step, joints, errors) for step in (*diagnosis.steps, *laws.found)]
-    before, after = errors.of(diagnosis.declared), errors.of(final)
-    noise, remains = noise_of(final), remainders(final)
-    smooth = any(u.term is not None for u in left)
-    described = errors.with_model(with_smooth_terms(final, left)) if smooth else None
-    why = hopeless(after["relative_global"])
+    why = hopeless(outcome.after["relative_global"])
+    added = len(diagnosis.kept) + len(laws.found)
     return {
         "robot": robot.name,
         "joints": list(joints),
         "declared": [place(t, joints) for t in diagnosis.declared.model.terms],
-        "effects": [
-            {**_effect(step, final, joints), "picture": f"effect_{number}.png"}
-            for number, step in enumerate(diagnosis.kept, 1)
-        ],
-        "changed": [],
-        "steps": steps,
-        "base_parameters": base_parameter_table(final),
-        "removed": [
-            place(t, joints)
-            for t in (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
-        ],
-        "unexplained": _unexplained(left, remains, joints),
-        "undecided": [u for step in diagnosis.steps for u in _undecided(step, joints)],
-        "error": {
-            "before": before,
-            "after": after,
-            "validation": errors.validation,
-            **({"with_smooth_terms": described} if described else {}),
-            "noise_floor": {
-                "rms": list(map(float, noise)),
-                "how": "sample-to-sample noise of the torque (median third difference), taken as "
-                "white, and what the noise of the positions makes of the declared model, below the "
-                "torque cutoff; the least of the fitted logs",
-                "torque_cutoff_hz": final.motions[0].torque_cutoff,
-            },
-        },
+        **_choices(outcome, laws, joints),
+        "unexplained": _unexplained(outcome.left, outcome.remains, joints),
+        "undecided": [_undecided(one, joints) for one in outcome.undecided],
+        "error": _error(outcome),
         "torque_units": list(units(robot)),
-        "verdict": CANNOT if why else verdict(len(diagnosis.kept) + len(laws.found), left, remains),
-        "proof": proof(final, validation),
-        "residual_over_noise": [r.over_noise for r in remains],
+        "verdict": CANNOT if why else verdict(added, outcome.left, outcome.remains),
+        "proof": outcome.proof,
+        "residual_over_noise": [r.over_noise for r in outcome.remains],
         "discovered": discovered.entries(laws, final, joints),
         "no_formula": discovered.in_vain(laws, joints),
         "budget": vars(diagnosis.spent) if diagnosis.spent else None,
         "reasons": [
             *([why] if why else []),
             *diagnosis.cut_short,
-            *grown(errors.validation, joints, noise, HARM),
+            *grown(outcome.validation, joints, outcome.noise, HARM),
         ],
-        "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
-        "asked": diagnosis.asked,
-        "not_added": [
-            {
-                **place(s.candidate.term, joints),
-                **refusal(s, rules, len(diagnosis.last), diagnosis.spent is not None),
-            }
-            for s in _ranked(diagnosis.last)[:12]
-        ],
-        "effective_samples": diagnosis.background.effective,
+        **_refusals(diagnosis, rules, joints),
+        "effective_samples": diagnosis.crossfit.effective,
         "sign_width": list(final.model.width),
         "filtering": {
             "motion_cutoff_hz": list(final.motions[0].motion_cutoff),
@@ -130,6 +86,60 @@ def to_result(
             "clock_skew_s": final.motions[0].skew,
         },
         "rules": vars(rules),
+    }
+
+
+def _choices(outcome: Outcome, laws: Search, joints: tuple[str, ...]) -> dict:
+    """What was added, in order, and taken back, and the values of the final model."""
+    diagnosis = outcome.diagnosis
+    effects = [_effect(step, diagnosis.final, joints) for step in diagnosis.kept]
+    taken = (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
+    steps = zip((*diagnosis.steps, *laws.found), outcome.steps, strict=True)
+    return {
+        "effects": [{**e, "picture": f"effect_{k}.png"} for k, e in enumerate(effects, 1)],
+        "changed": [],
+        "steps": [
+            {
+                "added": place(step.added, joints),
+                "before": before,
+                "after": after,
+                "removed": [place(t, joints) for t in step.removed],
+            }
+            for step, (before, after) in steps
+        ],
+        "base_parameters": base_parameter_table(diagnosis.final),
+        "removed": [place(t, joints) for t in taken],
+    }
+
+
+def _error(outcome: Outcome) -> dict:
+    """Errors of the declared and of the final model on unseen motion, and the noise below them."""
+    return {
+        "before": outcome.before,
+        "after": outcome.after,
+        "validation": outcome.validation,
+        **({"with_smooth_terms": outcome.smooth} if outcome.smooth else {}),
+        "noise_floor": {
+            "rms": list(map(float, outcome.noise)),
+            "how": NOISE,
+            "torque_cutoff_hz": outcome.diagnosis.final.motions[0].torque_cutoff,
+        },
+    }
+
+
+def _refusals(diagnosis: Diagnosis, rules: Rules, joints: tuple[str, ...]) -> dict:
+    """What did not survive, and the candidates that came nearest without being added."""
+    rejected = [
+        {
+            **place(s.candidate.term, joints),
+            **refusal(s, rules, len(diagnosis.last), diagnosis.spent is not None),
+        }
+        for s in _ranked(diagnosis.last)[:_MOST_TOLD]
+    ]
+    return {
+        "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
+        "asked": diagnosis.asked,
+        "not_added": rejected,
     }
 
 
@@ -168,13 +178,6 @@ def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
     return added, {}
 
 
-def proof(final: Estimate, validation: Sequence[Motion]) -> str:
-    """On what motion the outcome is shown."""
-    if validation:
-        return OTHER_MOTION
-    return NO_PROOF if regions(final) is None else REGIONS
-
-
 def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], joints) -> list[dict]:
     """Structure that was found, and joints that are far from the noise without any."""
     told = []
@@ -201,36 +204,32 @@ def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], join
     ]
 
 
-def _step(step: Step | Discovery, joints: tuple[str, ...], errors: UnseenErrors) -> dict:
+def _undecided(one: Undecided, joints: tuple[str, ...]) -> dict:
+    """A rival of an added effect, with the motion on which the two would differ most."""
+    step, other = one.step, one.rival.candidate.term
+    names = [step.added.effect, other.effect]
+    if names[0] == names[1]:
+        names = [step.added.label(joints), other.label(joints)]
+    trial = best_experiment(step.after.model, one.model, step.after.motions[0], step.added.joint)
     return {
-        "added": place(step.added, joints),
-        "before": errors.of(step.before),
-        "after": errors.of(step.after),
-        "removed": [place(t, joints) for t in step.removed],
+        "joint": place(step.added, joints)["joint"],
+        "effects": names,
+        "experiment": f"{trial.text}: there the two differ by {trial.ratio:.1f} times the "
+        f"torque noise on {joints[trial.joint]}" + separating_command(step.added, other, joints),
     }
 
 
-def _undecided(step: Step, joints: tuple[str, ...]) -> list[dict]:
-    """Rivals of an added effect, with the motion on which the two would differ most."""
-    found = []
-    for rival in step.rivals[:2]:
-        other = refit_with(step.before, rival)
-        if other is None:
-            continue
-        trial = best_experiment(
-            step.after.model, other.model, step.after.motions[0], step.added.joint
-        )
-        names = [step.added.effect, rival.candidate.term.effect]
-        where = place(step.added, joints)["joint"]
-        if names[0] == names[1]:
-            names = [step.added.label(joints), rival.candidate.term.label(joints)]
-        found.append(
-            {
-                "joint": where,
-                "effects": names,
-                "experiment": f"{trial.text}: there the two differ by {trial.ratio:.1f} times the "
-                f"torque noise on {joints[trial.joint]}"
-                + separating_command(step.added, rival.candidate.term, joints),
-            }
-        )
-    return found
+def grown(
+    validation: list[dict], joints: Sequence[str], noise: np.ndarray, harm: float
+) -> list[str]:
+    """Sentences on joints whose error on a validation log grew beyond the noise by what was added."""
+    told = []
+    for entry in validation:
+        for joint, one, two, low in zip(
+            joints, entry["before"]["rms"], entry["after"]["rms"], noise, strict=True
+        ):
+            if two > harm * one and two > low:
+                told.append(
+                    f"on {entry['on']} the error of {joint} grew from {one:.3g} to {two:.3g}"
+                )
+    return told

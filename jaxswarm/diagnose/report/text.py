@@ -178,7 +178,7 @@ def _look_at(entry: dict) -> list[str]:
     if not entry["depends_on"]:
         return [
             f"Look at {joint} at {when(entry)}: what happens there happens in no known law "
-            "(a touch, cables, the controller, dropped samples)."
+            "(a push, cables, the controller, dropped samples)."
         ]
     names = " and ".join(entry["depends_on"])
     steps = [

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.rules import CHANGE_DOUBT
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change
@@ -13,9 +14,6 @@ from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
-
-# A value may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
-_DOUBT = 2.0
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ def doubt_of(change: Change) -> str | None:
     values = {**term.values, **change.now}
     spread = {**errors, **change.now_errors}
     for p in term.law.parameters:
-        slack = _DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
+        slack = CHANGE_DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
         if not p.lower - slack <= values[p.name] <= p.upper:
             return (
                 f"{p.name} would be {values[p.name]:.3g} {p.unit}, outside "
@@ -83,7 +81,7 @@ def doubt_of(change: Change) -> str | None:
     told = [n for n, e in errors.items() if np.isfinite(e)]
     neutral = term.law.neutral()
     change_of = {n: term.values[n] - neutral.get(n, 0.0) for n in told}
-    if told and not any(abs(change_of[n]) > _DOUBT * errors[n] for n in told):
+    if told and not any(abs(change_of[n]) > CHANGE_DOUBT * errors[n] for n in told):
         return "is no larger than its doubt, with that of the earlier model in it"
     return None
 

@@ -7,7 +7,7 @@ respect autocorrelation as everywhere.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,22 +15,24 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
-from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules, Score, accepted
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes
 from jaxswarm.diagnose.selection.change_fit import crossed
 from jaxswarm.diagnose.selection.earlier_model import freeze
+from jaxswarm.diagnose.selection.rounds import Question, run_rounds
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
-_MOST_STEPS = 6
+# Changes that are added, and runners-up that each of them remembers.
+_MOST_STEPS, _MOST_OTHERS = 6, 6
 
 
 @dataclass(frozen=True)
@@ -40,26 +42,28 @@ class Comparison:
     Attributes:
         before, after: The earlier model on the logs, and with the changes.
         changes: In the order they were found.
-        stages: The estimates after each change.
+        after_each: The estimates after each change.
         unseen: After each change, the residual (T, n) of every second block of time with the changes
             fitted to the others.
         last: Scores of the final round.
-        background: Folds of the final round.
+        crossfit: Folds of the final round.
         asked: Candidates asked in the first round.
         refused: Candidates that explain something with values that cannot be believed, and why.
         spent: The budget that ended the search; None: it came to its own end.
+        rules: Thresholds that decided.
     """
 
     before: Estimate
     after: Estimate
     changes: tuple[Change, ...]
-    stages: tuple[Estimate, ...]
+    after_each: tuple[Estimate, ...]
     unseen: tuple[np.ndarray, ...]
     last: tuple[Score, ...]
-    background: CrossFit
+    crossfit: CrossFit
     asked: int
     refused: tuple[tuple[Term, str], ...] = ()
     spent: Spent | None = None
+    rules: Rules = Rules()
 
 
 def compare(
@@ -87,65 +91,79 @@ def compare(
     # An event happened in the earlier log alone.
     model = replace(model, terms=tuple(t for t in model.terms if not t.law.recurring))
     check_usable(model.terms, motions)
-    before = current = freeze(model, motions)
-    held = {t.identity for t in before.model.terms}
-    picked: list[tuple[Candidate, Score, tuple[Score, ...]]] = []
-    stages: list[Estimate] = []
-    unseen: list[np.ndarray] = []
-    refused: list[tuple[Term, str]] = []
-    changes: tuple[Change, ...] = ()
-    asked, memory = 0, Memory(journal, rules.share)
-    budget, spent, scores = budget or Budget(), None, []
-    for number in range(_MOST_STEPS + 1):
-        progress(f"round {number + 1}: asking what changed")
-        background = cross_fit(current, frozen=True)
-        done = {t.identity for t in (*(c.term for c, _, _ in picked), *(t for t, _ in refused))}
-        if budget.spent:
-            spent = Spent(budget.seconds, number)
-            progress(spent.sentence)
-            scores = [s for s in scores if s.candidate.term.identity not in done]
-            break
-        scores = _ask(current, background, held, seed, done, memory)
-        asked = asked or len(scores)
-        passed = accepted(scores, rules)
-        if number == _MOST_STEPS:
-            break
-        added = None
-        while passed and added is None:
-            chosen, _ = choose(passed, rules, background)
-            others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not chosen)[:6]
-            trial = [*picked, (_raw(chosen.candidate, background), chosen, others)]
-            fitted = changes_of(before, trial)
-            doubts = [d for d in map(doubt_of, fitted) if d]
-            if doubts:
-                refused.append((fitted[-1].term, doubts[-1]))
-                passed = [s for s in passed if s is not chosen]
-            else:
-                added, picked, changes = chosen, trial, fitted
-        if added is None:
-            break
-        current = freeze(with_changes(before, changes), before.motions)
-        stages.append(current)
-        unseen.append(crossed(before, [c for c, _, _ in picked]))
+    before = freeze(model, motions)
+    memory = Memory(journal, rules.share)
+    search = Search(before, before, rules, seed, memory, (), progress, budget or Budget())
+    found = _Found()
+    run_rounds(search, _changed(found), _MOST_STEPS)
     return Comparison(
-        before, current, changes, tuple(stages), tuple(unseen), tuple(scores), background, asked,
-        tuple(refused), spent,
+        before, search.current, found.changes, tuple(found.after_each), tuple(found.unseen),
+        tuple(search.scores), search.crossfit, search.asked, tuple(search.refused), search.spent,
+        rules,
     )  # fmt: skip
 
 
-def _raw(candidate: Candidate, background: CrossFit) -> Candidate:
-    """The candidate with the columns of the whole log in units of torque."""
-    # Rows that a touch spoils weigh nothing.
-    weight = background.weight[:, :, None]
-    raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
-    return replace(candidate, columns=(raw,) * 3)
+@dataclass
+class _Found:
+    """The changes so far, as :class:`Comparison` tells them, and the candidates they were picked as."""
+
+    picked: list[tuple[Candidate, Score, tuple[Score, ...]]] = field(default_factory=list)
+    changes: tuple[Change, ...] = ()
+    after_each: list[Estimate] = field(default_factory=list)
+    unseen: list[np.ndarray] = field(default_factory=list)
 
 
-def _ask(found: Estimate, background: CrossFit, held, seed: int, done, memory) -> list[Score]:
-    terms = [t for t in eligible_terms(found.model, found.motions, True) if t.identity not in done]
-    return score_terms(
-        Linearization(found, background, memory),
-        terms,
-        seed,
-        signed=lambda term: term.identity in held,
+def _changed(found: _Found) -> Question:
+    """What changed since the earlier model, which absorbs nothing, and whose effects may change by any sign."""
+
+    def done(search: Search) -> set:
+        picked = (c.term.identity for c, _, _ in found.picked)
+        return {*picked, *(t.identity for t, _ in search.refused)}
+
+    def eligible(search: Search) -> list[Term]:
+        known = done(search)
+        terms = eligible_terms(search.current.model, search.current.motions, True)
+        return [t for t in terms if t.identity not in known]
+
+    return Question(
+        told=lambda search: "asking what changed",
+        cross_fit=lambda search: cross_fit(search.current, frozen=True),
+        eligible=eligible,
+        held=done,
+        act=lambda search, passed: _add_change(search, found, passed),
+        signed=lambda search, term: term.identity in _identities(search.declared),
     )
+
+
+def _identities(one: Estimate) -> set:
+    return {t.identity for t in one.model.terms}
+
+
+def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
+    """Add the best change whose values can be believed; whether there was one."""
+    before = search.declared
+    while passed:
+        chosen, _ = choose(passed, search.rules, search.crossfit)
+        ranked = sorted(search.scores, key=lambda s: -s.gain)
+        others = tuple(s for s in ranked if s is not chosen)[:_MOST_OTHERS]
+        raw = _raw(chosen.candidate, search.crossfit)
+        picked = [*found.picked, (raw, chosen, others)]
+        changes = changes_of(before, picked)
+        doubts = [d for d in map(doubt_of, changes) if d]
+        if not doubts:
+            found.picked, found.changes = picked, changes
+            search.current = freeze(with_changes(before, changes), before.motions)
+            found.after_each.append(search.current)
+            found.unseen.append(crossed(before, [c for c, _, _ in picked]))
+            return True
+        search.refused.append((changes[-1].term, doubts[-1]))
+        passed = [s for s in passed if s is not chosen]
+    return False
+
+
+def _raw(candidate: Candidate, crossfit: CrossFit) -> Candidate:
+    """The candidate with the columns of the whole log in units of torque."""
+    # Rows within an event weigh nothing.
+    weight = crossfit.weight[:, :, None]
+    raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
+    return replace(candidate, columns=(raw,) * len(candidate.columns))

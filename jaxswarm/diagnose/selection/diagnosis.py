@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from jaxswarm.diagnose.decision.score import Rules, Score
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Spent
 from jaxswarm.diagnose.selection.step import Step
@@ -21,7 +22,7 @@ class Diagnosis:
         final: The estimate after the last step.
         steps: What was added, in order.
         last: Scores of all candidates in the final round, in which nobody passed.
-        background: The folds of the final model.
+        crossfit: The folds of the final model.
         asked: Candidates asked in the first round.
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
         ended: Whether the search ended by its number of rounds, and more might be added.
@@ -34,7 +35,7 @@ class Diagnosis:
     final: Estimate
     steps: tuple[Step, ...]
     last: tuple[Score, ...]
-    background: CrossFit
+    crossfit: CrossFit
     asked: int
     withdrawn: tuple[Term, ...] = ()
     refused: tuple[tuple[Term, str], ...] = ()

@@ -1,68 +1,108 @@
 """What every drive has, proposed for all joints at once.
 
-Where viscous and dry friction are missing on several joints, each joint's residual is their sum, and laws of
-more parameters compete to be bent into it. Effects marked ``everyday`` are therefore added together before
-anything rarer, wherever they are seen, and what the common fit does not confirm is dropped again.
+Where viscous and dry friction are missing on several joints, each joint's residual is their sum, laws of more
+parameters compete to be bent into it, and in a short log hardly one of them shows alone: what the others leave
+is most of what it would be seen against. Effects marked ``everyday`` are therefore tried together wherever
+there is none, before anything rarer and before the clocks are asked, whose skew would take up a part of them.
+What the common fit does not confirm is dropped again, the least certain of a joint first, and so is what does
+not lower its joint's error on rows that were not fitted.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, Rules
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# A term stays if its value is beyond so many standard errors and its torque beyond this part of the noise.
-_CERTAIN, _MATERIAL = 4.0, 0.3
-_TURNS = 4
+
+def allow_for_everyday(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Add what every drive has, on all joints that lack it, once; whether anything was added."""
+    everyday = [t for t in eligible if t.law.everyday]
+    if search.everyday or not everyday:
+        return False
+    search.everyday = True
+    search.asked = len(eligible)
+    scores = score_terms(lin, everyday, search.seed)
+    together = add_everyday(search.current, lin.crossfit, scores, search.rules)
+    if together is None:
+        return False
+    search.progress("adding what every drive has")
+    search.steps, search.current = together
+    return True
 
 
 def add_everyday(
-    current: Estimate, scores: Sequence[Score], asked: int, rules: Rules
+    current: Estimate, crossfit: CrossFit, scores: Sequence[Score], rules: Rules
 ) -> tuple[list[Step], Estimate] | None:
     """The steps that add everyday effects together, and the fit with them; None where none is missing.
 
     Args:
         current: The model.
-        scores: Of all candidates against it.
-        asked: How many candidates there were.
-        rules: Thresholds; at least one everyday effect has to pass them alone.
+        crossfit: All folds of it.
+        scores: Of the candidates that are everyday, or of more.
+        rules: Thresholds; a joint's squared error has to fall by their share.
     """
     everyday = [s for s in scores if s.candidate.term.law.everyday]
-    if not any(passes(s, asked, rules) for s in everyday):
-        return None
-    seen = [
-        s for s in everyday if s.allowed and s.gain > 0 and s.p_value * asked < rules.significance
-    ]
-    noise = noise_of(current)
-    for _ in range(_TURNS):
-        terms = tuple(s.candidate.term for s in seen)
+    noise, before = noise_of(current), _held_out(crossfit)
+    while everyday:
+        terms = tuple(s.candidate.term for s in everyday)
         after = refit(current, (*current.model.terms, *terms))
-        kept = [s for s in seen if _is_needed(after, s.candidate.term, noise)]
-        if len(kept) == len(seen):
-            break
-        seen = kept
-        if not seen:
-            return None
-    steps = [Step(find_term(after, s.candidate.term), s, (), (), current, after, ()) for s in seen]
-    return steps, after
+        dropped = _least_certain(after, everyday, noise)
+        if not dropped:
+            lower = _held_out(cross_fit(after)) < (1.0 - rules.share) * before
+            dropped = [s for s in everyday if not lower[s.candidate.term.joint]]
+        if not dropped:
+            steps = [
+                Step(find_term(after, s.candidate.term), s, (), (), current, after, ())
+                for s in everyday
+            ]
+            return steps, after
+        everyday = [s for s in everyday if s not in dropped]
+    return None
 
 
-def _is_needed(after: Estimate, term: Term, noise: np.ndarray) -> bool:
-    """Whether a fitted term is certain, physical and more than a part of the noise."""
+def _held_out(crossfit: CrossFit) -> np.ndarray:
+    """Squared error of every joint [N m or N], (n,), on the rows that a fold was not fitted to."""
+    weight = crossfit.weight
+    total = np.zeros(weight.shape[1])
+    for fold in crossfit.halves:
+        raw = np.divide(fold.residual, weight, where=weight > 0, out=0.0 * weight)
+        total += (raw[~fold.train] ** 2).sum(axis=0)
+    return total
+
+
+def _least_certain(after: Estimate, everyday: Sequence[Score], noise: np.ndarray) -> list[Score]:
+    """Of every joint the term that is least certain, where that is too little."""
+    worst: dict[int, tuple[float, Score]] = {}
+    for s in everyday:
+        term = s.candidate.term
+        certainty = _certainty(after, term, noise)
+        if certainty < min(EVERYDAY_CERTAIN, worst.get(term.joint, (np.inf, s))[0]):
+            worst[term.joint] = certainty, s
+    return [s for _, s in worst.values()]
+
+
+def _certainty(after: Estimate, term: Term, noise: np.ndarray) -> float:
+    """A fitted term's value over its standard error; zero where it is against physics or within the noise."""
     number = next(k for k, t in enumerate(after.model.terms) if t.identity == term.identity)
     fitted, errors = after.model.terms[number], after.std_errors[number]
     names = after.regression.names
     own = [names.index(name) for name in fitted.columns(after.model.robot.joints)]
     values = np.array([fitted.values[p.name] for p in fitted.law.linear])
-    doubts = np.array([errors[p.name] for p in fitted.law.linear])
+    doubts = np.nan_to_num([errors[p.name] for p in fitted.law.linear], nan=np.inf)
     torque = after.regression.columns[:, term.joint, own] @ values
-    return bool(
-        (values >= [p.lower for p in fitted.law.linear]).all()
-        and (np.abs(values) > _CERTAIN * np.nan_to_num(doubts, nan=np.inf)).any()
-        and np.sqrt((torque**2).mean()) > _MATERIAL * noise[term.joint]
-    )
+    if (values < [p.lower for p in fitted.law.linear]).any():
+        return 0.0
+    if np.sqrt((torque**2).mean()) < EVERYDAY_MATERIAL * noise[term.joint]:
+        return 0.0
+    return float((np.abs(values) / np.maximum(doubts, 1e-300)).max())

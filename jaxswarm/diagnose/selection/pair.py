@@ -13,7 +13,8 @@ from scipy import special
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
@@ -65,18 +66,18 @@ def _ask(found: Estimate, term: Term, asked: int, rules: Rules, seed: int) -> Sc
 
 def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules: Rules) -> bool:
     """Whether a model leaves clearly less on unseen blocks of a joint."""
-    stage = cross_fit(old)
-    count = int(stage.block.max()) + 1
+    former = cross_fit(old)
+    count = int(former.block.max()) + 1
 
-    def blocks(background: CrossFit) -> np.ndarray:
+    def blocks(crossfit: CrossFit) -> np.ndarray:
         total = np.zeros(count)
-        for half in background.halves:
+        for half in crossfit.halves:
             out = ~half.train
-            left = half.residual[out, joint] / background.weight[out, joint]
-            np.add.at(total, stage.block[out], (left * stage.weight[out, joint]) ** 2)
+            left = half.residual[out, joint] / crossfit.weight[out, joint]
+            np.add.at(total, former.block[out], (left * former.weight[out, joint]) ** 2)
         return total
 
-    before, after = blocks(stage), blocks(cross_fit(new))
+    before, after = blocks(former), blocks(cross_fit(new))
     fall = before - after
     spread = fall.std(ddof=1) / np.sqrt(count)
     chance = special.stdtr(count - 1, -fall.mean() / max(spread, 1e-300))

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.rules import CERTAIN, MOST_DAMPING, NEEDED
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.effects.kinds import TransmissionLaw
@@ -17,14 +18,8 @@ from jaxswarm.identify.forward.sensitivity import sensitivity_of
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
-# A law that takes this share off the squared error is needed, whatever the doubt of its coefficient: Stribeck
-# and Coulomb friction are told apart by few slow samples, their sum by all.
-_NEEDED = 0.2
 # A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
 _INSIDE = 0.95
-# Damping ratio of a link on its transmission: soft joints of the practice logs have 0.04 to 0.6, one that stood
-# in for a delay on a clean joint of a world 1.1, and raised the error of other motion thirty times.
-_MOST_DAMPING = 1.0
 
 
 def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
@@ -53,15 +48,16 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
 
     fall = 1.0 - cost(after) / cost(current)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
-    needed = fall > 0.0 and (is_certain(fitted, errors) or fall > _NEEDED)
+    needed = fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
     return after if physical and needed else None
 
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:
-    """Whether a linear coefficient is larger than twice its doubt: else it stands for something else."""
+    """Whether a linear coefficient is certain: else it stands for something else."""
     linear = term.law.linear
     return not linear or any(
-        abs(term.values[p.name]) > 2.0 * errors[p.name] or np.isnan(errors[p.name]) for p in linear
+        abs(term.values[p.name]) > CERTAIN * errors[p.name] or np.isnan(errors[p.name])
+        for p in linear
     )
 
 
@@ -69,7 +65,7 @@ def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
     """Whether a law whose candidate was told from another one only to second order is not that other one."""
     neutral = term.law.neutral()
     return all(
-        abs(term.values[name] - neutral[name]) > 2.0 * errors[name] for name in term.law.probe
+        abs(term.values[name] - neutral[name]) > CERTAIN * errors[name] for name in term.law.probe
     )
 
 
@@ -90,7 +86,8 @@ def can_swing(found: Estimate, term: Term) -> bool:
         ]
     )
     k, d = law.spring(term.values)
-    return bool(d <= 2.0 * _MOST_DAMPING * np.sqrt(k * inertia))
+    ratio = d / (2.0 * np.sqrt(k * inertia))
+    return bool(ratio <= MOST_DAMPING)
 
 
 def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None = None) -> Estimate:

@@ -13,8 +13,8 @@ import numpy as np
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose, is_special_case
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.remainder import NEAR
-from jaxswarm.diagnose.decision.score import Rules, Score, passes
+from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, SAVED, Rules
+from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
@@ -23,17 +23,11 @@ from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# Residuals beyond this multiple of the noise are looked at for two laws in one if they show structure; those
-# far from it in any case.
-_LOUD = 1.25
-# A law that was chosen anew may leave this much more of a joint's squared error.
-_PRICE = 1.02
-
 
 def choose_again(
     steps: Sequence[Step],
     current: Estimate,
-    background: CrossFit,
+    crossfit: CrossFit,
     asked: int,
     rules: Rules,
     seed: int = 0,
@@ -44,7 +38,7 @@ def choose_again(
     Args:
         steps: What was added, in order.
         current: The model with all of it, in which no further candidate passes.
-        background: Its stage.
+        crossfit: Its folds.
         asked: Candidates asked in the first round, for the level of the tests.
         rules: Thresholds.
         seed: Seed of the searches.
@@ -58,8 +52,8 @@ def choose_again(
     over = current.fit.sigma / noise_of(current)
     acted = {step.score.joint for step in steps}
     far = {j for j in acted if over[j] > NEAR}
-    unclear = sorted(j for j in acted - far if over[j] > _LOUD)
-    left = find_unexplained(current, background, seed, unclear) if unclear else []
+    unclear = sorted(j for j in acted - far if over[j] > LOUD)
+    left = find_unexplained(current, crossfit, seed, unclear) if unclear else []
     where = sorted(far | {item.joint for item in left})
     if where:
         progress("looking for two laws where one was bent")
@@ -98,9 +92,9 @@ def reconsider(
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
         own = step.added.identity
         rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
-        background = cross_fit(rest)
+        crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
-        scores = score_terms(Linearization(rest, background), terms, seed)
+        scores = score_terms(Linearization(rest, crossfit), terms, seed)
         passed = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not passed:
@@ -108,7 +102,7 @@ def reconsider(
                 del done[place]
                 current, changed = rest, True
             continue
-        chosen, near = choose(passed, rules, background)
+        chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == own
         instead = _replacement(
             _simpler(chosen, passed) if same else [chosen], chosen, rest, current
@@ -123,7 +117,7 @@ def reconsider(
         told = tuple(
             s
             for s in (chosen, *near)
-            if s is not pick and not is_special_case(pick.candidate, s.candidate, background)
+            if s is not pick and not is_special_case(pick.candidate, s.candidate, crossfit)
         )
         done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
         changed = True
@@ -143,7 +137,7 @@ def _replacement(
         if after is None:
             continue
         if pick is chosen:
-            fits = _cost(after, pick.joint, rest) <= _PRICE * _cost(current, pick.joint, rest)
+            fits = _cost(after, pick.joint, rest) <= PRICE * _cost(current, pick.joint, rest)
         else:
             fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
         if fits:
@@ -163,7 +157,7 @@ def _simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
 
 def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
     """Whether a model that saves parameters leaves no more than two standard errors each, on all joints."""
-    price = 1.0 + 4.0 * saved / cross_fit(full).effective
+    price = 1.0 + SAVED * saved / cross_fit(full).effective
     return _cost(simple, slice(None), full) <= price * _cost(full, slice(None), full)
 
 

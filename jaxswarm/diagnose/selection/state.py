@@ -4,8 +4,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.score import Rules
-from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -22,7 +24,12 @@ class Search:
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
         asked: Candidates scored in the first round.
+        crossfit: The current model on all folds.
+        scores: Of all candidates in the latest round.
+        spent: The budget that ended the search; None: none has.
+        ended: Whether it ended by its number of rounds, and more might be added.
         skews: Clock skews that were allowed for.
+        everyday: Whether what every drive has was asked already.
         settled: Whether every choice was made again already.
         withdrawn, refused: As :class:`Diagnosis` tells them.
     """
@@ -38,7 +45,12 @@ class Search:
     steps: list[Step] = field(default_factory=list)
     banned: set = field(default_factory=set)
     asked: int = 0
+    crossfit: CrossFit | None = None
+    scores: list[Score] = field(default_factory=list)
+    spent: Spent | None = None
+    ended: bool = False
     skews: list[float] = field(default_factory=list)
+    everyday: bool = False
     settled: bool = False
     withdrawn: tuple[Term, ...] = ()
     refused: list[tuple[Term, str]] = field(default_factory=list)

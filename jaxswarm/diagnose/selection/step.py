@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from jaxswarm.diagnose.decision.competing import OVERLAP, overlap
+from jaxswarm.diagnose.decision.competing import overlap
+from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
@@ -11,8 +12,8 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 
-# Competitors gained at least this part of what the chosen one gained; so many are asked again.
-_NEAR, _MOST = 0.6, 3
+# Competitors of an effect that are asked again.
+_MOST = 3
 
 
 @dataclass(frozen=True)
@@ -41,16 +42,16 @@ class Step:
     rest: Model | None = None
 
 
-def near_ones(chosen: Score, passed: Sequence[Score], background: CrossFit) -> tuple[Score, ...]:
+def near_ones(chosen: Score, passed: Sequence[Score], crossfit: CrossFit) -> tuple[Score, ...]:
     """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first."""
     return tuple(
         s
         for s in sorted(passed, key=lambda s: -s.gain)
         if s is not chosen
         and s.joint == chosen.joint
-        and s.gain > _NEAR * chosen.gain
+        and s.gain > ASKED_AGAIN * chosen.gain
         and not s.candidate.term.law.recurring
-        and overlap(chosen.candidate, s.candidate, background) > OVERLAP
+        and overlap(chosen.candidate, s.candidate, crossfit) > OVERLAP
     )[:_MOST]
 
 

@@ -1,7 +1,7 @@
 """Forward stepwise selection: score every candidate, add the best that passes, refit, score again.
 
-One round is one look at all candidates against the current model. When nobody passes, every choice is made
-once more with the others in place; when that changes nothing, the search is over.
+When nobody passes, every choice is made once more with the others in place; when that changes nothing, the
+search is over.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,27 +15,28 @@ from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Rules, Score, accepted, passes
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
-from jaxswarm.diagnose.selection.budget import Budget, Spent
-from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.clock import allow_for_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.everyday import add_everyday
+from jaxswarm.diagnose.selection.everyday import allow_for_everyday
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
+from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
+from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
-# Rounds per joint, and for any arm; how often the clocks' skew is found anew.
-_ROUNDS_PER_JOINT, _LEAST_ROUNDS, _MOST_SKEWS = 4, 12, 3
-# A skew [s] below this moves a torque at 10 Hz by a thousandth of its size.
-_LEAST_SKEW = 2e-5
+# Rounds per joint, and for any arm.
+_ROUNDS_PER_JOINT, _LEAST_ROUNDS = 4, 12
 # Events of one kind that are looked for in a row; runners-up that a step remembers.
 _MOST_EVENTS, _MOST_OTHERS = 20, 8
 
@@ -71,45 +72,50 @@ def diagnose(
     rules = rules or Rules()
     progress("fitting the declared model")
     start = estimate(robot, declared, motions, bounded=False)
-    budget = budget or Budget()
     memory = Memory(journal, rules.share)
-    search = Search(start, start, rules, seed, memory, other, progress, budget)
-    scores, spent, ended = [], None, False
-    most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
-    for number in range(1, most + 2):
-        error = _error(search.current)
-        progress(f"round {number}: scoring candidates, {error:.3g} % error so far")
-        search.current = with_motion_noise(search.current, seed)
-        background = cross_fit(search.current)
-        if budget.spent:
-            spent = Spent(budget.seconds, number - 1)
-            progress(spent.sentence)
-            held = {t.identity for t in search.current.model.terms}
-            scores = [s for s in scores if s.candidate.term.identity not in held]
-            break
-        stand = Linearization(search.current, background, search.memory)
-        eligible = eligible_terms(search.current.model, search.current.motions)
-        eligible = [t for t in eligible if t.identity not in search.banned]
-        if _allow_for_skew(search, stand, eligible):
-            continue
-        scores = score_terms(stand, eligible, seed)
-        search.asked = search.asked or len(scores)
-        best = accepted(scores, rules)
-        ended = number > most and bool(best)
-        if number > most or not (
-            _add_best(search, scores, best, background)
-            if best
-            else _choose_again(search, background)
-        ):
-            break
-    background = _take_back_harm(search, background)
+    search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
+    run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
+    _take_back_harm(search)
+    _hold_within_bounds(search)
     return Diagnosis(
-        search.declared, search.current, tuple(search.steps), tuple(scores), background,
-        search.asked, search.withdrawn, tuple(search.refused), ended, rules, spent,
-    )  # fmt: skip
+        within_bounds(search.declared),
+        search.current,
+        tuple(search.steps),
+        tuple(search.scores),
+        search.crossfit,
+        search.asked,
+        search.withdrawn,
+        tuple(search.refused),
+        search.ended,
+        rules,
+        search.spent,
+    )
 
 
-def _take_back_harm(search: Search, background: CrossFit) -> CrossFit:
+def _told(search: Search) -> str:
+    return f"scoring candidates, {_error(search.current):.3g} % error so far"
+
+
+def _cross_fit(search: Search) -> CrossFit:
+    search.current = with_motion_noise(search.current, search.seed)
+    return cross_fit(search.current)
+
+
+def _eligible(search: Search) -> list[Term]:
+    eligible = eligible_terms(search.current.model, search.current.motions)
+    return [t for t in eligible if t.identity not in search.banned]
+
+
+def _held(search: Search) -> set:
+    return {t.identity for t in search.current.model.terms}
+
+
+def _act(search: Search, passed: list[Score]) -> bool:
+    """Add the best of those that passed; if nobody did, make every choice again."""
+    return _add_best(search, passed) if passed else _choose_again(search)
+
+
+def _take_back_harm(search: Search) -> None:
     """Take back, one after the other, what in the end raises a joint's error on other motion."""
     while search.steps:
         found = harmful(search.declared, search.steps, search.current, search.other)
@@ -122,25 +128,22 @@ def _take_back_harm(search: Search, background: CrossFit) -> CrossFit:
         kept = tuple(t for t in search.current.model.terms if t.identity != own)
         search.current = with_motion_noise(refit(search.current, kept), search.seed)
         search.steps = chain(search.steps) if search.steps else []
-        background = cross_fit(search.current)
-    return background
+        search.crossfit = cross_fit(search.current)
 
 
-def _allow_for_skew(search: Search, stand: Linearization, eligible: Sequence[Term]) -> bool:
-    """Move the clocks against each other where they are apart; whether they were moved."""
-    if len(search.skews) == _MOST_SKEWS:
-        return False
-    late = clock_skew(stand, eligible, search.seed)
-    if abs(late) <= _LEAST_SKEW:
-        return False
-    search.skews.append(late)
-    search.current = with_skew(search.current, late)
-    # The error before is told by the same clocks as the error after.
-    search.declared = with_skew(search.declared, late) if search.steps else search.current
-    return True
+def _hold_within_bounds(search: Search) -> None:
+    held = within_bounds(search.current)
+    if held is not search.current:
+        search.current = with_motion_noise(held, search.seed)
+        search.crossfit = cross_fit(search.current)
 
 
-def _choose_again(search: Search, background: CrossFit) -> bool:
+def _allow(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Allow for what every drive has, once, and for clocks that are apart; whether either was there."""
+    return allow_for_everyday(search, lin, eligible) or allow_for_skew(search, lin, eligible)
+
+
+def _choose_again(search: Search) -> bool:
     """Make every choice once more, with all effects in place; whether one changed."""
     if search.settled or not search.steps:
         return False
@@ -149,7 +152,13 @@ def _choose_again(search: Search, background: CrossFit) -> bool:
     search.settled = True
     former = search.steps
     search.steps, search.current, changed = choose_again(
-        former, search.current, background, search.asked, search.rules, search.seed, search.progress
+        former,
+        search.current,
+        search.crossfit,
+        search.asked,
+        search.rules,
+        search.seed,
+        search.progress,
     )
     held = {s.added.identity for s in search.steps}
     if changed:
@@ -157,20 +166,13 @@ def _choose_again(search: Search, background: CrossFit) -> bool:
     return changed
 
 
-def _add_best(
-    search: Search, scores: Sequence[Score], best: list[Score], background: CrossFit
-) -> bool:
-    """Add what every drive has, else the best candidate if it proves itself; always another round."""
-    current = search.current
+def _add_best(search: Search, best: list[Score]) -> bool:
+    """Add the best candidate if it proves itself; always another round."""
+    current, scores, crossfit = search.current, search.scores, search.crossfit
     joints = current.model.robot.joints
-    together = add_everyday(current, scores, len(scores), search.rules)
-    if together:
-        search.progress("adding what every drive has")
-        search.steps, search.current = [*search.steps, *together[0]], together[1]
-        return True
-    chosen, rivals = choose(best, search.rules, background)
+    chosen, rivals = choose(best, search.rules, crossfit)
     term = chosen.candidate.term
-    if stands_in(chosen, current, background, search.seed):
+    if stands_in(chosen, current, crossfit, search.seed):
         search.refuse(term)
         return True
     search.progress(f"adding {term.label(joints)}")
@@ -185,7 +187,7 @@ def _add_best(
     added = find_term(after, term)
     ranked = sorted(scores, key=lambda s: -s.gain)
     others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
-    near = near_ones(chosen, best, background)
+    near = near_ones(chosen, best, crossfit)
     told = tuple(rivals), tuple(others)
     search.steps.append(Step(added, chosen, *told, current, after, removed, near))
     search.current = after
@@ -202,8 +204,8 @@ def _add_further_events(search: Search, first: Term) -> None:
         if search.budget.spent:
             return
         current = search.current
-        stand = Linearization(current, cross_fit(current), search.memory)
-        told = score_terms(stand, [replace(first, values={})], search.seed)
+        lin = Linearization(current, cross_fit(current), search.memory)
+        told = score_terms(lin, [replace(first, values={})], search.seed)
         if not told or not passes(told[0], search.asked, search.rules):
             return
         after, removed = add(current, told[0])
@@ -227,3 +229,6 @@ def _error(one: Estimate) -> float:
     """Relative error [%] of a fit, all joints."""
     size = np.linalg.norm(one.regression.torque)
     return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))
+
+
+_LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _allow)

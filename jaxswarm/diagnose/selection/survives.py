@@ -9,6 +9,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.rules import (
+    ABOVE_NOISE,
+    GAIN,
+    HARM,
+    HARM_ON_THE_WAY,
+    NEARLY_ALL,
+    SMALL_PART,
+    TIMES_OWN,
+)
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import (
     Unexplained,
@@ -24,28 +33,20 @@ from jaxswarm.identify.estimation.validate import held_out_residual
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion, shift_motion
 
-# An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
-# the effect's own joint: half of what a fifth of the squared error (the least share asked for) is worth.
-HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
-# While more is missing, a joint's error may grow by so much.
-HARM_ON_THE_WAY = 1.5
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25
 
-# A law below the first share of a joint's error is doubted where a smooth function reaches the second.
-_SMALL_PART, _NEARLY_ALL = 0.45, 0.7
 
-
-def stands_in(chosen: Score, current: Estimate, background: CrossFit, seed: int) -> bool:
+def stands_in(chosen: Score, current: Estimate, crossfit: CrossFit, seed: int) -> bool:
     """Whether a law only stands in for one that no catalog holds.
 
     That is so if it explains a small part of what a smooth function of one or two variables explains
     nearly all of.
     """
-    if chosen.share > _SMALL_PART or chosen.candidate.term.joint is None:
+    if chosen.share > SMALL_PART or chosen.candidate.term.joint is None:
         return False
-    smooth = find_unexplained(current, background, seed, [chosen.joint])
-    return bool(smooth and smooth[0].share > max(_NEARLY_ALL, 2.0 * chosen.share))
+    smooth = find_unexplained(current, crossfit, seed, [chosen.joint])
+    return bool(smooth and smooth[0].share > max(NEARLY_ALL, TIMES_OWN * chosen.share))
 
 
 def survives(

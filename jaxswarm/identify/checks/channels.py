@@ -45,6 +45,9 @@ _FAR = 4.0 * np.pi
 _HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH, _SLIDE = 1e3, 1e-2, 3, 0.5, 1.0
 # Below this one the torques may be in kN m: of clean logs one in twenty lies there, so that it is told only.
 _LIGHT = 1.0
+# Where the masses are known, friction and motors make up to ten times their torque; another unit a thousand.
+_OTHER_UNIT = 300.0
+_UNIT = "Log torques in N m and forces in N, or name the unit"
 # Share of the torque left, on the geometric mean over the joints, from which on motion explains nothing, and of
 # one or two joints, which a single missing law may rule. Pure noise leaves all of it, the worst clean log 0.3.
 _UNRELATED, _FEW_UNRELATED, _FEW = 0.5, 0.8, 2
@@ -108,10 +111,15 @@ def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
 
 
 def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
-    """Whether the torques need a mass that no arm of this reach carries."""
-    last = 10 * (robot.num_joints - 1)
-    columns = rigid_columns(robot, samples.q, samples.dq, samples.ddq)[:, :, last]
+    """Whether the torques need a mass that no arm of this reach carries, or far other ones than the robot's."""
+    rigid = rigid_columns(robot, samples.q, samples.dq, samples.ddq)
+    columns = rigid[:, :, 10 * (robot.num_joints - 1)]
     unit, torque = (np.sqrt(np.mean(x**2, axis=0)) for x in (columns, samples.tau))
+    known = np.sqrt(np.mean((rigid @ np.asarray(robot.parameters).ravel()) ** 2, axis=0))
+    ratio = float(np.median(torque[known > 0.0] / known[known > 0.0])) if known.any() else 1.0
+    if not 1.0 / _OTHER_UNIT < ratio < _OTHER_UNIT:
+        what = f"the torques are {ratio:.3g} times those of the masses in the robot's file"
+        return Finding("torque_unit", what, _UNIT)
     loaded = unit > 1e-3 * unit.max()
     if not loaded.any() or unit.max() == 0.0:
         return None
@@ -123,16 +131,14 @@ def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
     if _LIGHT <= mass / scale < _HEAVIEST:
         return None
     if _LIGHTEST < mass / scale < _LIGHT:
-        what = (
-            f"the torques would move no more than {mass:.3g} kg at the end of an arm of {length:.2g} m"
-        )
+        what = f"the torques would move no more than {mass:.3g} kg at the end of an arm of {length:.2g} m"
         remedy = "If they are in kN m, say so: --columns tau:kNm"
         return Finding("torque_unit", what, remedy, refused=False)
     what = (
         f"the torques would move {mass:.3g} kg at the end of an arm of {length:.2g} m, which is out of "
         "reach of any"
     )
-    return Finding("torque_unit", what, "Log torques in N m and forces in N, or name the unit")
+    return Finding("torque_unit", what, _UNIT)
 
 
 def unrelated(rough: Rough) -> Finding | None:

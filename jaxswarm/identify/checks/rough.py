@@ -17,6 +17,9 @@ _MOST_ROWS = 1000
 _WIDTH = 0.03
 # Columns that depend on others to this part of their length are not told apart.
 _DEPENDENT = 1e-7
+# Friction below this many of its standard errors is none: what is left is no white noise, and a joint whose
+# torque is mostly noise had "friction" of a tenth of it at two.
+_CHANCE = 6.0
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared.
 _VISCOUS, _DRY, _OWN = 0, 1, 4
 
@@ -52,7 +55,7 @@ class Tried:
     Attributes:
         left: RMS of the residual, freed of what chance fits, over the torque's standard deviation, (n,).
         braking: Friction at the usual speed over the torque's standard deviation, (n,); a joint below zero
-            would be driven by its friction.
+            would be driven by its friction. Zero where chance makes as much.
     """
 
     left: np.ndarray
@@ -149,6 +152,9 @@ class Rough:
         left = np.linalg.norm(residual, axis=1) * sigma[:, None] / np.sqrt(freedom) / spread
         friction = theta[self._size :].reshape(joints, _OWN, -1)
         brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, _DRY]
+        own = inverse[self._size :].reshape(joints, _OWN, -1)
+        chance = np.linalg.norm(own[:, _VISCOUS] * self.speed[:, None] + own[:, _DRY], axis=1)
+        brake = np.where(np.abs(brake) > _CHANCE * chance[:, None], brake, 0.0)
         return [Tried(left[:, k], brake[:, k] / spread[:, k]) for k in range(len(mixtures))]
 
     def _solved(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Torques of events in a log, such as touches, from what the model leaves while they last."""
+"""Torques of events in a log, such as contacts, from what the model leaves while they last."""
 
 from collections.abc import Sequence
 from dataclasses import replace

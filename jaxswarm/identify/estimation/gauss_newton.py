@@ -26,6 +26,7 @@ from jaxswarm.identify.estimation.least_squares import (
     triangular_factor,
     weighted_cost,
 )
+from jaxswarm.identify.estimation.link_inertia import link_inertias
 from jaxswarm.identify.forward.body import moves_links
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import assemble, term_block, uses_load
@@ -53,7 +54,11 @@ class Problem:
     def solve(self, terms: tuple[Term, ...], regression: Regression) -> Fit:
         """The linear parameters."""
         bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
-        return fit(regression, *bounds)
+        above = link_inertias(self.robot, terms, self.motions)
+        if above is not None:
+            others = len(regression.names) - above.shape[1]
+            above = np.pad(above, ((0, 0), (0, others)))
+        return fit(regression, *bounds, above=above)
 
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""

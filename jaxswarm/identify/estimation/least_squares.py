@@ -21,6 +21,7 @@ from scipy import linalg, optimize
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.estimation.covariance import sandwich, scored
+from jaxswarm.identify.estimation.inequalities import solve_above
 from jaxswarm.identify.forward.regression import Regression
 
 _BLOCK_ROWS = 512
@@ -130,7 +131,7 @@ def solve(
     """
     size = factor.shape[1] - 1
     scale = np.linalg.norm(factor[:size, :size], axis=0)
-    # Of a column that is zero in these rows, such as a touch at another time, they say nothing.
+    # Of a column that is zero in these rows, such as a contact at another time, they say nothing.
     scale[scale == 0] = 1.0
     matrix, target = factor[:size, :size] / scale, factor[:size, size]
     theta = linalg.lstsq(matrix, target, check_finite=False)[0] / scale
@@ -139,6 +140,16 @@ def solve(
         return theta, outside
     bounded = optimize.lsq_linear(matrix, target, (lower * scale, upper * scale), method="bvls")
     theta = np.clip(bounded.x / scale, lower, upper)
+    return theta, (theta == lower) | (theta == upper)
+
+
+def _solve_above(factor, lower, upper, rows):
+    """:func:`solve` where ``rows @ theta`` must not be negative either."""
+    has_low, has_high = np.isfinite(lower), np.isfinite(upper)
+    unit = np.eye(len(lower))
+    every = np.concatenate([rows, unit[has_low], -unit[has_high]])
+    least = np.concatenate([np.zeros(len(rows)), lower[has_low], -upper[has_high]])
+    theta = np.clip(solve_above(factor, every, least), lower, upper)
     return theta, (theta == lower) | (theta == upper)
 
 
@@ -153,6 +164,7 @@ def fit(
     upper: np.ndarray | None = None,
     base: BaseParameters | None = None,
     sigma: np.ndarray | None = None,
+    above: np.ndarray | None = None,
 ) -> Fit:
     """Fit a model's linear parameters to its regression.
 
@@ -162,6 +174,7 @@ def fit(
             kept and nothing merges into it. None: unbounded.
         base: Basis to use; None: found from these data.
         sigma: Weights to use, shape (n,); None: iterated from the residual.
+        above: Rows whose products with the full parameters must not be negative, (m, p).
     """
     joints = regression.torque.shape[1]
     factors = joint_factors(regression)
@@ -179,6 +192,8 @@ def fit(
     for _ in range(1 if fixed else 5):
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
+        if above is not None and (above[:, base.kept] @ values < 0).any():
+            values, at_bound = _solve_above(triangle, low, high, above[:, base.kept])
         residual = regression.target - regression.columns @ base.expand(values)
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
@@ -192,19 +207,8 @@ def fit(
     covariance[:, at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
     return Fit(
-        base,
-        values,
-        covariance,
-        sigma,
-        factor,
-        target,
-        cost,
-        residual,
-        at_bound,
-        effective,
-        low,
-        high,
-    )
+        base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective, low, high
+    )  # fmt: skip
 
 
 def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:

@@ -90,10 +90,10 @@ def excite(
     Raises:
         InputError: If a term has no columns that follow from the motion.
 
-    Reference: see the module text. Needs double precision: in single, condition numbers above a
-    thousand are lost in rounding.
+    Needs double precision: in single, condition numbers above a thousand are lost in rounding.
     """
     refuse_terms(terms, robot.joints, pi is not None)
+    progress("random motions")
     # Known numbers make a far smaller program than traced ones.
     arm = jax.tree.map(np.asarray, robot)
     size = num_coordinates(robot.num_joints, limits.harmonics)
@@ -105,12 +105,10 @@ def excite(
     def value(x: jax.Array) -> jax.Array:
         return planned_columns(arm, terms, limits, *build(x, samples=fine), period, pi)
 
-    progress("random motions")
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
     columns = [np.asarray(value(x)) for x in starts]
-    base = find_base(
-        np.concatenate([x.T for x in columns[:4]]), column_names(robot, terms), tolerance=1e-7
-    )
+    stacked = np.concatenate([x.T for x in columns[:4]])
+    base = find_base(stacked, column_names(robot, terms), tolerance=1e-7)
     kept = base.kept
 
     def log_conditions(population: jax.Array, _: None) -> jax.Array:
@@ -121,24 +119,32 @@ def excite(
         return jax.vmap(one)(population)
 
     progress("searching")
-    found = minimize_runs(
-        log_conditions,
-        cma_es(),
-        Space.vector(-np.ones(size), np.ones(size)),
-        jax.random.split(jax.random.key(seed), runs),
-        num_steps=num_steps,
-    )
-    best = np.asarray(found.params)[int(np.argmin(np.asarray(found.value)))]
-    offset, sine, cosine = within_limits(best, limits, fundamental, fine)
-    trajectory = Fourier(*map(np.asarray, (offset, sine, cosine)), fundamental)
+    best, tried = _searched(log_conditions, size, seed, runs, num_steps)
+    shape = map(np.asarray, within_limits(best, limits, fundamental, fine))
+    trajectory = Fourier(*shape, fundamental)
     return Excitation(
         trajectory=trajectory,
         condition=condition(np.asarray(value(best))[kept]),
         random=np.array([condition(x[kept]) for x in columns]),
         base=base,
         used=used_shares(trajectory, limits),
-        evaluations=int(np.sum(np.asarray(found.num_evaluations))),
+        evaluations=tried,
     )
+
+
+def _searched(
+    fn: Callable, size: int, seed: int, runs: int, num_steps: int
+) -> tuple[np.ndarray, int]:
+    """The best point (size,) of several searches in [-1, 1], and how many points were tried."""
+    found = minimize_runs(
+        fn,
+        cma_es(),
+        Space.vector(-np.ones(size), np.ones(size)),
+        jax.random.split(jax.random.key(seed), runs),
+        num_steps=num_steps,
+    )
+    best = np.asarray(found.params)[int(np.argmin(np.asarray(found.value)))]
+    return best, int(np.sum(np.asarray(found.num_evaluations)))
 
 
 def used_shares(trajectory: Fourier, limits: Limits) -> np.ndarray:

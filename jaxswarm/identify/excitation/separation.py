@@ -27,10 +27,10 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.columns import planned, planned_columns, refuse_terms
 from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.host_search import search_on_host
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.excitation.search import Excitation
 from jaxswarm.robot.model import Robot
-from jaxswarm.swarm import cma_es
 
 # Added to the squares of unit columns: dependent columns of R drop out, and an angle of 1e-4 is still seen.
 _RIDGE = 1e-9
@@ -39,8 +39,6 @@ _EQUAL = 1e-3
 _DRAWN = 4
 # Samples of a period for each harmonic; friction turns over within a few of them.
 _SAMPLES = 40
-# Steps after which progress is told.
-_TOLD = 10
 
 
 @dataclass(frozen=True)
@@ -144,12 +142,7 @@ def separate(
     scales = [np.linalg.norm(own, axis=1, keepdims=True) for own, _ in usual]
     drawn = np.random.default_rng(seed).uniform(-1.0, 1.0, (_DRAWN, size))
     directions = _directions([blocks(*build(x, samples=samples)) for x in drawn], scales)
-    if not any(d.shape[1] for d in directions):
-        names = " and ".join(term.label(robot.joints) for term in question.pair)
-        raise InputError(
-            f"--separate: no motion tells {names} apart: beside the rigid body and the other effects each "
-            "makes every torque of the other; name other effects, or leave one out of the model"
-        )
+    _refuse_equal(directions, question, robot)
 
     def left(parts: list) -> np.ndarray:
         """What is left of each rival that has a direction of its own, infinite for another."""
@@ -161,27 +154,14 @@ def separate(
         )
 
     made = jax.jit(jax.vmap(lambda x: blocks(*build(x, samples=samples))))
-    optimizer = cma_es()
-    update = jax.jit(optimizer.update)
-    best, least, tried = np.zeros(size), np.inf, 0
-    for run, key in enumerate(jax.random.split(jax.random.key(seed), runs), 1):
-        state = optimizer.init(key, size)
-        for step in range(num_steps):
-            if step % _TOLD == 0:
-                progress(
-                    f"searching the motion that separates: run {run}, step {step} of {num_steps}"
-                )
-            population = 2.0 * np.asarray(state.position) - 1.0
-            # The programs make columns only: projections of a few dozen rows are NumPy's.
-            parts = jax.tree.map(np.asarray, made(population))
-            value = np.array(
-                [-left(jax.tree.map(itemgetter(k), parts)).min() for k in range(len(population))]
-            )
-            tried += len(population)
-            if value.min() < least:
-                least, best = value.min(), population[value.argmin()]
-            key, own = jax.random.split(key)
-            state, _ = update(own, state, value)
+
+    def values(population: np.ndarray) -> np.ndarray:
+        # The programs make columns only: projections of a few dozen rows are NumPy's.
+        parts = jax.tree.map(np.asarray, made(population))
+        each = (jax.tree.map(itemgetter(k), parts) for k in range(len(population)))
+        return np.array([-left(one).min() for one in each])
+
+    best, tried = search_on_host(values, size, seed, runs, num_steps, progress)
     before, after = np.asarray(left(usual)), np.asarray(left(blocks(*build(best, samples=samples))))
     better = after.min() > before.min()
     shape = map(np.asarray, within_limits(best, limits, fundamental, samples))
@@ -190,6 +170,17 @@ def separate(
         reached=_told(after if better else before),
         ordinary=_told(before),
         evaluations=tried,
+    )
+
+
+def _refuse_equal(directions: list[np.ndarray], question: Question, robot: Robot) -> None:
+    """Refuse rivals of which neither makes a torque that the other and the rest of the model do not."""
+    if any(d.shape[1] for d in directions):
+        return
+    names = " and ".join(term.label(robot.joints) for term in question.pair)
+    raise InputError(
+        f"--separate: no motion tells {names} apart: beside the rigid body and the other effects each "
+        "makes every torque of the other; name other effects, or leave one out of the model"
     )
 
 

@@ -36,7 +36,7 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
 
 
 def blur_of(term: Term) -> float:
-    """Time [s] over which a lag is averaged: by how much a strike may be off; zero without backlash."""
+    """Time [s] over which a lag is averaged: by how much an impact may be off; zero without backlash."""
     return _values(term).get("blur", 0.0)
 
 

@@ -92,7 +92,7 @@ def with_linear_values(model: Model, values: np.ndarray) -> Model:
 
 def save_model(model: Model, path: Path) -> None:
     """Write ``model.json``: everything :func:`load_model` and ``predict`` need."""
-    model = model.during(None)  # a touch in the log is nothing of the robot's
+    model = model.during(None)  # a contact in the log is nothing of the robot's
     robot = model.robot
     content = {
         "format": FORMAT,

@@ -109,19 +109,13 @@ def build_regression(
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
-        used.append(~touched_rows(terms, motion, k))
+        used.append(~event_rows(terms, motion, k))
         _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
-    names = column_names(robot, terms)
     stacked = np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
-    if stacked.shape[0] * stacked.shape[1] < stacked.shape[2]:
-        raise InputError(
-            f"{motions[0].source}: {stacked.shape[0]} independent samples of {stacked.shape[1]} "
-            f"joints are fewer than the {stacked.shape[2]} parameters; log a longer motion or "
-            "declare fewer effects"
-        )
+    _check_rows(stacked, motions[0].source)
     return Regression(
-        names,
+        column_names(robot, terms),
         stacked,
         np.concatenate(torque),
         np.concatenate(moving),
@@ -133,15 +127,15 @@ def build_regression(
     )
 
 
-def touched_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray:
+def event_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray:
     """Whether the low-pass of a decimated row of a log, by its number, reaches into an event, (T',)."""
     reach = 0.5 * (len(motion.decimator.taps) - 1) / motion.rate
     t = motion.t[motion.decimator.kept(len(motion.t))]
-    touched = np.zeros(len(t), dtype=bool)
+    within = np.zeros(len(t), dtype=bool)
     for term in terms:
         if term.law.recurring and int(term.values.get("log", 0)) == number:
-            touched |= (t >= term.values["start"] - reach) & (t <= term.values["end"] + reach)
-    return touched
+            within |= (t >= term.values["start"] - reach) & (t <= term.values["end"] + reach)
+    return within
 
 
 def event_columns(robot: Robot, terms: Sequence[Term]) -> np.ndarray:
@@ -151,9 +145,19 @@ def event_columns(robot: Robot, terms: Sequence[Term]) -> np.ndarray:
 
 
 def _leave_out(rows: np.ndarray, *arrays: np.ndarray) -> None:
-    """Set rows of arrays to zero, in place: neither fitted nor judged."""
+    """Set rows of arrays to zero, in place: neither fitted nor scored."""
     for array in arrays:
         array[rows] = 0.0
+
+
+def _check_rows(columns: np.ndarray, source: str) -> None:
+    """Refuse columns (T, n, p) of which there are more than rows."""
+    rows, joints, count = columns.shape
+    if rows * joints < count:
+        raise InputError(
+            f"{source}: {rows} independent samples of {joints} joints are fewer than the {count} "
+            "parameters; log a longer motion or declare fewer effects"
+        )
 
 
 def _check_finite(columns: np.ndarray, terms: tuple[Term, ...], motion: Motion) -> None:

@@ -93,13 +93,8 @@ def nearest_physical(
     """
     prior = np.asarray(prior, float)
     base_matrix, base_values = np.asarray(base_matrix, float), np.asarray(base_values, float)
-    size, count = prior.size, prior.size + further.start.size
-    if base_matrix.shape != (base_values.size, count):
-        raise InputError(
-            f"base_matrix is {base_matrix.shape}: {base_values.size} base values, "
-            f"{prior.shape[0]} links and {further.start.size} further parameters need "
-            f"{(base_values.size, count)}."
-        )
+    size = prior.size
+    _check_shape(base_matrix, base_values, prior, further)
     if weight is None:
         weight = np.diag(1.0 / (np.abs(base_values) + 0.05 * np.abs(base_values).max() + 1e-12))
     bodies_start = np.concatenate([to_log_cholesky(row) for row in prior])
@@ -144,3 +139,15 @@ def _residual(coordinates: jax.Array, problem: tuple) -> jax.Array:
 
 
 _derivative = jax.jit(jax.jacfwd(_residual))
+
+
+def _check_shape(
+    base_matrix: np.ndarray, base_values: np.ndarray, prior: np.ndarray, further: Further
+) -> None:
+    """Refuse combinations of another number of parameters than there are."""
+    wanted = (base_values.size, prior.size + further.start.size)
+    if base_matrix.shape != wanted:
+        raise InputError(
+            f"base_matrix is {base_matrix.shape}: {base_values.size} base values, "
+            f"{prior.shape[0]} links and {further.start.size} further parameters need {wanted}."
+        )

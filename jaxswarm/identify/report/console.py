@@ -5,27 +5,15 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from jaxswarm.identify.report.errors import error_cells, error_rows
+
 
 def print_identification(report: dict, out: Path) -> None:
     """Print errors and parameters of an ``identification.json``."""
     console = Console()
     errors = Table("torque error", *report["joints"], "global", title=f"{report['robot']}")
-    rows = {
-        "fitted logs": report["error"]["train"],
-        "held-out blocks": report["error"]["held_out_blocks"],
-        "validation log": report["error"]["validation"],
-    }
-    for name, part in rows.items():
-        if part is None:
-            continue
-        part = part[0] if isinstance(part, list) else part
-        cells = [
-            f"{rms:.4g} {unit} ({100 * share:.2f} %)"
-            for rms, share, unit in zip(
-                part["rms"], part["relative"], report["torque_units"], strict=True
-            )
-        ]
-        errors.add_row(name, *cells, f"{100 * part['relative_global']:.3f} %")
+    for name, part in error_rows(report).items():
+        errors.add_row(name, *error_cells(part, report["torque_units"]))
     console.print(errors)
     table = Table("parameter", "value", "std error", "unit", "verdict", "stands for")
     for row in report["base_parameters"]:

@@ -32,7 +32,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
     """
     model, solution = found.model, found.fit
     robot = model.robot
-    train = [log_errors(model, motion) for motion in found.motions]
+    train = [{"log": Path(m.source).name, **log_errors(model, m)} for m in found.motions]
     report = {
         "robot": robot.name,
         "joints": list(robot.joints),
@@ -67,20 +67,25 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
         "optimizer": {"name": "least_squares", "cost": solution.cost},
     }
     if search is not None:
-        report["optimizer"] = {
-            "name": search.optimizer,
-            "whiten": search.whiten,
-            "runs": len(search.costs),
-            "evaluations": search.evaluations,
-            "cost": {"best": search.costs.min(), "median": float(np.median(search.costs))},
-            "least_squares_cost": search.optimum,
-            "excess_over_least_squares": {
-                "best": search.excess.min(),
-                "median": float(np.median(search.excess)),
-            },
-            "optimum_outside_box": search.outside,
-        }
+        report["optimizer"] = _of_search(search)
     return report
+
+
+def _of_search(search: SwarmFit) -> dict:
+    """What the runs of a swarm reached, beside the least-squares cost."""
+    return {
+        "name": search.optimizer,
+        "whiten": search.whiten,
+        "runs": len(search.costs),
+        "evaluations": search.evaluations,
+        "cost": {"best": search.costs.min(), "median": float(np.median(search.costs))},
+        "least_squares_cost": search.optimum,
+        "excess_over_least_squares": {
+            "best": search.excess.min(),
+            "median": float(np.median(search.excess)),
+        },
+        "optimum_outside_box": search.outside,
+    }
 
 
 def order_pictures(
@@ -115,7 +120,7 @@ def order_pictures(
         },
         robot.joints,
         labels,
-        f"{robot.name}: what the model leaves",
+        f"{robot.name}: what the model leaves, {Path(motion.source).name}",
     )
     if search is not None:
         drawing.ask(

@@ -1,12 +1,8 @@
 r"""Levenberg-Marquardt from a good start: the last digits of an output-error fit.
 
-Each step solves the damped linear problem
-
-.. math:: \min_s \| J s + r \|^2 + \mu \| D s \|^2
-
-by least squares on the stacked matrix (never the normal equations), D the largest column norms of J
-seen so far, so that units do not matter; a step that lowers the value shrinks the damping, any other
-(a diverging simulation included) raises it.
+MINPACK's method by way of SciPy: scaled by the largest column norms of the Jacobian seen so far, so that units
+do not matter, and solved by orthogonal factors, never by the normal equations. A diverging simulation is a
+step that raises the value.
 
 Reference: J. J. More, "The Levenberg-Marquardt algorithm: implementation and theory", 1978.
 """
@@ -17,12 +13,11 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy.optimize import least_squares
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, start_names
 from jaxswarm.identify.simulation_error.output_error import output_residual
-
-_PERFECT = 1e-18  # value that only simulated data without noise reach
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,8 +28,8 @@ class OutputFit:
         values: Value of each free parameter by name, errors of the starts included.
         std_error: Standard error of each, for white residuals.
         value: Sum of squared residuals, the fitness times the number of experiments.
-        num_steps: Steps tried.
-        converged: Whether the last step changed the value by less than the tolerance.
+        num_steps: Simulations of all logs.
+        converged: Whether it stopped by the tolerance.
     """
 
     values: dict[str, float]
@@ -59,18 +54,14 @@ def refine_output(
         experiments: The logs.
         start: A value for every free name, e.g. a swarm's best; errors of the starts begin at zero
             where they are not given.
-        num_steps: Largest number of steps, >= 1.
-        tolerance: Relative decrease of the value at which it stops.
+        num_steps: Largest number of simulations of all logs, >= 1.
+        tolerance: Relative decrease of the value, and relative step, at which it stops.
 
     Raises:
         InputError: If a start is missing, the simulation diverges there, or a free parameter has
             no influence on the motion.
     """
-    missing = [name for name in problem.free if name not in start]
-    if missing:
-        raise InputError(
-            f"no start for {', '.join(missing)}: give a value for each free parameter."
-        )
+    _check_start(problem, start)
     extra = start_names(problem, len(experiments))
     names, start = problem.free + extra, {**dict.fromkeys(extra, 0.0), **start}
     residual = output_residual(problem)
@@ -82,44 +73,40 @@ def refine_output(
         raise InputError(
             "the simulation diverges at the start of the refinement: start closer, or use substeps."
         )
-    value, damping, scale = float(r @ r), 1e-3, np.zeros(x.size)
-    converged, steps = False, 0
-    jacobian = np.asarray(derive(jnp.asarray(x), experiments))
-    while steps < num_steps and not converged:
-        steps += 1
-        scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
-        _check_influence(names, scale)
-        step = _step(jacobian / scale, r, damping) / scale
-        trial = np.asarray(evaluate(x + step, experiments))
-        lower = float(trial @ trial) if np.isfinite(trial).all() else np.inf
-        if lower < value:
-            converged = value - lower < tolerance * value or lower < _PERFECT
-            x, r, value, damping = x + step, trial, lower, max(damping / 5.0, 1e-12)
-            jacobian = np.asarray(derive(jnp.asarray(x), experiments))
-        else:
-            damping *= 4.0
-            converged = damping > 1e9 or np.linalg.norm(step * scale) < tolerance * np.sqrt(value)
-    errors = _standard_errors(jacobian, value, r.size)
+    _check_influence(names, np.asarray(derive(jnp.asarray(x), experiments)))
+    found = least_squares(
+        lambda x: _bounded(np.asarray(evaluate(x, experiments)), r),
+        x,
+        lambda x: np.asarray(derive(jnp.asarray(x), experiments)),
+        method="lm",
+        x_scale="jac",
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=np.finfo(float).eps,
+        max_nfev=num_steps,
+    )
+    value = 2.0 * float(found.cost)
+    errors = _standard_errors(found.jac, value, r.size)
     return OutputFit(
-        dict(zip(names, map(float, x), strict=True)),
+        dict(zip(names, map(float, found.x), strict=True)),
         dict(zip(names, map(float, errors), strict=True)),
         value,
-        steps,
-        bool(converged),
+        int(found.nfev),
+        found.status > 0,
     )
 
 
-def _check_influence(free: tuple[str, ...], scale: np.ndarray) -> None:
-    dead = [name for name, size in zip(free, scale, strict=True) if not size > 0.0]
+def _check_influence(free: tuple[str, ...], jacobian: np.ndarray) -> None:
+    dead = [n for n, column in zip(free, jacobian.T, strict=True) if not np.abs(column).max() > 0.0]
     if dead:
         raise InputError(f"{', '.join(dead)} changes nothing in the motion: do not free it.")
 
 
-def _step(jacobian: np.ndarray, r: np.ndarray, damping: float) -> np.ndarray:
-    size = jacobian.shape[1]
-    stacked = np.vstack([jacobian, np.sqrt(damping) * np.eye(size)])
-    right = np.concatenate([-r, np.zeros(size)])
-    return np.linalg.lstsq(stacked, right, rcond=None)[0]
+def _bounded(residual: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """The residual, far above that of the start where the simulation diverged."""
+    if np.isfinite(residual).all():
+        return residual
+    return np.full(start.shape, 1e3 * (np.abs(start).max() + 1.0))
 
 
 def _standard_errors(jacobian: np.ndarray, value: float, count: int) -> Any:
@@ -127,3 +114,12 @@ def _standard_errors(jacobian: np.ndarray, value: float, count: int) -> Any:
     freedom = max(count - jacobian.shape[1], 1)
     inverse = np.linalg.pinv(upper)
     return np.sqrt(value / freedom * np.sum(inverse**2, axis=1))
+
+
+def _check_start(problem: OutputProblem, start: dict[str, float]) -> None:
+    """Refuse a start without a value for every free parameter."""
+    missing = [name for name in problem.free if name not in start]
+    if missing:
+        raise InputError(
+            f"no start for {', '.join(missing)}: give a value for each free parameter."
+        )

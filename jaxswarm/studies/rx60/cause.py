@@ -181,3 +181,16 @@ def conclusion(coordinates: list[dict], ablated: list[dict]) -> list[str]:
 def _than(first: dict, second: dict) -> str:
     lower = first["aelspso"]["fbest_median"] < second["aelspso"]["fbest_median"]
     return "lower" if lower else "no lower"
+
+
+def tested(views: dict, key: jax.Array, runs: int, fast: bool) -> dict:
+    """Both tables of the clean case, and what follows from them."""
+    coordinates = coordinate_table(views, key, runs)
+    ablated = ablation(views["raw"], key, runs, fast)
+    return {
+        "steps": STEPS,
+        "runs": runs,
+        "coordinates": coordinates,
+        "ablation": ablated,
+        "conclusion": conclusion(coordinates, ablated),
+    }

@@ -85,15 +85,7 @@ def _experiment(fast, seed, progress):
         "noise_luck": findings.noise_luck(seed, 10 if fast else 50, samples),
     }
     progress("testing the causes")
-    coordinates = cause.coordinate_table(views["clean"], keys[2], runs)
-    ablated = cause.ablation(views["clean"]["raw"], keys[2], runs, fast)
-    result["cause"] = {
-        "steps": cause.STEPS,
-        "runs": runs,
-        "coordinates": coordinates,
-        "ablation": ablated,
-        "conclusion": cause.conclusion(coordinates, ablated),
-    }
+    result["cause"] = cause.tested(views["clean"], keys[2], runs, fast)
     progress("sweeping what the paper does not print")
     rows = sweep.sensitivity(views["clean"]["raw"], keys[3], runs=10, fast=fast)
     result["sensitivity"] = {"rows": rows, "nearest_to_paper": sweep.nearest_to_paper(rows)}

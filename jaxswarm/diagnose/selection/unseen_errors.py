@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
 from jaxswarm.identify.forward.model import Model
@@ -57,19 +55,3 @@ class UnseenErrors:
 
     def _on(self, model: Model, source: str) -> dict:
         return log_errors(model.during(None), *self.logs[source])
-
-
-def grown(
-    validation: list[dict], joints: Sequence[str], noise: np.ndarray, harm: float
-) -> list[str]:
-    """Sentences on joints whose error on a validation log grew beyond the noise by what was added."""
-    told = []
-    for entry in validation:
-        for joint, one, two, low in zip(
-            joints, entry["before"]["rms"], entry["after"]["rms"], noise, strict=True
-        ):
-            if two > harm * one and two > low:
-                told.append(
-                    f"on {entry['on']} the error of {joint} grew from {one:.3g} to {two:.3g}"
-                )
-    return told

@@ -1,4 +1,4 @@
-"""A loose joint: its strikes are predicted one by one, and the doubt of its play is honest."""
+"""A joint with backlash: its impacts are predicted one by one, and the doubt of its dead zone is honest."""
 
 from dataclasses import replace
 from functools import cache
@@ -28,7 +28,7 @@ BAND = Filtering(35.0, 20.0)
 
 @cache
 def loose_log() -> Log:
-    """Fifteen seconds of the arm in a closed loop, play on the second joint, with sensor noise."""
+    """Fifteen seconds of the arm in a closed loop, backlash on the second joint, with sensor noise."""
     plant = make_plant(small_arm(), (*ROTORS, Term("backlash", 1, values={"gap": GAP})))
     t, q, dq, ddq = fourier_motion(2, np.random.default_rng(3), rate=RATE * FASTER, duration=15.0)
     reference = Reference(*(jnp.asarray(x) for x in (q, dq, ddq, np.zeros_like(q))))
@@ -41,7 +41,7 @@ def loose_log() -> Log:
     rng = np.random.default_rng(4)
     q, tau = np.asarray(run.q)[kept], np.asarray(run.tau)[kept]
     return Log(
-        source="loose",
+        source="backlash",
         joints=small_arm().joints,
         t=np.arange(len(q)) / RATE,
         q=q + 1e-5 * rng.normal(size=q.shape),
@@ -50,13 +50,13 @@ def loose_log() -> Log:
 
 
 @cache
-def stand() -> Linearization:
+def lin() -> Linearization:
     motion = prepare(loose_log(), BAND)
     found = estimate(small_arm(), blank(ROTORS), [motion], bounded=False)
     return Linearization(found, cross_fit(found), Memory())
 
 
-def test_play_is_named_with_its_size_and_nothing_else():
+def test_backlash_is_named_with_its_size_and_nothing_else():
     found = diagnose(small_arm(), blank(ROTORS), [prepare(loose_log(), BAND)])
     assert [(s.added.effect, s.added.joint) for s in found.kept] == [("backlash", 1)]
     term, errors = next(
@@ -67,30 +67,30 @@ def test_play_is_named_with_its_size_and_nothing_else():
     assert abs(term.values["gap"] - GAP) < 3.0 * errors["gap"] < GAP
     assert term.values["blur"] == 0.0
     assert found.final.fit.sigma[1] < 0.6 * found.declared.fit.sigma[1]
-    # One transmission per joint: no spring is asked where there is play.
+    # One transmission per joint: no spring is asked where there is backlash.
     asked = eligible_terms(found.final.model, found.final.motions)
     assert ("joint_elasticity", 1) not in {(t.effect, t.joint) for t in asked}
     assert ("joint_elasticity", 0) in {(t.effect, t.joint) for t in asked}
 
 
-def test_strikes_are_predicted_and_the_rotor_takes_its_share():
-    candidate = lagging_candidate(stand(), Term("backlash", 1))
+def test_impacts_are_predicted_and_the_rotor_takes_its_share():
+    candidate = lagging_candidate(lin(), Term("backlash", 1))
     assert candidate.term.values["blur"] == 0.0
     assert candidate.term.values["gap"] == pytest.approx(GAP, rel=0.35)
-    inertia = stand().sensed(1)[0].inertia(candidate.start)
-    exact = stand().sensed(1)[0].inertia(np.asarray(small_arm().parameters).ravel())
+    inertia = lin().sensed(1)[0].inertia(candidate.start)
+    exact = lin().sensed(1)[0].inertia(np.asarray(small_arm().parameters).ravel())
     np.testing.assert_allclose(np.median(inertia), np.median(exact), rtol=0.25)
 
 
 def test_steady_fit_does_not_follow_a_few_large_residuals():
-    calm = stand()
+    calm = lin()
     exact = calm.found.regression.torque - calm.found.fit.residual
     rng = np.random.default_rng(0)
     noisy = exact + 0.01 * rng.normal(size=exact.shape)
-    struck = noisy.copy()
-    struck[50:80] += 3.0
+    hit = noisy.copy()
+    hit[50:80] += 3.0
     residuals = []
-    for torque in (noisy, struck):
+    for torque in (noisy, hit):
         regression = replace(calm.found.regression, torque=torque)
         columns = regression.columns[:, :, calm.found.fit.base.kept]
         values = np.linalg.lstsq(
@@ -98,7 +98,7 @@ def test_steady_fit_does_not_follow_a_few_large_residuals():
         )[0]
         fit = replace(calm.found.fit, residual=torque - columns @ values, values=values)
         found = replace(calm.found, regression=regression, fit=fit)
-        steady = Linearization(found, calm.background, Memory()).steady
+        steady = Linearization(found, calm.crossfit, Memory()).steady
         residuals.append((columns @ values - exact, steady))
     (_, (calm_pi, _)), (pulled, (pi, left)) = residuals
     rigid = calm.found.regression.columns[:, :, : len(pi)]

@@ -1,0 +1,115 @@
+"""Every threshold by which something is added, exchanged, taken back or told, with where it comes from.
+
+:class:`Rules` are those that a caller may change. The others are constants. Practice logs are the cases
+p01-p14 and q01-q14 of another simulator; worlds are the arms of ``python -m benchmarks.worlds``.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Thresholds of the decision.
+
+    Attributes:
+        significance: Chance that anything is added to a log without a missing effect: the level of the
+            whole family of tests, divided by their number (C. E. Bonferroni, 1936).
+        share: Least share of a joint's held-out squared error that an effect has to take off. An effect of
+            a fifth of the squared error lowers the error by a tenth, about what a user sees in a torque.
+        repeat: Least share of blocks in which it has to help.
+        over_noise, over_torque: Least RMS torque that it has to take off its joint's error, over that of
+            the noise and of the torque: a fifth of a residual that is nothing is nothing.
+        tie: Rivals whose gains differ by fewer standard errors than this are not told apart (two: the
+            usual 95 %),
+        rival: unless one explains what another leaves with less than this chance of error.
+    """
+
+    significance: float = 0.01
+    share: float = 0.2
+    repeat: float = 0.6
+    over_noise: float = 0.3
+    over_torque: float = 0.001
+    tie: float = 2.0
+    rival: float = 0.001
+
+
+# --- What a candidate is worth -------------------------------------------------------------------------------
+# Blocks count among those an effect helps in from this part of the mean gain on.
+WEIGHTY = 0.1
+# A window is the best of all its lengths and places, and residuals have heavier tails than the normal's: what
+# it explains counts by one over this.
+SELECTED = 2.0
+# An event explains at least this many times what a window of its length does on average.
+DENSE = 4.0
+
+# --- Competing candidates ------------------------------------------------------------------------------------
+# Candidates that say the same thing to this degree (a correlation) compete for one explanation.
+OVERLAP = 0.7
+# One whose gain is at least this part of the best one's is near it, however certain the difference is.
+AS_GOOD = 0.97
+# A law is a special case of another one that can do all but this part of it.
+SPECIAL_CASE = 0.1
+# Runners-up that gained at least this part of what the chosen one gained are asked again at the end.
+ASKED_AGAIN = 0.6
+
+# --- Structure that no law explains --------------------------------------------------------------------------
+# Least share of a joint's held-out squared error to call structure: that of a law, see Rules.share.
+STRUCTURE = 0.2
+# What a second variable has to add to the share of the first alone to be named.
+SECOND_VARIABLE = 0.06
+# Chance of structure where there is none, over all variables and pairs.
+STRUCTURE_SIGNIFICANCE = 0.01
+# A law below the first share of a joint's error stands in for an unknown one where a smooth function of one or
+# two variables reaches the second, and so many times the law's own.
+SMALL_PART, NEARLY_ALL, TIMES_OWN = 0.45, 0.7, 2.0
+
+# --- What is left, against the noise -------------------------------------------------------------------------
+# A residual within this multiple of the noise is near it. Clean logs of another simulator are left with 0.9
+# to 1.35 times their noise (q01-q04 of the practice logs); a soft joint that was missed left 3.3 times.
+NEAR = 2.0
+# Structure whose RMS is within this multiple of the noise of its joint is told as part of that noise, which
+# holds what is unknown of the motion: on 11 clean worlds it was 0.6 to 0.9 times it where there was any.
+MATERIAL = 1.0
+# Residuals beyond this multiple of the noise are looked at for two laws in one if they show structure; those
+# that are not near it in any case.
+LOUD = 1.25
+# A model that leaves this share of all torque on unseen time says nothing of the arm: the log, its units or
+# its signs are wrong. The worst right fit of a log at hand leaves a quarter (a missing spring, p04).
+HOPELESS = 0.8
+
+# --- Whether a refit confirms a candidate --------------------------------------------------------------------
+# A linear coefficient beyond so many standard errors is certain: else it stands for something else.
+CERTAIN = 2.0
+# A law that takes this share off the squared error is needed, whatever the doubt of its coefficient: Stribeck
+# and Coulomb friction are told apart by few slow samples, their sum by all.
+NEEDED = 0.2
+# Damping ratio of a link on its transmission: soft joints of the practice logs have 0.04 to 0.6, one that stood
+# in for a delay on a clean joint of a world 1.1, and raised the error of other motion thirty times.
+MOST_DAMPING = 1.0
+# What every drive has stays if its value is beyond so many standard errors (several joints are added at once,
+# so more than for one) and its torque beyond this part of the noise, see Rules.over_noise.
+EVERYDAY_CERTAIN, EVERYDAY_MATERIAL = 4.0, 0.3
+# What is beyond its physical bound by more standard errors than this contradicts it: it stays, and is told. On
+# a 9 s log of a clean world, friction that drove by chance tripled the error of unseen motion.
+BEYOND_CHANCE = 4.0
+# A law that was chosen anew may leave this much more of a joint's squared error.
+PRICE = 1.02
+# A simpler model may leave more by the square of two standard errors for each parameter it saves.
+SAVED = 4.0
+# A change may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
+CHANGE_DOUBT = 2.0
+
+# --- Whether an addition survives on other motion ------------------------------------------------------------
+# An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
+# the effect's own joint: half of what a fifth of the squared error (Rules.share) is worth.
+HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
+# While more is missing, a joint's error may grow by so much; what does so in the end is taken back.
+HARM_ON_THE_WAY = 1.5
+
+# --- Formulas ------------------------------------------------------------------------------------------------
+# A formula reaches at least this part of what a smooth function of one or two variables explains.
+OF_SMOOTH = 0.8
+# Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
+MOST_LEFT = 0.5
+# Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
+FORMULA_TIE, FORMULA_NEAR = 2.0, 1.2

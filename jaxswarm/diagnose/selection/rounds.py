@@ -1,0 +1,76 @@
+"""The driver of a selection, whatever it is asked: what a model lacks, or what changed since a model.
+
+One round is one look at all candidates against the current model; what passes is acted on, and the next round
+sees the model with it. The search is over when nothing is done any more.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.score import Score, accepted
+from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.budget import Spent
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.effects.term import Term
+
+
+def _never(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    return False
+
+
+def _signless(search: Search, term: Term) -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked, as functions of the selection under way.
+
+    Attributes:
+        told: What a round does, in words.
+        cross_fit: The current model on all folds.
+        eligible: Terms that are asked in this round.
+        held: Identities of what the model has by now.
+        act: Do something about those that passed, or about nobody having passed; whether another round
+            is worth it.
+        allow: Allow for something that is no effect; whether the round begins anew with it.
+        signed: Whether a term is a change of something known, of either sign.
+    """
+
+    told: Callable[[Search], str]
+    cross_fit: Callable[[Search], CrossFit]
+    eligible: Callable[[Search], list[Term]]
+    held: Callable[[Search], set]
+    act: Callable[[Search, list[Score]], bool]
+    allow: Callable[[Search, Linearization, Sequence[Term]], bool] = _never
+    signed: Callable[[Search, Term], bool] = _signless
+
+
+def run_rounds(search: Search, question: Question, most: int) -> None:
+    """Ask until nothing is done any more, at most so many rounds and a last look, or the time is over."""
+    for number in range(1, most + 2):
+        search.progress(f"round {number}: {question.told(search)}")
+        search.crossfit = question.cross_fit(search)
+        if search.budget.spent:
+            search.spent = Spent(search.budget.seconds, number - 1)
+            search.progress(search.spent.sentence)
+            held = question.held(search)
+            search.scores = [s for s in search.scores if s.candidate.term.identity not in held]
+            return
+        lin = Linearization(search.current, search.crossfit, search.memory)
+        eligible = question.eligible(search)
+        # The last look is at the model as it will be told.
+        if number <= most and question.allow(search, lin, eligible):
+            continue
+        signed = partial(question.signed, search)
+        search.scores = score_terms(lin, eligible, search.seed, signed)
+        search.asked = search.asked or len(search.scores)
+        passed = accepted(search.scores, search.rules)
+        if number > most:
+            search.ended = bool(passed)
+            return
+        if not question.act(search, passed):
+            return

@@ -1,0 +1,30 @@
+"""The last word on a model: values that only chance drives beyond their physical bounds are held at them.
+
+Candidates are scored against a free fit, where the statistics are those of least squares. In a short log that
+leaves friction that drives on some joint, which is within its error and triples the error of unseen motion.
+"""
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE
+from jaxswarm.effects.term import parameter_bounds
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.least_squares import base_bounds
+
+
+def within_bounds(current: Estimate) -> Estimate:
+    """The same model with its linear parameters within their bounds, unless the log contradicts these."""
+    model, fit = current.model, current.fit
+    low, high = base_bounds(fit.base, *parameter_bounds(model.terms, model.robot.joints))
+    beyond = np.maximum(low - fit.values, fit.values - high)
+    if not (beyond > 0).any() or (beyond > BEYOND_CHANCE * fit.std_error).any():
+        return current
+    return estimate(
+        model.robot,
+        model.terms,
+        current.motions,
+        width=model.width,
+        rigids=current.rigids,
+        refine_width=True,
+        start=np.asarray(model.robot.parameters).ravel(),
+    )

@@ -1,0 +1,77 @@
+"""A log on a uniform clock, and every how many-th of its samples a model needs."""
+
+import numpy as np
+from scipy import interpolate
+
+from jaxswarm.errors import InputError
+from jaxswarm.logs.clock import with_sample_times
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.sampling import usual_period
+
+# Working rate per band of the motion: friction jumps where a joint reverses, and a jump between samples
+# folds back into the band, which moves the sign's width and every delay.
+_RATE = 16.0
+# Samples that a spline of fifth order needs.
+_LEAST_SAMPLES = 20
+# Samples that the smoothing of a motion needs at the working rate.
+_LEAST_WORKING = 10
+# The low-pass before thinning looks three filter lengths beyond either end.
+_LEAST_THINNED = 28
+
+
+class TooShort(InputError):
+    """A log, or a stretch of one, with too few samples to filter."""
+
+
+def uniform_clock(log: Log) -> tuple[Log, np.ndarray, float]:
+    """The log at the times of its samples, a uniform clock over it, and its usual rate [Hz].
+
+    Raises:
+        TooShort: If there are too few samples to differentiate.
+    """
+    if len(log.t) < _LEAST_SAMPLES:
+        raise TooShort(
+            f"{log.source}: {len(log.t)} samples are too few to differentiate; log at least "
+            f"{_LEAST_SAMPLES}"
+        )
+    log = with_sample_times(log)
+    step = usual_period(log.t)
+    count = int(round((log.t[-1] - log.t[0]) / step)) + 1
+    rate = (count - 1) / (log.t[-1] - log.t[0])
+    return log, log.t[0] + np.arange(count) / rate, rate
+
+
+def resample(t: np.ndarray, x: np.ndarray, clock: np.ndarray, cubic: bool) -> np.ndarray:
+    """Values (T, n) of times (T,) on a clock (T',), by a cubic spline or by straight lines."""
+    if len(t) == len(clock) and np.abs(t - clock).max() < 1e-3 * (clock[1] - clock[0]):
+        return np.asarray(x, dtype=float)
+    if cubic and np.isfinite(x).all():
+        return interpolate.CubicSpline(t, x, axis=0)(clock)
+    return interpolate.interp1d(t, x, axis=0)(np.clip(clock, t[0], t[-1]))
+
+
+def thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
+    """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
+    if stride == 1:
+        return np.asarray(x, dtype=float)
+    from scipy import signal  # loads for half a second what a log at a low rate does not need
+
+    sections = signal.butter(6, 0.4 * rate / stride, fs=rate, output="sos")
+    return signal.sosfiltfilt(sections, x, axis=0)[::stride]
+
+
+def stride_for(log: Log, samples: int, rate: float, highest: float) -> int:
+    """Every how many-th sample is enough for motion below a frequency [Hz].
+
+    Raises:
+        TooShort: If too few of them are left.
+    """
+    stride = max(1, int(rate / (_RATE * highest)))
+    thinned_away = stride > 1 and samples < _LEAST_THINNED
+    if thinned_away or -(-samples // stride) < _LEAST_WORKING:
+        least = max(_LEAST_THINNED, _LEAST_WORKING * stride) / rate
+        raise TooShort(
+            f"{log.source}: {log.t[-1] - log.t[0]:.3g} s are too short for motion below "
+            f"{highest:.3g} Hz; log at least {least:.2g} s, or raise --motion-cutoff"
+        )
+    return stride

@@ -1,0 +1,78 @@
+"""The driver of the rounds, and the clocks that are moved on the way."""
+
+import importlib
+from dataclasses import replace
+
+import pytest
+from planted import BAND, blank, declared_fit, log_with, small_arm
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.run_against import conclude_comparison
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.changes import compare
+from jaxswarm.diagnose.selection.rounds import Question, run_rounds
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.effects.term import Term
+from jaxswarm.logs.motion import prepare
+
+clock = importlib.import_module("jaxswarm.diagnose.selection.clock")
+SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    return declared_fit(log_with(SPRING))
+
+
+def search_of(found, **more):
+    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget(), **more)
+
+
+def test_the_last_look_is_at_the_model_as_it_is_told(fitted):
+    """Whatever would still be allowed for: no round ends with scores of another model than its own."""
+    found, crossfit = fitted
+    asked, allowed = [], []
+    question = Question(
+        told=lambda search: "asking",
+        cross_fit=lambda search: crossfit,
+        eligible=lambda search: asked.append(1) or [replace(SPRING, values={})],
+        held=lambda search: set(),
+        act=lambda search, passed: True,
+        allow=lambda *a: bool(allowed.append(1)),
+    )
+    search = search_of(found)
+    run_rounds(search, question, 3)
+    assert len(asked) == 4 and len(allowed) == 3
+    assert search.ended and search.asked == 1 and len(search.scores) == 1
+
+
+@pytest.mark.parametrize("steps", [0, 1])
+def test_moved_clocks_hold_for_the_error_before_too(fitted, monkeypatch, steps):
+    found, _ = fitted
+    monkeypatch.setattr(clock, "clock_skew", lambda *a: 1e-3)
+    search = search_of(found, steps=[None] * steps)
+    assert clock.allow_for_skew(search, None, [])
+    for one in (search.declared, search.current):
+        assert one.motions[0].skew == pytest.approx(1e-3)
+    monkeypatch.setattr(clock, "clock_skew", lambda *a: 1e-6)
+    assert not clock.allow_for_skew(search, None, [])
+
+
+def test_a_refused_event_is_not_asked_again_and_another_one_is_no_reason(fitted):
+    found, _ = fitted
+    search = search_of(found)
+    event = Term("contact", values={"log": 0.0, "start": 2.0, "end": 2.5})
+    search.refuse(event)
+    assert replace(event, values={}).identity in search.banned
+    assert Term("contact").identity in search.banned
+
+
+def test_rules_that_decided_what_changed_are_told():
+    motion = prepare(log_with(), BAND)
+    model = diagnose(small_arm(), blank(), [motion]).final.model
+    found = compare(model, [prepare(log_with(SPRING, seed=4), BAND)], rules=Rules(share=0.35))
+    told = conclude_comparison(found, [], 0)[0]
+    assert told["rules"]["share"] == 0.35
+    assert [e["effect"] for e in told["effects"]] == ["joint_spring"]

@@ -1,0 +1,59 @@
+"""Values that chance alone drives beyond physics are held; those the log insists on are not."""
+
+import numpy as np
+import pytest
+from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
+
+from jaxswarm.diagnose.selection.within_bounds import within_bounds
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import Noise, synthetic_log
+from jaxswarm.logs.motion import prepare
+
+LOUD = Noise(2e-5, 3.0)
+
+
+def frictionless(seed):
+    """A short, noisy log of the arm whose second joint has dry friction only."""
+    terms = tuple(t for t in DECLARED if (t.effect, t.joint) != ("viscous_friction", 1))
+    return synthetic_log(
+        small_arm(), terms, seed, noise=LOUD, duration=5.0, rate=125.0, motion_seed=7
+    )
+
+
+def fitted(log):
+    return estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False)
+
+
+def viscous(one):
+    return next(
+        t.values["b"] for t in one.model.terms if (t.effect, t.joint) == ("viscous_friction", 1)
+    )
+
+
+def test_friction_that_drives_by_chance_is_held_at_zero():
+    driven = [one for one in (fitted(frictionless(seed)) for seed in range(6)) if viscous(one) < 0]
+    assert driven  # about half of them
+    for one in driven:
+        held = within_bounds(one)
+        assert viscous(held) == pytest.approx(0.0, abs=1e-12)
+        assert held.fit.sigma == pytest.approx(one.fit.sigma, rel=0.05)
+
+
+def test_what_the_log_insists_on_stays():
+    negative = Term("viscous_friction", 1, values={"b": -6.0})
+    one = fitted(log_with(negative))
+    assert viscous(one) < -1.0
+    assert within_bounds(one) is one
+
+
+def test_a_model_within_its_bounds_stays():
+    one = fitted(log_with())
+    assert within_bounds(one) is one
+
+
+def test_a_diagnosis_ends_within_the_bounds():
+    seed = next(s for s in range(6) if viscous(fitted(frictionless(s))) < 0)
+    found = diagnose_log(frictionless(seed))
+    assert viscous(found.final) >= 0.0
+    assert np.isfinite(found.final.fit.sigma).all()

@@ -1,0 +1,45 @@
+"""Friction that chance alone makes says nothing about the sign of a torque."""
+
+from dataclasses import replace
+
+import jax
+import numpy as np
+import pytest
+
+from jaxswarm.identify.checks.channels import wrong_channels
+from jaxswarm.identify.checks.rough import Rough, Samples
+from jaxswarm.robot import inverse_dynamics, rx60
+
+
+def samples(noise: float, friction: float, seed: int, rows: int = 300) -> Samples:
+    """20 s of an arm whose joint 1 feels ``noise`` times its torque and ``friction`` times it."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 20.0, rows)
+    w = 2 * np.pi * np.array([0.11, 0.17, 0.23])
+    turns, phase = np.array([0.9, 0.5, 0.7]), rng.uniform(0, 2 * np.pi, 3)
+    q, dq, ddq = (
+        turns * np.sin(w * t[:, None] + phase),
+        turns * w * np.cos(w * t[:, None] + phase),
+        -turns * w**2 * np.sin(w * t[:, None] + phase),
+    )
+    arm = rx60()
+    tau = np.array(jax.vmap(inverse_dynamics, (None, 0, 0, 0))(arm, q, dq, ddq))
+    size = tau[:, 0].std()
+    tau[:, 0] += size * (noise * rng.normal(size=len(t)) + friction * np.sign(dq[:, 0]))
+    return Samples(q, dq, ddq, tau + 1e-3 * rng.normal(size=tau.shape), np.gradient(tau, t, axis=0))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_joint_of_noise_has_no_sign(seed):
+    assert wrong_channels(rx60(), Rough(rx60(), samples(5.0, 0.0, seed, rows=60))) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_joint_that_friction_drives_has_the_wrong_sign(seed):
+    one = samples(0.3, 0.5, seed)
+    assert wrong_channels(rx60(), Rough(rx60(), one)) is None
+    wrong = np.array([-1.0, 1.0, 1.0])
+    found = wrong_channels(
+        rx60(), Rough(rx60(), replace(one, tau=wrong * one.tau, tau_rate=wrong * one.tau_rate))
+    )
+    assert found.check == "torque_sign" and "joint1" in found.what
