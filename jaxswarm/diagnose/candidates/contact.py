@@ -15,7 +15,7 @@ _SHORTEST, _LENGTHS = 3, 32
 def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The window whose constant torques explain most, found on running sums of the residual."""
     regression = lin.found.regression
-    residual = lin.crossfit.as_event(lin.crossfit.whole.residual)
+    residual = lin.crossfit.whole.residual
     total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
     best, pick = 0.0, None
     for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):

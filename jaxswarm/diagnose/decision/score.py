@@ -132,11 +132,11 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     The share is that of the squared torque, not bounded as in the gain: the few samples of an event are
     what the bounds are made against.
     """
-    whole, weight = crossfit.whole, crossfit.plain
+    whole, weight = crossfit.whole, crossfit.weight
     inside = candidate.columns[0].any(axis=(1, 2))
     free = whole.free_part(candidate.columns[0])
     a = coefficients(free, whole)
-    predicted, residual = (crossfit.as_event(x) for x in (free @ a, whole.residual))
+    predicted, residual = free @ a, whole.residual
     fall = residual**2 - (residual - predicted) ** 2
     raw = np.divide(1.0, weight**2, where=weight > 0, out=np.zeros_like(weight))
     shares = (fall * raw).sum(axis=0) / np.maximum((residual**2 * raw).sum(axis=0), 1e-300)

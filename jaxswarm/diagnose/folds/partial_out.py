@@ -93,7 +93,6 @@ class CrossFit:
         effective: Independent residuals in the data.
         noise: Standard deviation of the noise but for what is sharp, (n,).
         size: RMS of the torque, (n,).
-        plain: ``weight`` as if the motion were known alike in all rows.
         structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
     """
 
@@ -104,7 +103,6 @@ class CrossFit:
     effective: float
     noise: np.ndarray
     size: np.ndarray
-    plain: np.ndarray
     structure: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -116,10 +114,6 @@ class CrossFit:
         """The folds of a model that has further weighted columns, given for every fold."""
         whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
         return replace(self, whole=whole, halves=tuple(halves), structure={})
-
-    def as_event(self, rows: np.ndarray) -> np.ndarray:
-        """Weighted rows (T, n) in plain weights: an event has sharp edges without any doubt of motion."""
-        return rows * np.divide(self.plain, self.weight, where=self.weight > 0, out=0.0 * rows)
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
         """Columns (T, n, k) in units of the noise."""
@@ -158,12 +152,8 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     whole, first, second = (replace(fold, solve=fold.solve[:size]) for fold in folds)
     torque_size = np.sqrt((regression.torque**2).mean(axis=0))
     halves = (first, second)
-    used = 1.0 if regression.used is None else regression.used[:, None]
     noise = np.sqrt((row_doubt(found) ** 2).mean(axis=0))
-    return CrossFit(
-        weight, block, whole, halves, error.size / length, noise, torque_size,
-        robust_weight(solution.residual) * used,
-    )  # fmt: skip
+    return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size)
 
 
 def width_slopes(found: Estimate) -> np.ndarray:

@@ -51,6 +51,8 @@ _UNIT = "Log torques in N m and forces in N, or name the unit"
 # Share of the torque left, on the geometric mean over the joints, from which on motion explains nothing, and of
 # one or two joints, which a single missing law may rule. Pure noise leaves all of it, the worst clean log 0.3.
 _UNRELATED, _FEW_UNRELATED, _FEW = 0.5, 0.8, 2
+# Travel [rad or m] below which a position is one number but for the rounding of its smoothing.
+STANDS = 1e-9
 # Rows per parameter that a fit has to have before it tells anything.
 _ROWS_PER_PARAMETER = 3.0
 
@@ -60,7 +62,7 @@ def enough(robot: Robot, samples: Samples) -> bool:
     rows = samples.q.size
     return bool(
         rows >= _ROWS_PER_PARAMETER * 14 * robot.num_joints
-        and (np.ptp(samples.q, axis=0) > 0).all()
+        and (np.ptp(samples.q, axis=0) >= STANDS).all()
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.checks.channels import enough, unrelated, wrong_channels, wrong_unit
+from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough, samples_of
 from jaxswarm.identify.checks.weak import WEAK, all_rest
@@ -75,7 +76,7 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
         return []
     samples = samples_of(motions)
     if not enough(robot, samples):
-        return []
+        return dead_encoders(robot, samples)
     rough = Rough(robot, samples)
     found = [wrong_channels(robot, rough), wrong_unit(robot, samples), unrelated(rough)]
     if not any(found):
