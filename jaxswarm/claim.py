@@ -12,7 +12,7 @@ from jaxswarm.errors import InputError
 try:
     import fcntl
 except ImportError:  # Windows has other locks; two commands in one folder are not told there
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]
 
 
 @contextmanager

@@ -39,6 +39,8 @@ def set_modes(quiet: bool, plain: bool) -> None:
 
 def _in_ascii(error: UnicodeError) -> tuple[str, int]:
     """What stands for characters that ASCII lacks."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
     text = error.object[error.start : error.end]
     return "".join(_ASCII.get(c, "?") for c in text), error.end
 

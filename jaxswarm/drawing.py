@@ -46,7 +46,7 @@ class Drawing:
     def ask(self, name: str, picture: str, *arguments) -> None:
         """Order a picture: the name of its file, of a function of :mod:`jaxswarm.plots`, its arguments."""
         self._orders[name] = (picture, arguments)
-        if self._process is None or self._folder is None:
+        if self._process is None or self._folder is None or self._process.stdin is None:
             return
         place = Path(self._folder.name) / str(len(self._orders))
         try:

@@ -19,11 +19,27 @@ def provenance(inputs: Sequence[Path], options: dict) -> dict:
     """
     return {
         "inputs": [
-            {"name": Path(p).name, "sha256": hashlib.sha256(Path(p).read_bytes()).hexdigest()}
-            for p in inputs
+            {"name": Path(p).name, "sha256": _digest(Path(p)), **_read_as(p)} for p in inputs
         ],
         "versions": {"python": platform.python_version(), **{n: version(n) for n in _PACKAGES}},
         "options": {
             k: v if v is None or isinstance(v, _PLAIN) else str(v) for k, v in options.items()
         },
     }
+
+
+def _digest(path: Path) -> str:
+    """Digest of a file, or of the names and contents in a folder such as that of a recording."""
+    if path.is_file():
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    whole = hashlib.sha256()
+    for part in sorted(part for part in path.rglob("*") if part.is_file()):
+        whole.update(f"{part.relative_to(path)}\0{_digest(part)}\n".encode())
+    return whole.hexdigest()
+
+
+def _read_as(path: object) -> dict[str, str]:
+    """How a log was read, where the user said more than its path."""
+    reading = getattr(path, "reading", None)
+    return {} if reading is None else {"read_as": str(reading)}

@@ -47,7 +47,7 @@ def _explain(end: BaseException) -> int | str | None:
         if isinstance(cause, BrokenPipeError):
             return _say_unprinted(cause)
         cause = cause.__context__
-    return end.code
+    return end.code if isinstance(end, SystemExit) else 1
 
 
 def _say_unprinted(error: OSError) -> int:

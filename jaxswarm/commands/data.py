@@ -6,7 +6,9 @@ from typing import Annotated
 import typer
 
 from jaxswarm import console
+from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import Json, show
+from jaxswarm.commands.robots import with_robot_options
 from jaxswarm.runtime import start
 
 
@@ -14,11 +16,17 @@ def register(app: typer.Typer) -> None:
     """Add the commands of this group."""
 
     @app.command(epilog="Example: jaxswarm inspect arm.csv --robot arm.urdf --out seen")
+    @with_robot_options
+    @with_log_options("logs")
     def inspect(
-        logs: Annotated[list[Path], typer.Argument(help="Logs: CSV, NPZ, Parquet, MAT or MCAP.")],
+        logs: Annotated[
+            list[Path], typer.Argument(help="Logs: CSV, NPZ, Parquet, MAT, HDF5, MCAP.")
+        ],
         robot: Annotated[
             str | None,
-            typer.Option(help="Built-in name, .urdf or .toml: what could be identified."),
+            typer.Option(
+                help="Built-in name, .urdf, .sdf, .xml or .toml: what could be identified."
+            ),
         ] = None,
         out: Annotated[
             Path | None, typer.Option("--out", help="Folder for inspection.json and pictures.")

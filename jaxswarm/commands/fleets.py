@@ -65,7 +65,7 @@ def is_fleet(asked: Asked, logs: list[Path] | None, validation: list[Path] | Non
             )
         return False
     if logs or validation:
-        what = "--validation" if validation else str(logs[0])
+        what = "--validation" if validation else str(logs[0] if logs else "")
         raise InputError(
             f"{what}: --fleet {asked.logs} names all logs, each is diagnosed by itself"
         )
@@ -93,6 +93,8 @@ def run(
     from jaxswarm.fleet.run import diagnose_fleet
     from jaxswarm.fleet.schedule import Cluster
 
+    if asked.logs is None:
+        raise InputError("no fleet: name its logs with --fleet LOGS")
     with work(out, (model, Path(robot)), _WRITTEN, resumable=True) as status:
         return diagnose_fleet(
             asked.logs,

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from jaxswarm import console
+from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import (
     MOST,
     Accept,
@@ -35,6 +36,7 @@ def register(app: typer.Typer) -> None:
         epilog="Example: jaxswarm identify arm.csv --robot arm.urdf --effects viscous_friction --out out"
     )
     @with_robot_options
+    @with_log_options("logs", "validation")
     def identify(
         logs: Logs,
         robot: RobotName,
@@ -84,7 +86,13 @@ def register(app: typer.Typer) -> None:
             optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
             estimator, physical, prior, prior_weight, tuple(accept or ()),
         )  # fmt: skip
-        inputs = (*logs, validation, prior and Path(prior), Path(robot), effects_from)
+        inputs = (
+            *logs,
+            validation,
+            None if prior is None else Path(prior),
+            Path(robot),
+            effects_from,
+        )
         with work(out, inputs, _IDENTIFIED) as status:
             if effects_from:
                 register_from(effects_from)
@@ -95,6 +103,7 @@ def register(app: typer.Typer) -> None:
         )
 
     @app.command(epilog="Example: jaxswarm predict out/model.json other.csv --out torque.csv")
+    @with_log_options("log")
     def predict(
         model: Annotated[Path, typer.Argument(help="model.json of identify or diagnose.")],
         log: Annotated[Path, typer.Argument(help="Log of the motion; torque is not needed.")],

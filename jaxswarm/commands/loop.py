@@ -7,6 +7,7 @@ import typer
 
 from jaxswarm import console
 from jaxswarm.commands import fleets
+from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import (
     LARGEST_SEED,
     Accept,
@@ -83,6 +84,7 @@ def register(app: typer.Typer) -> None:
         epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
     )
     @with_robot_options
+    @with_log_options("logs", "validation")
     def diagnose(
         robot: RobotName,
         out: Out,
@@ -127,17 +129,18 @@ def register(app: typer.Typer) -> None:
             seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff,
             accept=tuple(accept or ()), budget=budget, discover=discover,
         )  # fmt: skip
-        inputs = (*logs, *(validation or ()), model, Path(robot), effects_from)
+        given = logs or []  # without logs and without a fleet there is a message before
+        inputs = (*given, *(validation or ()), model, Path(robot), effects_from)
         with work(out, inputs, _DIAGNOSED, resumable=True) as status:
             if effects_from:
                 register_from(effects_from)
             if model is not None:
                 from jaxswarm.diagnose.run_against import compare_files
 
-                result = compare_files(logs, robot, model, out, validation, options, status)
+                result = compare_files(given, robot, model, out, validation, options, status)
             else:
                 declare = declare or "none"
-                result = diagnose_files(logs, robot, declare, out, validation, options, status)
+                result = diagnose_files(given, robot, declare, out, validation, options, status)
         console.notes([*result["logs"], *result.get("validation_logs", ())])
         console.show(result, json, lambda: print_diagnosis(console.safe(result), console.safe(out)))
 

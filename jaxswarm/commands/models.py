@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import EffectsFrom, Json, ModelFile, numbers, show
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
@@ -15,11 +16,15 @@ def register(app: typer.Typer) -> None:
     """Add the commands of this group."""
 
     @app.command(epilog="Example: jaxswarm export out/model.json --format urdf --out arm.urdf")
+    @with_log_options("log")
     def export(
         model: ModelFile,
         out: Annotated[Path, typer.Option("--out", help="File to write.")],
         format: Annotated[
-            str | None, typer.Option(help="urdf, mjcf, yaml or c; default by the ending of --out.")
+            str | None,
+            typer.Option(
+                help="urdf, mjcf, sdf (Gazebo, Drake), yaml (Pinocchio) or c; default by the ending."
+            ),
         ] = None,
         log: Annotated[
             Path | None, typer.Option(help="Motion on which the torque has to stay as it is.")
@@ -36,7 +41,7 @@ def register(app: typer.Typer) -> None:
         effects_from: EffectsFrom = None,
         json: Json = False,
     ) -> None:
-        """Write a model as URDF, MJCF, YAML, or as a C function of its effects.
+        """Write a model as URDF, MJCF, SDF, YAML, or as a C function of its effects.
 
         Base parameters are no bodies: the nearest rigid bodies are written, and the output says how
         far that moves the torque.
@@ -46,7 +51,8 @@ def register(app: typer.Typer) -> None:
         from jaxswarm.effects import register_from
 
         weight = {} if prior_weight is None else {"prior_weight": prior_weight}
-        with work(out, (model, log, prior and Path(prior), effects_from)) as status:
+        bodies = None if prior is None else Path(prior)
+        with work(out, (model, log, bodies, effects_from)) as status:
             if effects_from:
                 register_from(effects_from)
             result = tasks.export(
@@ -57,6 +63,7 @@ def register(app: typer.Typer) -> None:
     @app.command(
         epilog="Example: jaxswarm simulate out/model.json --reference trajectory.csv --out motion.csv"
     )
+    @with_log_options("reference")
     def simulate(
         model: ModelFile,
         reference: Annotated[

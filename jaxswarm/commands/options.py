@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from jaxswarm.tables import Result
 
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON on stdout.")]
-_LOGS = typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT or MCAP.")
+_LOGS = typer.Argument(help="Logs to fit: CSV, NPZ, Parquet, MAT, HDF5, MCAP.")
 Logs = Annotated[list[Path], _LOGS]
 LogsOrNone = Annotated[list[Path] | None, _LOGS]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the results.")]

@@ -15,13 +15,14 @@ import typer
 
 from jaxswarm import console
 from jaxswarm.commands.options import Json
+from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 
 RobotName = Annotated[
-    str, typer.Option("--robot", help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
+    str, typer.Option("--robot", help="Built-in name, .urdf, .sdf, .xml (MJCF) or .toml file.")
 ]
 RobotArgument = Annotated[
-    str, typer.Argument(help="Built-in name, .urdf, .xml (MJCF) or .toml file.")
+    str, typer.Argument(help="Built-in name, .urdf, .sdf, .xml (MJCF) or .toml file.")
 ]
 Picture = Annotated[
     Path | None, typer.Option("--out", help="PNG file: the skeleton with its axes.")
@@ -60,6 +61,10 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
         from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot import RobotChoice, describe_robot, parse_options
 
+        if arguments["robot"] is None:
+            if given := [f"--{name}" for name, text in texts.items() if text is not None]:
+                raise InputError(f"{', '.join(given)}: belongs to --robot; name the robot")
+            return command(**arguments)
         choice = RobotChoice(arguments["robot"], parse_options(**texts))
         result = command(**{**arguments, "robot": choice})
         for note in with_effects(describe_robot(choice).notes):
@@ -73,7 +78,7 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
         for name, option in _OPTIONS.items()
     ]
     own = [p.replace(kind=kind) for p in signature.parameters.values()]
-    run.__signature__ = signature.replace(parameters=[*own, *added])
+    run.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
     return run
 
 
@@ -99,12 +104,14 @@ def register(app: typer.Typer) -> None:
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
         """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
         from jaxswarm.effects.advice import with_effects
+        from jaxswarm.robot import RobotChoice
         from jaxswarm.robot.show import draw, print_robot, summary
 
-        result = summary(robot)
+        choice = robot if isinstance(robot, RobotChoice) else RobotChoice(robot)
+        result = summary(choice)
         result["notes"] = with_effects(result["notes"])
         if out is not None:
-            draw(robot, out)
+            draw(choice, out)
         console.show(result, json, lambda: print_robot(result))
 
     app.add_typer(commands, name="robots", epilog="Example: jaxswarm robots --json")

@@ -37,12 +37,11 @@ def run_demo(
     with Drawing() as drawing:
         found = diagnose(rx60(), blank, [prepare(log)], seed=seed, progress=progress)
         validation = [prepare(unseen, found.final.model.filtering)]
-        if out is not None:
-            order_pictures(drawing, found, validation)
+        shown = None if out is None else order_pictures(drawing, found, validation)
         result, left = conclude(found, validation, seed, progress)
         result["logs"] = []
         if out is not None:
-            write_report(found, left, result, drawing, out, progress)
+            write_report(found, left, result, drawing, out, progress, shown=shown)
     term = hidden[0]
     truth = {
         "effect": term.effect,

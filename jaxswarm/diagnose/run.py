@@ -14,6 +14,7 @@ from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import to_result
+from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import outcome_of
@@ -28,6 +29,7 @@ from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.weak import resting_joints
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, save_model
+from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_undeclarable
 from jaxswarm.logs.motion import Motion
@@ -87,11 +89,11 @@ def diagnose_files(
         search = None
         if options.discover:
             diagnosis, search = discover(diagnosis, unseen, options.seed, progress)
-        order_pictures(drawing, diagnosis, unseen)
+        shown = order_pictures(drawing, diagnosis, unseen)
         result, left = conclude(diagnosis, unseen, options.seed, progress, search)
         result["reasons"] += resting_joints(read.motions, robot)
         result |= told
-        write_report(diagnosis, left, result, drawing, out, progress, search)
+        write_report(diagnosis, left, result, drawing, out, progress, search, shown)
     journal.close(done=diagnosis.spent is None)
     return result
 
@@ -108,7 +110,9 @@ def conclude(
     left = find_unexplained(diagnosis.final, diagnosis.crossfit, seed)
     left = proven(diagnosis.final, material(left, remainders(diagnosis.final)), unseen)
     laws = search.found if search else ()
-    return to_result(outcome_of(diagnosis, left, unseen, laws), search=search), left
+    result = to_result(outcome_of(diagnosis, left, unseen, laws), search=search)
+    result["physical_consistency"] = consistency_told(diagnosis.final)
+    return result, left
 
 
 def _where_seen(step: Step, final: Estimate) -> tuple[Model, Motion]:
@@ -125,10 +129,11 @@ def write_report(
     out: Path,
     progress: Callable[[str], None] = lambda text: None,
     search: Search | None = None,
+    shown: Signals | None = None,
 ) -> None:
     """Write ``diagnosis.json``, ``model.json``, ``report.html`` and the pictures, whole or not at all.
 
-    ``drawing`` has the orders of :func:`order_pictures`.
+    ``drawing`` has the orders of :func:`order_pictures`, ``shown`` is what it gave.
     """
     progress("writing the report")
     # Loaded while the other process draws: half a second.
@@ -160,7 +165,7 @@ def write_report(
         {
             "diagnosis.json": outputs.to_json(result),
             "model.json": lambda path: save_model(with_smooth_terms(final, left), path),
-            "report.html": render(result, images),
+            "report.html": render(result, images, shown),
             **images,
             **laws,
         },

@@ -27,6 +27,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import Model, load_model
+from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_resting_joints
 from jaxswarm.robot.load import load_robot
@@ -83,9 +84,9 @@ def compare_files(
             budget=budget,
         )
         result, diagnosis, left = conclude_comparison(found, read.unseen, options.seed, progress)
-        order_pictures(drawing, diagnosis, read.unseen)
+        shown = order_pictures(drawing, diagnosis, read.unseen)
         result |= {"model": Path(model_path).name, **told}
-        write_report(diagnosis, left, result, drawing, out, progress)
+        write_report(diagnosis, left, result, drawing, out, progress, shown=shown)
     journal.close(done=found.spent is None)
     return result
 
@@ -109,6 +110,7 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     left = find_unexplained(found.after, found.crossfit, seed)
     left = proven(found.after, material(left, remainders(found.after)), unseen)
     result = to_result(outcome_of(diagnosis, left, unseen))
+    result["physical_consistency"] = consistency_told(found.after)
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):
         entry["parameters"] = _parameters(change, robot)

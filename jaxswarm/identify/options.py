@@ -74,6 +74,11 @@ def check_options(options: Options) -> None:
         raise InputError(f"prior weight {options.prior_weight}: give a number above zero")
 
 
+def consistency_told(found: Estimate) -> dict:
+    """Whether rigid bodies can have the parameters, and the nearest ones, as plain data."""
+    return consistency_report(found, consistency_of(found), False, None, PULL)
+
+
 def refined(found: Estimate, options: Options, progress) -> tuple[Estimate, dict, dict]:
     """The estimate by the estimator asked for, with bodies where asked for, and what to tell of both."""
     if options.estimator != "least_squares":

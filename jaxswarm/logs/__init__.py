@@ -9,6 +9,9 @@ from jaxswarm.logs.log import Log as Log
 from jaxswarm.logs.log import take as take
 from jaxswarm.logs.read import LOG_FORMATS as LOG_FORMATS
 from jaxswarm.logs.read import read_log as read_log
+from jaxswarm.logs.reading import LogChoice as LogChoice
+from jaxswarm.logs.reading import Reading as Reading
+from jaxswarm.logs.reading import parse_reading as parse_reading
 from jaxswarm.logs.sampling import Gap as Gap
 from jaxswarm.logs.sampling import Sampling as Sampling
 from jaxswarm.logs.summary import JointSummary as JointSummary

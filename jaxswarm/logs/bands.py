@@ -67,7 +67,8 @@ def find_band(
         torque: Torque (T, n), where it was logged.
     """
     found = find_cutoffs(q, rate)
-    ratio, notes = None, ()
+    ratio: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
     if velocity is not None:
         ratio, notes = _velocity(q, velocity, rate, found.cutoff, joints)
         if ratio is not None:

@@ -139,7 +139,7 @@ def _order(table: Table, joints: tuple[str, ...]) -> list[int]:
             raise InputError(
                 f"{table.source}: joints names {name}, which the robot does not have. "
                 f"{nearest(name, joints)} Rename it, or leave joints out if the columns are in the "
-                "robot's order."
+                "robot's order (--columns q=q reads them so)."
             )
         if table.joints.count(name) > 1:
             raise InputError(f"{table.source}: joints names {name} twice. Name every joint once.")

@@ -63,19 +63,20 @@ def _without_bias(log: Log) -> tuple[np.ndarray, list[str]]:
     where a velocity is half of what is known, it would bend the motion.
     """
     ends = np.linspace(0, len(log.t) - 1, _STRETCHES + 1).astype(int)
+    given = np.asarray(log.dq)  # only logs with velocities come here
     if len(log.t) < 2 * _STRETCHES:
-        return log.dq, []
+        return given, []
     time = np.diff(log.t)[:, None]
-    way = np.concatenate([0.0 * log.dq[:1], np.cumsum(0.5 * (log.dq[1:] + log.dq[:-1]) * time, 0)])
+    way = np.concatenate([0.0 * given[:1], np.cumsum(0.5 * (given[1:] + given[:-1]) * time, 0)])
     apart = np.diff((way - log.q)[ends], axis=0) / np.diff(log.t[ends])[:, None]
     bias, doubt = apart.mean(axis=0), apart.std(axis=0, ddof=1) / np.sqrt(_STRETCHES)
-    clear = (np.abs(bias) > _SURE * doubt) & (np.abs(bias) > _MATERIAL * np.abs(log.dq).max(axis=0))
+    clear = (np.abs(bias) > _SURE * doubt) & (np.abs(bias) > _MATERIAL * np.abs(given).max(axis=0))
     notes = [
         f"The logged velocity of {log.joints[k]} is {bias[k]:.3g} rad/s (m/s) too large throughout: this is "
         "taken off. Zero its sensor at rest."
         for k in np.flatnonzero(clear)
     ]
-    return log.dq - np.where(clear, bias, 0.0), notes
+    return given - np.where(clear, bias, 0.0), notes
 
 
 def refuse_dead_torque(log: Log) -> None:

@@ -54,7 +54,11 @@ def coverage(log: Log) -> tuple[Coverage, ...]:
         moving = speed > 0.01 * top if top > 0 else np.zeros(len(dq), bool)
         count = max(int(moving.sum()), 1)
         forward = float((moving & (dq > 0)).sum()) / count
-        loads = None if log.tau is None else _sign_changes(log.tau[:, k], float(torque_noise[k]))
+        loads = (
+            None
+            if log.tau is None or torque_noise is None
+            else _sign_changes(log.tau[:, k], float(torque_noise[k]))
+        )
         found.append(
             Coverage(
                 position_noise=float(noise[k]),

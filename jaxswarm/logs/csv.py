@@ -2,16 +2,26 @@
 
 Numbers are parsed in C; only if that fails is the text walked cell by cell, to name the row, the
 line and the column of what is wrong. A header may start with ``#``, as ``numpy.savetxt`` writes it.
+Between semicolons or tabs a comma in a number is the decimal point of half the world, and is read so.
+Time may be written as dates and hours (ISO 8601).
 """
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bounds import refuse_large
+from jaxswarm.logs.stamps import seconds
 from jaxswarm.logs.table import Table
+
+# A decimal comma between digits; a number with a point and a comma.
+_COMMA = re.compile(r"(?<![\d,])([+-]?\d*),(\d+)(?![\d,])")
+_DATE = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d")
+_ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
+_BOTH = re.compile(r"\d[\d]*(?:\.\d+,|,\d+\.)\d+")
 
 
 def read_csv(path: Path) -> Table:
@@ -33,6 +43,7 @@ def read_csv(path: Path) -> Table:
         raise InputError(
             f"{path}: only a header (line {header_line}), no data rows. Was the log cut?"
         )
+    body, commas = _with_points(path, body) if delimiter != "," else (body, [])
     lines = np.array([number for number, _ in body])
     texts = [text for _, text in body]
     try:
@@ -40,11 +51,13 @@ def read_csv(path: Path) -> Table:
         whole = values.shape == (len(texts), len(names))
     except (ValueError, OverflowError):
         whole = False
+    rejected: dict[str, str] = {}
+    notes: list[str] = []
     if whole:
-        columns, rejected = dict(zip(names, values.T, strict=True)), {}
+        columns = dict(zip(names, values.T, strict=True))
     else:
-        columns, rejected = _walk(path, names, delimiter, body)
-    notes = []
+        columns, rejected, notes = _walk(path, names, delimiter, body)
+    notes = [*commas, *notes]
     if columns.pop("", None) is not None or rejected.pop("", None) is not None:
         notes.append("A column without a name in the header was left out.")
     return Table(str(path), columns, rejected=rejected, lines=lines, notes=tuple(notes))
@@ -81,7 +94,8 @@ def _header(path: Path, numbered: list[tuple[int, str]]) -> tuple[int, list[str]
     at = first - 1 if commented else first
     number, line = numbered[at]
     line = line.lstrip("# ") if commented else line
-    delimiter = next((mark for mark in ",;\t" if mark in line), ",")
+    # The most frequent mark: a name may hold a comma, "position, joint 1".
+    delimiter = max(";\t,", key=line.count) if re.search("[;\t,]", line) else ","
     names = [name.strip() for name in _split(path, line, delimiter, number)]
     if len(names) == 1 and len(line.split()) > 2:
         raise InputError(
@@ -102,6 +116,21 @@ def _header(path: Path, numbered: list[tuple[int, str]]) -> tuple[int, list[str]
     return number, names, delimiter, numbered[at + 1 :]
 
 
+def _with_points(path: Path, body: list) -> tuple[list, list[str]]:
+    """The lines with decimal points where they have decimal commas, and a note."""
+    found = [number for number, line in body if "," in line]
+    if not found or '"' in body[0][1]:
+        return body, []
+    mixed = next(((n, both) for n, line in body if (both := _BOTH.search(line))), None)
+    if mixed:
+        raise InputError(
+            f"{path}: line {mixed[0]}: {mixed[1][0]!r} has a point and a comma. Write numbers without "
+            "marks between thousands."
+        )
+    points = [(number, _COMMA.sub(r"\1.\2", line)) for number, line in body]
+    return points, ["Commas in numbers were read as decimal points."]
+
+
 def _starts_with_number(line: str) -> bool:
     for mark in ";\t":
         line = line.replace(mark, ",")
@@ -119,8 +148,8 @@ def _split(path: Path, line: str, delimiter: str, number: int) -> list[str]:
         raise InputError(f"{path}: line {number} is no CSV ({error}). Delete or mend it.") from None
 
 
-def _walk(path: Path, names: list[str], delimiter: str, body: list) -> tuple[dict, dict]:
-    """Parse cell by cell: ragged rows are refused, columns with text set aside with the reason."""
+def _walk(path: Path, names: list[str], delimiter: str, body: list) -> tuple[dict, dict, list[str]]:
+    """Parse cell by cell: ragged rows are refused, columns with text set aside with the reason, and notes."""
     rows = []
     for row, (number, line) in enumerate(body, start=1):
         cells = _split(path, line, delimiter, number)
@@ -131,8 +160,12 @@ def _walk(path: Path, names: list[str], delimiter: str, body: list) -> tuple[dic
                 f"{len(names)}.{last}"
             )
         rows.append(cells)
-    columns, rejected = {}, {}
-    for name, cells in zip(names, zip(*rows, strict=True), strict=True):
+    columns, rejected, notes = {}, {}, []
+    for name, cells in zip(names, map(list, zip(*rows, strict=True)), strict=True):
+        if name and (stamps := _stamps(name, cells)) is not None:
+            columns[name], note = stamps
+            notes += note
+            continue
         values = np.empty(len(cells))
         for row, cell in enumerate(cells):
             try:
@@ -146,7 +179,7 @@ def _walk(path: Path, names: list[str], delimiter: str, body: list) -> tuple[dic
                 break
         else:
             columns[name] = values
-    return columns, rejected
+    return columns, rejected, notes
 
 
 def _number(cell: str) -> float:
@@ -154,3 +187,17 @@ def _number(cell: str) -> float:
     if "_" in cell:
         raise ValueError(cell)
     return float(cell) if cell.strip() else np.nan
+
+
+def _stamps(name: str, cells: list[str]) -> tuple[np.ndarray, list[str]] | None:
+    """Dates and hours as seconds from the first, and a note; None for anything else."""
+    texts = [cell.strip().strip('"') for cell in cells]
+    if not _DATE.match(texts[0]):
+        return None
+    try:
+        # Hours of one zone: its name at the end of every cell says nothing about intervals.
+        zones = {zone[0] if (zone := _ZONE.search(text)) else "" for text in texts}
+        stamps = np.array([_ZONE.sub("", text) for text in texts], dtype="datetime64[ns]")
+    except ValueError:
+        return None
+    return None if len(zones) > 1 else seconds(name, stamps)

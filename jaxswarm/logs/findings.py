@@ -100,7 +100,8 @@ def _joint(joint: JointSummary) -> list[str]:
             "differ."
         )
     coarse = joint.torque_quantum
-    if coarse and coarse > _COARSE * (joint.torque_max - joint.torque_min):
+    low, high = joint.torque_min, joint.torque_max
+    if coarse and low is not None and high is not None and coarse > _COARSE * (high - low):
         sentences.append(f"The torque of {name} is quantized in steps of {coarse:.3g}.")
     coarse = joint.position_quantum
     if joint.moves and coarse > _COARSE * (joint.position_max - joint.position_min):

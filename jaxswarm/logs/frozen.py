@@ -48,7 +48,7 @@ def without_stuck(log: Log) -> tuple[Log, list[Finding]]:
     if not stretches:
         return log, []
     bad = np.zeros(len(log.t), dtype=bool)
-    findings = []
+    findings: list[Finding] = []
     for _, start, end in stretches:
         bad[start:end] = True
     few = bad.mean() <= _MOST_STUCK
@@ -66,7 +66,7 @@ def without_stuck(log: Log) -> tuple[Log, list[Finding]]:
 
 def saturation(log: Log) -> list[Finding]:
     """Torques that sit at their extreme value: what the motor gave beyond it is not in the log."""
-    findings = []
+    findings: list[Finding] = []
     if log.tau is None:
         return findings
     moving = (np.abs(np.gradient(log.q, axis=0)) > 0).any(axis=1)

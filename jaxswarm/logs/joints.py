@@ -5,19 +5,23 @@ from pathlib import Path
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.read import read_table
+from jaxswarm.logs.reading import LogChoice, reading_of
+from jaxswarm.logs.rename import as_ours, joints_of_pattern
 from jaxswarm.logs.table import Table
 
 _SHORT = re.compile(r"q([0-9]{1,3})")
 
 
-def joints_in(path: str | Path) -> tuple[str, ...]:
+def joints_in(path: str | Path | LogChoice) -> tuple[str, ...]:
     """Joints whose positions a file holds, in its own order.
 
     Raises:
         InputError: If the file cannot be read, needs a robot to be read, or names no positions.
     """
-    path = Path(path)
-    return joints_of(read_table(path, None))
+    reading = reading_of(path)
+    table = read_table(Path(path), None, reading)
+    found = joints_of_pattern(table.columns, reading)
+    return found or joints_of(as_ours(table, table.joints or (), reading))
 
 
 def joints_of(table: Table) -> tuple[str, ...]:

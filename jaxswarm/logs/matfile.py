@@ -1,4 +1,4 @@
-"""The bytes of a MAT file, version 5 to 7.2: numbers, characters and cells of names.
+"""The bytes of a MAT file, version 5 to 7.2: numbers, characters, cells of names and structures.
 
 A file is a header of 128 bytes and a row of elements, each a tag (type, length) and its data padded to
 eight bytes; a matrix is an element whose data are again elements: flags, sizes, name, values. Every
@@ -30,9 +30,9 @@ _STORED = {
 }
 _ENCODINGS = {1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 _MATRIX, _COMPRESSED = 14, 15
-_CELL, _CHAR, _OPAQUE = 1, 4, 17
+_CELL, _STRUCTURE, _CHAR, _OPAQUE = 1, 2, 4, 17
 _CLASSES = {
-    2: "a structure",
+    2: "an array of structures",
     3: "an object",
     5: "a sparse matrix",
     16: "a function",
@@ -40,6 +40,8 @@ _CLASSES = {
 }
 _NUMBERS = range(6, 16)
 _COMPLEX = 0x0800
+# Structures within each other that are followed; what is damaged may have any number.
+_DEPTH = 20
 # Bytes that hold the tag, flags, sizes and name of any variable.
 _HEAD = 4096
 
@@ -53,7 +55,17 @@ class Other:
     kind: str
 
 
-def parse_mat(content: bytes, choose: Choose | None = None) -> dict[str, np.ndarray | Other]:
+@dataclass(frozen=True)
+class Structure:
+    """A single structure: name of a field to its value."""
+
+    fields: dict[str, "np.ndarray | Other | Structure"]
+
+
+Value = np.ndarray | Other | Structure
+
+
+def parse_mat(content: bytes, choose: Choose | None = None) -> dict[str, Value]:
     """Parse the variables of a MAT file.
 
     Args:
@@ -62,7 +74,8 @@ def parse_mat(content: bytes, choose: Choose | None = None) -> dict[str, np.ndar
             names to read; nothing of the others is unpacked. None: all are read.
 
     Returns:
-        Name to array: numbers as stored, of the sizes MATLAB shows; characters as one string per row.
+        Name to array: numbers as stored, of the sizes MATLAB shows; characters as one string per row. A single
+        structure is one, with fields of the same kinds.
 
     Raises:
         ValueError: If a length or a type does not fit; also ``zlib.error`` and ``struct.error``.
@@ -70,7 +83,7 @@ def parse_mat(content: bytes, choose: Choose | None = None) -> dict[str, np.ndar
     order = {b"IM": "<", b"MI": ">"}.get(content[126:128])
     if order is None:
         raise ValueError("no MAT file of version 5 to 7.2")
-    found = []
+    found: list[tuple[str, tuple[int, ...], int, int, bytes]] = []
     for kind, data in _elements(content[128:], order):
         head = zlib.decompressobj().decompress(data, _HEAD) if kind == _COMPRESSED else None
         length = len(data)
@@ -136,7 +149,7 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
         at = following
 
 
-def _matrix(data: bytes, order: str) -> tuple[str, np.ndarray | Other]:
+def _matrix(data: bytes, order: str, depth: int = 0) -> tuple[str, Value]:
     """Name and value of one variable."""
     parts = list(_elements(data, order))
     if not parts:
@@ -149,8 +162,12 @@ def _matrix(data: bytes, order: str) -> tuple[str, np.ndarray | Other]:
     name = parts[2][1].decode("ascii")
     if len(shape) < 2 or min(shape) < 0:
         raise ValueError(f"variable {name} has sizes {shape}")
+    if depth > _DEPTH:
+        raise ValueError(f"variable {name} lies in over {_DEPTH} others")
+    if kind == _STRUCTURE and prod(shape) == 1:
+        return name, _structure(parts[3:], order, depth)
     if kind == _CELL:
-        cells = [_matrix(part, order)[1] for _, part in parts[3:]]
+        cells = [_matrix(part, order, depth + 1)[1] for _, part in parts[3:]]
         if len(cells) != prod(shape):
             raise ValueError(f"variable {name} has {len(cells)} cells for sizes {shape}")
         texts = [cell for cell in cells if isinstance(cell, np.ndarray) and cell.dtype.kind == "U"]
@@ -167,6 +184,21 @@ def _matrix(data: bytes, order: str) -> tuple[str, np.ndarray | Other]:
     if values.size != prod(shape):
         raise ValueError(f"variable {name} has {values.size} values for sizes {shape}")
     return name, values.reshape(shape, order="F")
+
+
+def _structure(parts: list[tuple[int, bytes]], order: str, depth: int) -> Structure:
+    """The fields of a structure: the length of their names, the names, then one matrix each."""
+    length = int(_numbers(*parts[0], order)[0])
+    text = parts[1][1]
+    if length < 1 or len(text) % length or len(text) // length != len(parts) - 2:
+        raise ValueError(
+            f"a structure has {len(parts) - 2} fields and {len(text)} letters of names"
+        )
+    names = [
+        text[k : k + length].split(b"\0")[0].decode("ascii") for k in range(0, len(text), length)
+    ]
+    values = [_matrix(data, order, depth + 1)[1] for _, data in parts[2:]]
+    return Structure(dict(zip(names, values, strict=True)))
 
 
 def _numbers(kind: int, data: bytes, order: str) -> np.ndarray:

@@ -80,7 +80,7 @@ def offer(quantity: str, joint: str | None, number: int, candidates: Iterable[st
         candidates: Names in the file that are not used otherwise.
 
     >>> offer("q", "joint2", 2, ["Position_2", "tau_joint1"])
-    ' Did you mean Position_2? Rename it to q_joint2.'
+    ' Did you mean Position_2? Rename it to q_joint2, or pass --columns q_joint2=Position_2.'
     """
     candidates = list(candidates)
     missing = quantity if joint is None else f"{quantity}_{joint}"
@@ -94,7 +94,12 @@ def offer(quantity: str, joint: str | None, number: int, candidates: Iterable[st
         missing = quantity
     if not matches:
         return ""
-    return f" Did you mean {' or '.join(list(dict.fromkeys(matches))[:2])}? Rename it to {missing}."
+    matches = list(dict.fromkeys(matches))[:2]
+    mapped = f", or pass --columns {missing}={matches[0]}"
+    listable = len(matches) == 1 and re.fullmatch(r"[^\s,:=]+", matches[0])
+    return (
+        f" Did you mean {' or '.join(matches)}? Rename it to {missing}{mapped if listable else ''}."
+    )
 
 
 def _plain(name: str) -> str:

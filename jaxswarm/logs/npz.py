@@ -74,7 +74,8 @@ def _read(path: Path, handle: BinaryIO) -> Table:
 
 def _declared(archive: zipfile.ZipFile) -> tuple[dict[str, tuple[int, ...]], dict[str, int]]:
     """Shapes of the arrays by name, and the bytes of those that are no numbers, from their headers."""
-    shapes, sizes = {}, {}
+    shapes: dict[str, tuple[int, ...]] = {}
+    sizes: dict[str, int] = {}
     for member in archive.namelist():
         name = member.removesuffix(".npy")
         shapes[name] = ()
@@ -83,7 +84,7 @@ def _declared(archive: zipfile.ZipFile) -> tuple[dict[str, tuple[int, ...]], dic
                 sizes[name] = archive.getinfo(member).file_size  # no array: read as it stands
                 continue
             version = tuple(file.read(2))
-            read = _HEADERS.get(version)
+            read = _HEADERS.get(version)  # type: ignore[arg-type]  # what is cut has no version
             if read is None:
                 raise ValueError(f"{name} is of the unknown NPY version {version}")
             shapes[name], _, kind = read(file)

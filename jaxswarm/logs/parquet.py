@@ -1,11 +1,18 @@
-"""Parquet: the columns of the CSV format, or list columns ``q``, ``tau`` (one entry per joint)."""
+"""Parquet: the columns of the CSV format, or list columns ``q``, ``tau`` (one entry per joint).
 
+Time stamps and durations read as seconds, stamps from the first one, in whole nanoseconds before that.
+"""
+
+from collections.abc import Iterator
+from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bounds import refuse_large
+from jaxswarm.logs.stamps import seconds
 from jaxswarm.logs.table import Table, as_numbers
 
 
@@ -39,7 +46,7 @@ def read_parquet(path: Path) -> Table:
         _refuse_large_columns(path, file.metadata, numeric)
         table = file.read(columns=numeric)
     names = table.column_names
-    columns = {}
+    columns, notes = {}, []
     rejected = {
         name: f"{name} holds {kind}, no real numbers of one length."
         for name, kind in fields.items()
@@ -49,14 +56,17 @@ def read_parquet(path: Path) -> Table:
         if name == "__index_level_0__":
             continue
         values = column.to_numpy()
-        if values.dtype.kind == "O":
+        if values.dtype.kind in "Mm":
+            values, note = seconds(name, values)
+            notes += note
+        elif values.dtype.kind == "O":
             values = _lists(values)
         numbers = None if values is None else as_numbers(values)
         if numbers is None:
             rejected[name] = f"{name} holds {column.type}, no real numbers of one length."
         else:
             columns[name] = numbers
-    return Table(str(path), columns, rejected=rejected)
+    return Table(str(path), columns, rejected=rejected, notes=tuple(notes))
 
 
 def _may_be_numbers(kind) -> bool:
@@ -69,7 +79,10 @@ def _may_be_numbers(kind) -> bool:
         return _may_be_numbers(kind.value_type)
     if types.is_dictionary(kind):
         return _may_be_numbers(kind.value_type)
-    numbers = (types.is_integer, types.is_floating, types.is_boolean, types.is_null)
+    numbers = (
+        *(types.is_integer, types.is_floating, types.is_boolean, types.is_null),
+        *(types.is_timestamp, types.is_duration, types.is_decimal),
+    )
     return any(check(kind) for check in numbers)
 
 
@@ -89,8 +102,12 @@ def _refuse_large_columns(path: Path, metadata, names: list[str]) -> None:
 
 def _lists(values: np.ndarray) -> np.ndarray | None:
     """Rows of equal length as a matrix (T, k), nullable booleans and the like as (T,)."""
-    cells = [np.asarray(np.nan if cell is None else cell) for cell in values]
+    cells = [np.asarray(float(c) if isinstance(c, Decimal) else c) for c in _without_none(values)]
     shapes = {cell.shape for cell in cells}
     if len(shapes) != 1 or any(cell.dtype.kind not in "biuf" for cell in cells):
         return None
     return np.stack(cells)
+
+
+def _without_none(values: np.ndarray) -> Iterator[Any]:
+    return (np.nan if cell is None else cell for cell in values)

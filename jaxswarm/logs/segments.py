@@ -58,9 +58,7 @@ def merge_bursts(log: Log) -> Log:
     starts = np.flatnonzero(np.concatenate([[True], ~together]))
     counts = np.diff(np.append(starts, len(log.t)))
 
-    def mean(values: np.ndarray | None) -> np.ndarray | None:
-        if values is None:
-            return None
+    def mean(values: np.ndarray) -> np.ndarray:
         sums = np.add.reduceat(values, starts, axis=0)
         return sums / counts.reshape(-1, *[1] * (values.ndim - 1))
 
@@ -73,9 +71,9 @@ def merge_bursts(log: Log) -> Log:
         # The mean of large stamps loses digits that the differences need.
         t=log.t[0] + mean(log.t - log.t[0]),
         q=mean(log.q),
-        dq=mean(log.dq),
-        ddq=mean(log.ddq),
-        tau=mean(log.tau),
+        dq=None if log.dq is None else mean(log.dq),
+        ddq=None if log.ddq is None else mean(log.ddq),
+        tau=None if log.tau is None else mean(log.tau),
         channels={name: mean(np.asarray(x, dtype=float)) for name, x in log.channels.items()},
         notes=(*log.notes, note),
     )

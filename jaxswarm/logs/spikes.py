@@ -1,6 +1,7 @@
 """Single samples far off the samples around them: no machine jumps there and back within two samples."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,8 @@ def find_spikes(values: np.ndarray) -> np.ndarray:
 
 def bridged(log: Log) -> tuple[Log, list[Finding]]:
     """The log with spikes of positions and torques bridged, and what was found."""
-    findings, mended = [], {}
+    findings: list[Finding] = []
+    mended: dict[str, Any] = {}
     for quantity, name in (("q", "position"), ("tau", "torque")):
         values = getattr(log, quantity)
         if values is None:

@@ -122,7 +122,7 @@ def summarize(log: Log) -> LogSummary:
     derived = [velocity(log.t, log.q[:, k]) for k in columns]
     threshold = [slowest_motion(log.t, log.q[:, k], np.abs(derived[k]), steps[k]) for k in columns]
     moving = np.stack([moves[k] & (np.abs(derived[k]) > threshold[k]) for k in columns], axis=1)
-    any_moves = moving.any(axis=1)
+    any_moves = np.asarray(moving.any(axis=1))
     joints = []
     for k, name in enumerate(log.joints):
         tau = None if log.tau is None else log.tau[:, k]
@@ -142,7 +142,7 @@ def summarize(log: Log) -> LogSummary:
                 torque_max=None if tau is None else float(tau.max()),
                 position_quantum=steps[k],
                 torque_quantum=torque_step,
-                saturated=0 if tau is None else saturated(tau, any_moves, torque_step),
+                saturated=0 if tau is None else saturated(tau, any_moves, torque_step or 0.0),
                 stuck=stuck if stuck >= 10 else 0,
                 wraps=int(np.sum(np.abs(np.abs(np.diff(log.q[:, k])) - 2 * np.pi) < 0.5)),
                 velocity_ratio=None if log.dq is None else _ratio(log.dq[:, k], derived[k]),

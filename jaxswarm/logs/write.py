@@ -6,6 +6,7 @@ Numbers keep all their digits, so a log survives the round trip bit for bit.
 import csv
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -84,4 +85,5 @@ def write_table(path: Path, names: list[str], table: np.ndarray, form: str) -> N
 
 def _write_npz(log: Log, path: Path) -> None:
     with path.open("wb") as handle:
-        np.savez_compressed(handle, t=log.t, joints=np.array(log.joints, dtype=str), **_arrays(log))
+        arrays: dict[str, Any] = _arrays(log)
+        np.savez_compressed(handle, t=log.t, joints=np.array(log.joints, dtype=str), **arrays)

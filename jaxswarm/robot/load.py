@@ -1,4 +1,4 @@
-"""One door to every robot: a built-in name, or a file in URDF, MJCF or TOML, with options."""
+"""One door to every robot: a built-in name, or a file in URDF, MJCF, SDF or TOML, with options."""
 
 import os
 from pathlib import Path
@@ -10,6 +10,7 @@ from jaxswarm.robot.joints import Description
 from jaxswarm.robot.mjcf import describe_mjcf
 from jaxswarm.robot.model import Robot
 from jaxswarm.robot.options import RobotChoice, RobotOptions, apply_options
+from jaxswarm.robot.sdf import describe_sdf
 from jaxswarm.robot.toml import read_toml
 from jaxswarm.robot.urdf import describe_urdf
 from jaxswarm.robot.xmltree import parse_xml, read_bytes
@@ -22,8 +23,8 @@ def load_robot(spec: str | Path | RobotChoice, options: RobotOptions | None = No
     """Return the robot that a name or a path stands for.
 
     Args:
-        spec: A name in ``BUILTIN_ROBOTS``, or a path that ends in ``.urdf``, ``.xml`` (URDF or MJCF)
-            or ``.toml``; or either together with options.
+        spec: A name in ``BUILTIN_ROBOTS``, or a path that ends in ``.urdf``, ``.sdf``, ``.xml`` (any
+            of both, or MJCF) or ``.toml``; or either together with options.
         options: Joints of interest, locked ones, a tool, gravity.
 
     Raises:
@@ -59,9 +60,9 @@ def _read(name: str) -> Description:
     if name in BUILTIN_ROBOTS:
         return description_of(BUILTIN_ROBOTS[name]())
     path = Path(name)
-    if path.suffix.lower() not in (".urdf", ".xml", ".xacro", ".mjcf", ".toml"):
+    if path.suffix.lower() not in (".urdf", ".xml", ".xacro", ".mjcf", ".sdf", ".toml"):
         raise InputError(
-            f"unknown robot {name!r}: give a built-in name, a .urdf, .xml (MJCF) or .toml file. "
+            f"unknown robot {name!r}: give a built-in name, a .urdf, .sdf, .xml (MJCF) or .toml file. "
             + nearest(name, BUILTIN_ROBOTS)
         )
     try:
@@ -73,6 +74,9 @@ def _read(name: str) -> Description:
     if path.suffix.lower() == ".toml":
         return read_toml(path)
     data = read_bytes(path)
-    if parse_xml(data, name, "URDF or MJCF").tag == "mujoco":
+    kind = parse_xml(data, name, "URDF, MJCF or SDF").tag
+    if kind == "mujoco":
         return describe_mjcf(path)
+    if kind == "sdf":
+        return describe_sdf(data, name)
     return describe_urdf(data, name)

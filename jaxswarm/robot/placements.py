@@ -104,3 +104,15 @@ def move_parameters(
     inertia = inertia + 2.0 * (p @ h) * np.eye(3) - np.outer(h, p) - np.outer(p, h)
     inertia = inertia + mass * (p @ p * np.eye(3) - np.outer(p, p))
     return pack_parameters(mass, h + mass * p, inertia)
+
+
+def about_center(parameters: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return mass, center of mass (3,) and inertia about it (3, 3) of ten link parameters.
+
+    >>> about_center(body_parameters(2.0, [0.0, 0.0, 0.5], np.eye(3)))[1].tolist()
+    [0.0, 0.0, 0.5]
+    """
+    mass = float(parameters[0])
+    center = np.asarray(parameters[1:4], dtype=float) / mass
+    shift = mass * (center @ center * np.eye(3) - np.outer(center, center))
+    return mass, center, inertia_matrix(parameters) - shift

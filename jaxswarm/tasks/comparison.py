@@ -58,7 +58,12 @@ def compare(a: Any, b: Any) -> Result:
         left, right = values_of_report(one), values_of_report(two)
         errors, moved = {"a": one["error"], "b": two["error"]}, None
     rows, only_a, only_b = _pairs(left, right)
-    content = {"kind": kind, "joints": list(joints), "parameters": rows, "only_a": only_a}
+    content: dict[str, Any] = {
+        "kind": kind,
+        "joints": list(joints),
+        "parameters": rows,
+        "only_a": only_a,
+    }
     content |= {"only_b": only_b, "error": errors, "torque_difference": moved}
     if kind == "a diagnosis":
         content["verdict"] = {"a": one["verdict"], "b": two["verdict"]}
@@ -120,7 +125,7 @@ def _pairs(left: list[Value], right: list[Value]) -> tuple[list[dict], list[dict
         difference = w.value - v.value
         known = [e for e in (v.std_error, w.std_error) if e is not None and np.isfinite(e)]
         if len(known) == 2:
-            limit = _INTERVAL * float(np.hypot(*known))
+            limit = _INTERVAL * float(np.hypot(known[0], known[1]))
         else:
             limit = _ROUNDING * max(abs(v.value), abs(w.value))
         rows.append(
@@ -164,11 +169,11 @@ def _show(content: dict, one: Any) -> tuple[tuple[str, ...], tuple[Table, ...]]:
         parts = zip(
             content["joints"], moved["rms"], moved["torque_rms"], moved["units"], strict=True
         )
-        cells = tuple((j, f"{number(a, 3)} {u}", f"{number(b, 4)} {u}") for j, a, b, u in parts)
+        apart = tuple((j, f"{number(a, 3)} {u}", f"{number(b, 4)} {u}") for j, a, b, u in parts)
         if not all(row["interval_known"] for row in content["parameters"]):
             lines.append("Where no interval is known every difference beyond rounding is marked.")
         tables.append(
-            Table("rigid body at random states", ("joint", "torque of b - a, RMS", "a, RMS"), cells)
+            Table("rigid body at random states", ("joint", "torque of b - a, RMS", "a, RMS"), apart)
         )
     if content["error"]:
         tables.append(error_table("errors", _error_rows(content["error"]), content["joints"],

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.physical.consistency import are_bodies
-from jaxswarm.identify.physical.export import export_mjcf, export_urdf
+from jaxswarm.identify.physical.export import export_mjcf, export_sdf, export_urdf
 from jaxswarm.identify.physical.export_c import c_text
 from jaxswarm.identify.physical.export_yaml import yaml_text
 from jaxswarm.identify.physical.physical_model import PULL, PhysicalModel, physical_model
@@ -35,8 +36,13 @@ def _write_c(model: Model, path: Path) -> None:
 FORMATS: dict[str, tuple[Callable[[Model, Path], object], bool]] = {
     "urdf": (lambda model, path: export_urdf(model.robot, path, model.terms), True),
     "mjcf": (lambda model, path: export_mjcf(model.robot, path, model.terms), True),
+    "sdf": (lambda model, path: export_sdf(model.robot, path, model.terms), True),
     "yaml": (_write_yaml, True),
     "c": (_write_c, False),
+}
+_ENDINGS = {
+    **{f".{name}": name for name in ("urdf", "mjcf", "sdf", "yaml", "c")},
+    **{".xml": "mjcf", ".yml": "yaml"},
 }
 
 
@@ -51,7 +57,7 @@ def export(
     prior_weight: float = PULL,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Result:
-    """Write a model as URDF, MJCF, YAML or as a C function of its effects.
+    """Write a model as URDF, MJCF, SDF, YAML or as a C function of its effects.
 
     Base parameters with zeros for what merges are no bodies: the nearest set of rigid bodies is
     written, and the result says how far that moves the torque.
@@ -59,7 +65,7 @@ def export(
     Args:
         model: A model, a result with one, or its ``model.json``.
         path: File to write.
-        format: One of ``urdf``, ``mjcf``, ``yaml``, ``c``; None: by the ending of the path.
+        format: One of ``urdf``, ``mjcf``, ``sdf``, ``yaml``, ``c``; None: by the ending of the path.
         log: Motion on which the torque has to stay; None: random states of an arm at work.
         prior: Robot (with bodies) to stay near where the model leaves freedom; None: equal balls.
         prior_weight: What the prior costs, in residual standard deviations of one sample for a change
@@ -90,8 +96,7 @@ def export(
 
 
 def _format(path: Path, name: str | None) -> tuple[Callable[[Model, Path], object], bool]:
-    endings = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf", ".yaml": "yaml", ".yml": "yaml"}
-    name = name or {**endings, ".c": "c"}.get(path.suffix.lower())
+    name = name or _ENDINGS.get(path.suffix.lower())
     if name is None:
         raise InputError(f"{path}: the ending names no format; say which: {', '.join(FORMATS)}")
     if name not in FORMATS:
@@ -114,7 +119,7 @@ def _columns(model: Model, log) -> tuple[np.ndarray | None, str]:
 def _result(model: Model, path: Path, found: PhysicalModel | None) -> Result:
     robot = model.robot
     side = path.with_name(path.name + ".json")
-    content = {"robot": robot.name, "out": str(path), "moved": None}
+    content: dict[str, Any] = {"robot": robot.name, "out": str(path), "moved": None}
     if side.exists():
         content["side_file"] = str(side)
     lines = [f"written to {path}" + (f", what it cannot hold to {side.name}" * side.exists())]

@@ -50,7 +50,7 @@ def doctor(progress: Callable[[str], None] = lambda text: None) -> Result:
         ``healthy``, versions, devices, settings, and the identified numbers beside the true ones.
     """
     # Asked before the double precision of the check is set.
-    double = bool(jax.config.jax_enable_x64)
+    double = bool(jax.config.jax_enable_x64)  # type: ignore[attr-defined]
     found = {
         "system": platform.platform(),
         "python": platform.python_version(),
@@ -77,7 +77,8 @@ def doctor(progress: Callable[[str], None] = lambda text: None) -> Result:
 
 def _cache() -> dict:
     """Where compiled programs are kept, how many, and whether more can be."""
-    folder = jax.config.jax_compilation_cache_dir or os.environ.get("JAX_COMPILATION_CACHE_DIR")
+    chosen = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    folder = chosen or os.environ.get("JAX_COMPILATION_CACHE_DIR")
     if not folder:
         return {"folder": None, "programs": 0, "writable": False}
     parent = folder

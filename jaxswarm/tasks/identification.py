@@ -47,18 +47,23 @@ class Fitted(Result):
     @in_double
     def plot(self) -> Figure:
         """Measured and predicted torque of every joint over time, with the residual below."""
-        low, robot = self.motion.decimator, self.model.robot
-        kept = low.kept(len(self.motion.t))
-        measured = low.apply(self.motion.tau)
-        predicted = low.apply(model_torque(self.model, self.motion))
-        title = f"{robot.name}: torque below {self.motion.torque_cutoff:.3g} Hz"
-        time, labels = self.motion.t[kept], units(robot)
+        model, motion = self.model, self.motion
+        if model is None or motion is None or motion.tau is None:
+            raise InputError("this result has no model with a measured torque to draw")
+        low, robot = motion.decimator, model.robot
+        kept = low.kept(len(motion.t))
+        measured = low.apply(motion.tau)
+        predicted = low.apply(model_torque(model, motion))
+        title = f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz"
+        time, labels = motion.t[kept], units(robot)
         return plots.torque_overlay(time, measured, predicted, robot.joints, labels, title)
 
     def save(self, path: str | Path) -> Path:
         """Write the model as ``model.json``, which every command reads."""
-        path = Path(path)
-        outputs.write_files(path.parent, {path.name: lambda part: save_model(self.model, part)})
+        path, model = Path(path), self.model
+        if model is None:
+            raise InputError("this result has no model to save: its logs allow none")
+        outputs.write_files(path.parent, {path.name: lambda part: save_model(model, part)})
         return path
 
 
@@ -119,7 +124,8 @@ def identify(
     read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms, accept)
     refuse_resting_joints(read, robot)
     refuse_weak(motions, 10 * robot.num_joints, accept)
-    unseen, scored = None, []
+    unseen: list[Motion] | None = None
+    scored: list[Log] = []
     if validation is not None:
         scored, unseen = prepared(validation, robot, motions[0].filtering, terms, accept)
         refuse_shared(read, scored)

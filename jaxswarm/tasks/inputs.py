@@ -10,10 +10,11 @@ import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model, load_model
-from jaxswarm.logs import Log, read_log
+from jaxswarm.logs import Log, LogChoice, read_log
 from jaxswarm.robot import Robot, RobotChoice, load_robot
 
-Logs = Log | str | Path | Sequence[Log | str | Path]
+OneLog = Log | LogChoice | str | Path
+Logs = OneLog | Sequence[OneLog]
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -48,7 +49,7 @@ def as_logs(logs: Logs | None, robot: Robot, *, require_torque: bool = True) -> 
     """
     if logs is None:
         return []
-    many = [logs] if isinstance(logs, Log | str | Path) else list(logs)
+    many = [logs] if isinstance(logs, OneLog) else list(logs)
     gains = np.asarray(robot.drive_gain)
     read = [
         log

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,7 +18,7 @@ from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.identifiable import identifiable
-from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double
+from jaxswarm.tasks.inputs import Logs, OneLog, as_logs, as_robot, in_double
 from jaxswarm.tasks.words import number
 
 # Fewer reversals than this leave Coulomb friction and an offset hard to tell apart.
@@ -39,7 +40,7 @@ class Inspected(Result):
             end = f"_{k}" if len(self.logs) > 1 else ""
             found[f"signals{end}.png"] = _signals(log)
             if log.tau is not None:
-                found[f"coverage{end}.png"] = _covered(log)
+                found[f"coverage{end}.png"] = _covered(log, log.tau)
         return found
 
 
@@ -63,7 +64,7 @@ def inspect(
     progress("reading logs")
     arm = None if robot is None else as_robot(robot)
     if arm is None:
-        many = [logs] if isinstance(logs, Log | str | Path) else list(logs)
+        many = [logs] if isinstance(logs, OneLog) else list(logs)
         read = [
             log if isinstance(log, Log) else read_log(log, joints_in(log), require_torque=False)
             for log in many
@@ -72,7 +73,7 @@ def inspect(
         read = as_logs(logs, arm, require_torque=False)
     if not read:
         raise InputError("no logs: pass at least one")
-    content = {"logs": [_describe(log) for log in read]}
+    content: dict[str, Any] = {"logs": [_describe(log) for log in read]}
     if arm is not None:
         progress("looking at what could be identified")
         filtering, motions, noted = Filtering(), [], []
@@ -206,12 +207,12 @@ def _signals(log: Log) -> Figure:
     return figure
 
 
-def _covered(log: Log) -> Figure:
+def _covered(log: Log, tau: np.ndarray) -> Figure:
     count = len(log.joints)
     figure, axes = plots.panels(1, count, 2.6 * count + 0.6, 2.8)
     for j, axis in enumerate(axes):
         dq = np.gradient(log.q[:, j], log.t) if log.dq is None else log.dq[:, j]
-        axis.plot(dq, log.tau[:, j], ".", ms=1.5, alpha=0.3, color=plots.MEASURED)
+        axis.plot(dq, tau[:, j], ".", ms=1.5, alpha=0.3, color=plots.MEASURED)
         axis.set_xlabel(f"velocity of {log.joints[j]}")
     axes[0].set_ylabel("torque")
     return figure

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from jaxswarm.identify.predict import predict_log
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import refuse_missing_channels
 from jaxswarm.logs import Log
-from jaxswarm.tables import Result
+from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_logs, as_model, in_double
 from jaxswarm.tasks.words import error_table
 
@@ -51,8 +52,8 @@ def predict(model: Model | str | Path, log: Log | str | Path) -> Predicted:
     refuse_missing_channels(model.terms, [read])
     noted, tau, motions = predict_log(model, read)
     t = read.t
-    content = {"log": read.source, "samples": len(t), "notes": list(noted.notes)}
-    tables = ()
+    content: dict[str, Any] = {"log": read.source, "samples": len(t), "notes": list(noted.notes)}
+    tables: tuple[Table, ...] = ()
     if read.tau is not None:
         content["error"] = log_errors(model, *motions)
         rows = {read.source: content["error"]}

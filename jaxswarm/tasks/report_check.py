@@ -48,7 +48,7 @@ def check_report(item: Mapping, which: str) -> None:
             need(isinstance(row.get(key), str), f"base_parameters[{k}].{key}", row.get(key))
     need(_is(item.get("verdict"), str, none=True), "verdict", item.get("verdict"))
     units = item.get("torque_units")
-    need(_texts(units) and len(units) == len(joints), "torque_units", units)
+    need(_texts(units) and units is not None and len(units) == len(joints), "torque_units", units)
     _check_errors(item["error"], len(joints), need)
 
 

@@ -81,7 +81,7 @@ def values_of_model(model: Model) -> list[Value]:
 
 def _errors(model: Model, term: Term, names: tuple[str, ...], covariance) -> dict | None:
     """Standard errors of a term's linear parameters by name, where the model knows them."""
-    if covariance is None:
+    if covariance is None or model.uncertainty is None:
         return None
     joints, known = model.robot.joints, set(model.uncertainty.columns)
     pairs = zip(term.linear_names(joints), term.columns(joints), strict=True)

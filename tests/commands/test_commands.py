@@ -162,6 +162,7 @@ def test_commands_import_heavy_things_inside_functions_only():
         "jaxswarm.errors",
         "jaxswarm.runtime",
         "jaxswarm.commands",
+        "jaxswarm.commands.logs",
         "jaxswarm.commands.options",
         "jaxswarm.commands.robots",
     }

@@ -1,8 +1,11 @@
 """Results of a seven-joint arm as ``diagnosis.json`` has them, one of every verdict, made by hand."""
 
+import numpy as np
+
 from jaxswarm import plots
 from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.report import figures
+from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.effects import REGISTRY
 from jaxswarm.robot import Robot
 
@@ -84,6 +87,14 @@ def clean():
             {**row(0.0, 0.0, "N m"), "name": "fc_1", "effect": "coulomb_friction",
              "verdict": "at bound", "expression": "fc_1"},
         ],
+        "physical_consistency": {
+            "links": [
+                {"joint": j, "possible": k != 3, "reasons": [], "mass": 3.0 - 0.2 * k,
+                 "center": [0.01, -0.02, 0.1], "inertia": [[0.03, 1e-4, 0.0], [1e-4, 0.03, 2e-3],
+                                                           [0.0, 2e-3, 0.01]]}
+                for k, j in enumerate(JOINTS)
+            ],
+        },
         "logs": [],
         "findings": [{"log": "arm.csv", "what": "a gap of 2 s at row 118"}],
         "provenance": {
@@ -154,6 +165,15 @@ def cannot():
 
 
 RESULTS = {f.__name__: f for f in (clean, explained, changed, unexplained, cannot)}
+
+
+def signals(told, samples=2000):
+    """Torque over 40 s with one sample that stands out."""
+    t = np.linspace(0.0, 40.0, samples)
+    waves = np.sin(t[:, None] * (1.0 + 0.1 * np.arange(7))) * np.arange(1, 8)
+    off = 0.1 * np.sin(9.0 * t)[:, None] * np.ones(7)
+    off[samples // 3, 1] = 2.5
+    return Signals(t, waves + off, waves)
 
 
 def pictures(told):

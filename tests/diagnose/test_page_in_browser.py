@@ -1,12 +1,13 @@
 """The page of a diagnosis in a browser: it fits a telephone and a desk, and says nothing on the console."""
 
+import json
 import re
 import shutil
 import subprocess
-from html import escape
+from html import escape, unescape
 
 import pytest
-from results import RESULTS, explained, pictures
+from results import RESULTS, explained, pictures, signals
 
 from jaxswarm.diagnose.report.html import render
 
@@ -19,8 +20,31 @@ MEASURE = (
 )
 
 
+# Drags over the second quarter of the second panel, looks at a value there, presses keys, shows all again.
+DRAG = """<script>
+(function () {
+  var panel = document.querySelectorAll(".signal")[1], svg = panel.querySelector("svg");
+  var line = panel.querySelector("polyline.rest"), box = svg.getBoundingClientRect();
+  var shown = document.querySelector(".window"), told = [];
+  function point(kind, share) {
+    svg.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 1,
+      clientX: box.left + share * box.width, clientY: box.top + 9}));
+  }
+  function key(name) { panel.dispatchEvent(new KeyboardEvent("keydown", {key: name, bubbles: true})); }
+  var before = line.getAttribute("points");
+  point("pointerdown", 0.25); point("pointermove", 0.4); point("pointerup", 0.5);
+  told.push(shown.textContent, line.getAttribute("points") !== before);
+  point("pointermove", 1 / 3);
+  told.push(panel.querySelector("output").textContent);
+  key("ArrowRight"); told.push(shown.textContent);
+  key("0"); told.push(shown.textContent);
+  parent.document.documentElement.dataset.told = JSON.stringify(told);
+})();
+</script>"""
+
+
 def page_of(told):
-    return render(told, pictures(told))
+    return render(told, pictures(told), signals(told) if told["error"]["before"] else None)
 
 
 def browse(page, path, width, *options):
@@ -40,6 +64,8 @@ def browse(page, path, width, *options):
     )  # fmt: skip
     inner, content = re.search(r'data-seen="(\d+) (\d+)"', run.stdout).groups()
     said = [line for line in run.stderr.splitlines() if "CONSOLE" in line]
+    if told := re.search(r'data-told="([^"]*)"', run.stdout):
+        said.append(json.loads(unescape(told[1])))
     return int(inner), int(content), said
 
 
@@ -54,6 +80,18 @@ def test_page_fits_a_telephone_and_a_desk_without_an_error(kind, width, options,
     assert inner == width
     assert content <= width
     assert said == []
+
+
+@needs_browser
+def test_signals_are_zoomed_into_and_read(tmp_path):
+    page = page_of(explained()).replace("</body>", DRAG + "</body>")
+    *said, told = browse(page, tmp_path, 1280)[2]
+    assert said == []
+    zoomed, redrawn, value, moved, whole = told
+    assert zoomed == "10.000 s to 20.000 s" and redrawn
+    # The sample that stands out by 2.5 lies at a third of 10 s to 20 s.
+    assert value.startswith("at 13.3") and "difference 2.5" in value and value.endswith("N m")
+    assert moved == "12.500 s to 22.500 s" and whole == "0.0000 s to 40.000 s"
 
 
 @needs_browser

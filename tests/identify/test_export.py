@@ -10,7 +10,8 @@ import pinocchio as pin
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.physical.export import export_mjcf, export_urdf, quaternion, roll_pitch_yaw
+from jaxswarm.identify.physical.export import export_mjcf, export_sdf, export_urdf
+from jaxswarm.identify.physical.export_parts import quaternion, roll_pitch_yaw
 from jaxswarm.robot import Joint, build_robot, inverse_dynamics, load_robot, rx60
 from jaxswarm.robot.placements import body_parameters, rotation_rpy
 from jaxswarm.simulate import Acting, make_plant, rest, simulate, stable_substeps
@@ -87,6 +88,21 @@ def test_mjcf_gives_the_torques_of_mujoco(arm, tmp_path):
     np.testing.assert_allclose(data.qfrc_inverse[order], tau, rtol=1e-9, atol=1e-9)
     left = json.loads(side.read_text())["not_in_file"]
     assert [entry["effect"] for entry in left] == ["torque_offset"]
+
+
+def test_sdf_comes_back_and_keeps_what_drake_reads(arm, tmp_path):
+    path = tmp_path / "arm.sdf"
+    side = export_sdf(arm, path, EFFECTS)
+    back = load_robot(path)
+    q, dq, ddq = np.random.default_rng(2).normal(size=(3, NUM))
+    order = [arm.joints.index(joint) for joint in back.joints]
+    tau = np.asarray(inverse_dynamics(arm, q, dq, ddq))
+    mine = inverse_dynamics(back.replace(gravity=arm.gravity), q[order], dq[order], ddq[order])
+    np.testing.assert_allclose(mine, tau[order], rtol=1e-10, atol=1e-10)
+    left = json.loads(side.read_text())["not_in_file"]
+    assert [entry["effect"] for entry in left] == ["torque_offset"]
+    text = path.read_text()
+    assert text.count("<drake:rotor_inertia>") == NUM and "<spring_stiffness>40<" in text
 
 
 def test_motion_equals_mujoco_with_armature_damping_spring_and_dry_friction(arm, tmp_path):

@@ -81,6 +81,7 @@ REFUSED = {
     "clipped torque": ("saturation", clipped),
 }  # fmt: skip
 TOLD = {
+    "kN m": ("torque_unit", lambda log: replace(log, tau=1e-3 * log.tau)),
     "torque spikes": ("spikes", lambda log: with_spikes(log, "tau", 5)),
     "position spikes": ("spikes", lambda log: with_spikes(log, "q", 5)),
     "stuck encoder": ("stuck", with_stop),

@@ -111,9 +111,9 @@ def test_file_without_a_log_in_it(tmp_path, content, what):
         ("t,q_1,q_2,tau1,tau2", "Did you mean q_1? Rename it to q_joint1"),
         ("t,Q_Joint1,q2,tau1,tau2", "Did you mean Q_Joint1? Rename it to q_joint1"),
         ("t,position_joint1,position_joint2,tau1,tau2", "Did you mean position_joint1?"),
-        ("t,q_joint1 [rad],q2,tau1,tau2", "Did you mean q_joint1 [rad]?"),
+        ("t,q_joint1 [inch],q2,tau1,tau2", "Did you mean q_joint1 [inch]?"),
         ("time,q1,q2,tau1,tau2", "missing column t, the time in seconds. Did you mean time?"),
-        ("t [s],q1,q2,tau1,tau2", "Did you mean t [s]? Rename it to t"),
+        ("t [h],q1,q2,tau1,tau2", "Did you mean t [h]? Rename it to t"),
         ("t,q1,q2,torque_joint1,torque_joint2", "no torque"),
         (
             "t,q1,q2,torque_joint1,torque_joint2",

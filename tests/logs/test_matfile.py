@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import io, sparse
 
-from jaxswarm.logs.matfile import Other, parse_mat
+from jaxswarm.logs.matfile import Other, Structure, parse_mat
 
 ARRAYS = {
     "double": np.random.default_rng(0).normal(size=(7, 3)),
@@ -42,7 +42,7 @@ def test_names_and_other_kinds(tmp_path):
         "matrix": np.array(["joint1", "j2"]),
         "cell": np.array(["elbow", "wrist"], dtype=object),
         "mixed": np.array(["elbow", 1.0], dtype=object),
-        "structure": {"a": 1.0},
+        "structure": np.array([(1.0,), (2.0,)], dtype=[("a", float)]),
         "complex": np.array([1j]),
         "sparse": sparse.eye(3).tocsc(),
         "word": "\u00e9t\u00e9",
@@ -54,10 +54,18 @@ def test_names_and_other_kinds(tmp_path):
     kinds = {name: found[name].kind for name in ("mixed", "structure", "complex", "sparse")}
     assert kinds == {
         "mixed": "a cell array of other things than names",
-        "structure": "a structure",
+        "structure": "an array of structures",
         "complex": "complex numbers",
         "sparse": "a sparse matrix",
     }
+
+
+def test_structures_within_structures(tmp_path):
+    inner = {"t": np.arange(3.0), "note": "fast"}
+    found = parse_mat(written(tmp_path, {"run": {"log": inner, "kp": 5.0}}))
+    assert isinstance(found["run"], Structure) and found["run"].fields["kp"].item() == 5.0
+    log = found["run"].fields["log"].fields
+    assert log["t"].tolist() == [[0.0, 1.0, 2.0]] and log["note"].tolist() == ["fast"]
 
 
 def by_hand(order: str) -> bytes:

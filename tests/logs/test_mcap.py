@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jaxswarm.errors import InputError
-from jaxswarm.logs import bounds, read_log
+from jaxswarm.logs import Reading, bounds, read_log
 from jaxswarm.logs.mcap_size import unpacked_size
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
@@ -83,6 +83,65 @@ def test_topic_with_efforts_is_chosen(tmp_path):
     assert any("topic /measured; also recorded: /commands" in note for note in log.notes)
 
 
+def test_of_two_topics_that_would_do_one_has_to_be_named(tmp_path):
+    path = record(tmp_path / "bag", {"/measured": states(50), "/filtered": states(40)})
+    with pytest.raises(InputError, match="--topic /"):
+        read_log(path, JOINTS)
+    assert len(read_log(path, JOINTS, reading=Reading(topic="/filtered")).t) == 40
+    with pytest.raises(InputError, match="Did you mean /filtered"):
+        read_log(path, JOINTS, reading=Reading(topic="/filterd"))
+
+
+def test_efforts_are_asked_for_where_currents_would_do_too(tmp_path):
+    path = record(tmp_path / "bag", {"/joint_states": states()})
+    gains = np.array([10.0, 20.0])
+    with pytest.raises(InputError, match="--effort torque or --effort current"):
+        read_log(path, JOINTS, gains)
+    torque = read_log(path, JOINTS, gains, reading=Reading(effort="torque"))
+    current = read_log(path, JOINTS, gains, reading=Reading(effort="current"))
+    assert np.array_equal(current.tau, torque.tau * gains)
+
+
+def split_states(lag=0):
+    """The states of an arm whose elbow and shoulder come in messages of their own."""
+    found = []
+    for k in range(50):
+        now = START + k * 10_000_000
+        found.append(state(now, ["shoulder"], [np.sin(0.1 * k)], effort=[k]))
+        late = np.sin(0.1 * (k + lag / 1e7))
+        found.append(state(now + lag, ["elbow", "gripper"], [late, 9.0], effort=[2.0 * k, 0.0]))
+    return found
+
+
+def test_joints_in_messages_of_their_own_are_joined(tmp_path):
+    log = read_log(record(tmp_path / "a", {"/joint_states": split_states()}), JOINTS)
+    assert len(log.t) == 50 and not any("straight lines" in note for note in log.notes)
+    assert np.array_equal(log.tau, np.arange(50)[:, None] * [1.0, 2.0])
+    assert any("gripper" in note for note in log.notes)
+    late = read_log(record(tmp_path / "b", {"/joint_states": split_states(4_000_000)}), JOINTS)
+    assert any("straight lines" in note for note in late.notes)
+    clock = late.t + int(round(1e9 * 0)) * 1e-9
+    assert np.allclose(np.diff(clock), 0.01)
+    # Of a sine of 0.1 rad a sample straight lines miss an eighth of the square at most.
+    step = 0.1
+    assert np.abs(late.q[:, 0] - late.q[:, 1]).max() < step**2 / 8 + 1e-9
+
+
+def test_joints_of_two_topics_are_joined_when_both_are_named(tmp_path):
+    messages = split_states()
+    topics = {"/left": messages[::2], "/right": messages[1::2]}
+    path = record(tmp_path / "bag", topics)
+    with pytest.raises(InputError, match="together they do: --topic /left,/right"):
+        read_log(path, JOINTS)
+    assert len(read_log(path, JOINTS, reading=Reading(topic="/left,/right")).t) == 50
+
+
+def test_joints_that_come_too_rarely_are_refused(tmp_path):
+    messages = [m for k, m in enumerate(split_states()) if k % 2 == 0 or k % 20 == 1]
+    with pytest.raises(InputError, match="Record all joints at one rate"):
+        read_log(record(tmp_path / "bag", {"/joint_states": messages}), JOINTS)
+
+
 @pytest.mark.parametrize(
     ("messages", "what"),
     [
@@ -93,7 +152,7 @@ def test_topic_with_efforts_is_chosen(tmp_path):
         ([state(START, JOINTS, [])] * 3, "carry no positions"),
         (
             [state(START + k, JOINTS, [1.0]) for k in range(3)],
-            "message 1 of /joint_states has 1 values",
+            "message 1 of /joint_states has 1 values of q for 2 joints",
         ),
         (states(effort=False), "no torque"),
         ([], "no message names all joints"),

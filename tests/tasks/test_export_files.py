@@ -69,6 +69,14 @@ def test_urdf_of_base_parameters_keeps_the_torque(model, tmp_path):
     np.testing.assert_allclose(pin.rnea(arm, arm.createData(), turned, dq, ddq), wanted, atol=2e-3)
 
 
+def test_sdf_of_base_parameters_keeps_the_torque(model, tmp_path):
+    export(model, tmp_path / "arm.sdf")
+    back = load_robot(tmp_path / "arm.sdf").replace(gravity=model.robot.gravity)
+    q, dq, ddq = states(5)
+    wanted = np.asarray(inverse_dynamics(model.robot, q, dq, ddq))
+    np.testing.assert_allclose(inverse_dynamics(back, q, dq, ddq), wanted, atol=2e-3)
+
+
 def test_mjcf_in_mujoco(model, tmp_path):
     export(model, tmp_path / "arm.xml")
     arm = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))

@@ -4,6 +4,7 @@ from jaxswarm import outputs
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.grids import Grid
 from jaxswarm.diagnose.report.markup import bullets, download, folded, image, table, text
+from jaxswarm.diagnose.report.signals import Signals, section
 from jaxswarm.diagnose.report.text import grouped, log_notes, where
 
 
@@ -24,7 +25,7 @@ def not_added(result: dict) -> str:
 
 
 def rigid_body(result: dict) -> str:
-    """Base parameters with intervals, behind their title."""
+    """Parameters in base and in standard form, behind their titles."""
     rows = grids.base_parameters(result)
     note = (
         "Base form: the combinations of standard parameters that this motion tells apart. 'determined': "
@@ -32,11 +33,21 @@ def rigid_body(result: dict) -> str:
     )
     content = table(rows, "base parameters of the model")
     title = f"Parameters of the rigid body and of linear effects ({len(rows.rows)})"
-    return folded(title, text("p", note, "soft") + content if content else "")
+    bodies = table(grids.standard_parameters(result), "standard parameters of the links")
+    return folded(title, text("p", note, "soft") + content if content else "") + folded(
+        "Standard parameters of the links", text("p", _BODIES, "soft") + bodies if bodies else ""
+    )
 
 
-def pictures(result: dict, images: dict[str, bytes]) -> str:
-    """Torque and residuals."""
+_BODIES = (
+    "Standard form: mass, center of mass and inertia about it, in the frame of the joint, of the rigid bodies "
+    "nearest to the base parameters. The motion tells only the combinations above apart: within them these "
+    "are one choice of many, as near to equal balls as the torque allows; no single number here is measured."
+)
+
+
+def pictures(result: dict, images: dict[str, bytes], shown: Signals | None = None) -> str:
+    """Torque, where it can be zoomed into as signals, and residuals."""
     joints = ", ".join(result["joints"])
     drawn = [
         ("Measured and predicted torque", "torque.png",
@@ -47,10 +58,12 @@ def pictures(result: dict, images: dict[str, bytes]) -> str:
         ("What the declared model leaves", "residual_before.png",
          f"What the declared model leaves on {joints}, against the same."),
     ]  # fmt: skip
+    zoomed = section(shown, result["joints"], result["torque_units"])
+    drawn = drawn[1:] if zoomed else drawn
     # What the declared model leaves is for those who doubt: behind its title.
-    shown = [(text("h2", title), image(images, name, words)) for title, name, words in drawn[:2]]
-    title, name, words = drawn[2]
-    told = "".join(head + picture for head, picture in shown if picture)
+    shown = [(text("h2", title), image(images, name, words)) for title, name, words in drawn[:-1]]
+    title, name, words = drawn[-1]
+    told = zoomed + "".join(head + picture for head, picture in shown if picture)
     return told + folded(title, image(images, name, words))
 
 

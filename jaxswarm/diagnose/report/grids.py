@@ -152,6 +152,23 @@ def base_parameters(result: dict) -> Grid:
     return Grid(head, rows, frozenset(flagged))
 
 
+def standard_parameters(result: dict) -> Grid:
+    """Mass, center and inertia of every link: the rigid bodies nearest to the base parameters."""
+    axes = ("xx", "yy", "zz", "xy", "xz", "yz")
+    rows, flagged = [], set()
+    for k, link in enumerate(result.get("physical_consistency", {}).get("links", ())):
+        if not link["possible"]:
+            flagged.add(k)
+        six = [link["inertia"]["xyz".index(a)]["xyz".index(b)] for a, b in axes]
+        numbers = (link["mass"], *link["center"], *six)
+        cells = (number(x, 3) for x in numbers)
+        rows.append((link["joint"], *cells, "" if link["possible"] else "no body has these"))
+    head = ("link of", "mass [kg]", "x [m]", "y [m]", "z [m]", *(f"I{a} [kg m^2]" for a in axes))
+    if not flagged:
+        return Grid(head, [row[:-1] for row in rows])
+    return Grid((*head, ""), rows, frozenset(flagged))
+
+
 def not_added(result: dict) -> Grid:
     """Candidates that came nearest without being added, and why they were not."""
     rows = [

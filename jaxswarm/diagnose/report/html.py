@@ -3,14 +3,20 @@
 from html import escape
 
 from jaxswarm.diagnose.report import appendix, findings
+from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.report.style import STYLE
 
 
-def render(result: dict, images: dict[str, bytes]) -> str:
+def render(result: dict, images: dict[str, bytes], shown: Signals | None = None) -> str:
     """The page for the content of ``diagnosis.json`` and its pictures (PNG bytes by file name).
 
-    Nothing on it is fetched from elsewhere and nothing is a program: it reads the same in a browser
-    without scripts, on a telephone and on paper. Pictures that were not drawn are left out.
+    Nothing on it is fetched from elsewhere, and without scripts it says the same: the only program zooms
+    into signals. Pictures that were not drawn are left out.
+
+    Args:
+        result: The diagnosis.
+        images: Pictures by name.
+        shown: Torque over time to be zoomed into; None: as a picture.
     """
     sections = [
         findings.verdict(result),
@@ -21,7 +27,7 @@ def render(result: dict, images: dict[str, bytes]) -> str:
         findings.todo(result),
         appendix.not_added(result),
         appendix.rigid_body(result),
-        appendix.pictures(result, images),
+        appendix.pictures(result, images, shown),
         appendix.logs(result),
         appendix.origin(result),
     ]

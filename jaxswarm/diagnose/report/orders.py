@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.drawing import Drawing
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -12,18 +13,25 @@ from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion
 
 
-def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion]) -> None:
-    """Order the torque of the final model, and what the declared and the final model leave."""
+def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion]) -> Signals:
+    """Order the torque of the final model, and what the declared and the final model leave.
+
+    Returns:
+        The torque that is drawn.
+    """
     final = diagnosis.final
     robot = final.model.robot
     shown = unseen[0] if unseen else final.motions[0]
     low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
-    drawing.ask(
-        "torque.png",
-        "torque_overlay",
+    signals = Signals(
         shown.t[kept],
         low.apply(shown.tau),
         low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
+    )
+    drawing.ask(
+        "torque.png",
+        "torque_overlay",
+        *signals,
         robot.joints,
         units(robot),
         f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model, {Path(shown.source).name}",
@@ -34,6 +42,7 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
         ("residual.png", diagnosis, "what the final model leaves"),
     ):
         drawing.ask(name, "residual_dependence", *remaining(one, title))
+    return signals
 
 
 def remaining(diagnosis: Diagnosis, title: str) -> tuple:

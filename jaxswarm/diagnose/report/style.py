@@ -2,9 +2,10 @@
 
 STYLE = """
 :root{color-scheme:light dark;--page:#fff;--text:#1c2429;--soft:#5b6770;--line:#d5dbe0;--box:#f3f6f8;
---accent:#2e6f95;--warn:#a32a3c;--warnbox:#fbecee}
+--accent:#2e6f95;--warn:#a32a3c;--warnbox:#fbecee;--measured:#5b6770;--model:#d1495b}
 @media (prefers-color-scheme:dark){:root{--page:#14191d;--text:#e3e8eb;--soft:#9aa7b0;--line:#36414a;
---box:#1d252b;--accent:#6db3dc;--warn:#ff8d9b;--warnbox:#3a2026}
+--box:#1d252b;--accent:#6db3dc;--warn:#ff8d9b;--warnbox:#3a2026;
+--measured:#a9b6bf;--model:#ff7d8e}
 img{filter:invert(.92) hue-rotate(180deg)}}
 *{box-sizing:border-box}
 body{font:16px/1.5 system-ui,-apple-system,"Segoe UI",sans-serif;color:var(--text);background:var(--page);
@@ -26,14 +27,25 @@ th{background:var(--box);font-weight:600;white-space:nowrap}
 td{white-space:nowrap}td.n{text-align:right;font-variant-numeric:tabular-nums}th.n{text-align:right}
 td.w{min-width:14rem;white-space:normal}
 tr.far td{background:var(--warnbox);color:var(--warn);font-weight:600}
+.signal{margin:.5rem 0;outline-offset:3px}.signal figcaption{display:flex;flex-wrap:wrap;gap:.1rem .6rem}
+.signal b{color:var(--text)}.signal output{color:var(--text);font-variant-numeric:tabular-nums}
+.signal svg{display:block;width:100%;height:13rem;background:var(--box);touch-action:pan-y;cursor:crosshair}
+.signal polyline{fill:none;vector-effect:non-scaling-stroke;stroke-width:1.3}
+.signal line{vector-effect:non-scaling-stroke;stroke-width:1}.zero{stroke:var(--line)}.at{stroke:var(--text)}
+polyline.measured{stroke:var(--measured)}polyline.model{stroke:var(--model)}polyline.rest{stroke:var(--accent)}
+.live .signal output{flex-basis:100%;min-height:1.4em}
+.chosen{fill:var(--accent);opacity:.25}
+.key{display:inline-block;width:1.6rem;height:.25rem;vertical-align:middle;background:var(--measured)}
+.key.model{background:var(--model)}.key.rest{background:var(--accent)}
+.zooming button{font:inherit;padding:.15rem .6rem}
 figure{margin:.8rem 0}figure img{display:block;max-width:100%;min-width:40rem;height:auto}
 details{border:1px solid var(--line);padding:.5rem .9rem;margin:.8rem 0}
 summary{cursor:pointer;font-weight:600}
 a{color:var(--accent)}
 @media print{:root{--page:#fff;--text:#000;--soft:#444;--line:#bbb;--box:#f4f4f4;--accent:#2e6f95;
---warn:#a32a3c;--warnbox:#fbecee}html{font-size:11px}body{max-width:none;padding:0;font-size:1rem}
+--warn:#a32a3c;--warnbox:#fbecee;--measured:#5b6770;--model:#d1495b}.zooming{display:none}html{font-size:11px}body{max-width:none;padding:0;font-size:1rem}
 img{filter:none}figure img{min-width:0;max-height:22cm}
-figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
+.signal svg{height:4cm}figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
 .scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}.download{display:none}
 .formula{border:1px solid var(--line)}}
 @media print{details::details-content{content-visibility:visible;display:block}}

@@ -43,6 +43,8 @@ _FAR = 4.0 * np.pi
 # Mass [kg] at the end of an arm of a meter that would need the logged torques, and how it grows with the reach:
 # clean logs lie between 0.3 and 440. The reach [m] of links without a length in the kinematics, and of slides.
 _HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH, _SLIDE = 1e3, 1e-2, 3, 0.5, 1.0
+# Below this one the torques may be in kN m: of clean logs one in twenty lies there, so that it is told only.
+_LIGHT = 1.0
 # Where the masses are known, friction and motors make up to ten times their torque; another unit a thousand.
 _OTHER_UNIT = 300.0
 _UNIT = "Log torques in N m and forces in N, or name the unit"
@@ -128,8 +130,12 @@ def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
     if length < _LEAST_REACH:
         length = _SLIDE if "prismatic" in robot.kinds else _LEAST_REACH
     scale = length**_POWER
-    if _LIGHTEST < mass / scale < _HEAVIEST:
+    if _LIGHT <= mass / scale < _HEAVIEST:
         return None
+    if _LIGHTEST < mass / scale < _LIGHT:
+        what = f"the torques would move no more than {mass:.3g} kg at the end of an arm of {length:.2g} m"
+        remedy = "If they are in kN m, say so: --columns tau:kNm"
+        return Finding("torque_unit", what, remedy, refused=False)
     what = (
         f"the torques would move {mass:.3g} kg at the end of an arm of {length:.2g} m, which is out of "
         "reach of any"

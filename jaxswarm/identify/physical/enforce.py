@@ -21,6 +21,7 @@ from jaxswarm.identify.physical.physical_model import (
 )
 from jaxswarm.identify.physical.projection import nearest_physical
 from jaxswarm.robot.model import Robot
+from jaxswarm.robot.placements import about_center
 
 # 99.7 %: of dozens of parameters none should be told by chance.
 _BEYOND = 3.0
@@ -95,7 +96,8 @@ def with_bodies(found: Estimate, bodies: Consistency) -> Estimate:
 def consistency_report(
     found: Estimate, bodies: Consistency, enforced: bool, prior: str | None, pull: float
 ) -> dict:
-    """The outcome as plain data for ``identification.json``."""
+    """The outcome as plain data for ``identification.json``; the bodies stand for standard parameters."""
+    rows = bodies.theta[: 10 * found.model.robot.num_joints].reshape(-1, 10)
     return {
         "enforced": enforced,
         "prior": prior or "equal balls",
@@ -103,7 +105,15 @@ def consistency_report(
         "torque_moved": list(bodies.moved),
         "torque_moved_over_residual": list(bodies.moved / found.fit.sigma),
         "links": [
-            {"joint": joint, "possible": not reasons, "reasons": list(reasons)}
-            for joint, reasons in zip(found.model.robot.joints, bodies.reasons, strict=True)
+            {"joint": joint, "possible": not reasons, "reasons": list(reasons), **_body(row)}
+            for joint, reasons, row in zip(
+                found.model.robot.joints, bodies.reasons, rows, strict=True
+            )
         ],
     }
+
+
+def _body(parameters: np.ndarray) -> dict:
+    """Mass [kg], center of mass [m] and inertia about it [kg m^2] of a link, in its frame."""
+    mass, center, inertia = about_center(parameters)
+    return {"mass": mass, "center": center.tolist(), "inertia": inertia.tolist()}
