@@ -53,7 +53,7 @@ def changes(model, arm=None, terms=DECLARED):
 def test_the_same_arm_has_not_changed(model):
     named, found = changes(model)
     assert named == []
-    assert found.after.model is not None and found.stages == ()
+    assert found.after.model is not None and found.after_each == ()
 
 
 def test_a_payload_is_named_with_its_mass_and_moment(model):

@@ -17,7 +17,7 @@ from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import prepare
 
-stepwise = importlib.import_module("jaxswarm.diagnose.selection.stepwise")
+clock = importlib.import_module("jaxswarm.diagnose.selection.clock")
 SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
 
 
@@ -51,13 +51,13 @@ def test_the_last_look_is_at_the_model_as_it_is_told(fitted):
 @pytest.mark.parametrize("steps", [0, 1])
 def test_moved_clocks_hold_for_the_error_before_too(fitted, monkeypatch, steps):
     found, _ = fitted
-    monkeypatch.setattr(stepwise, "clock_skew", lambda *a: 1e-3)
+    monkeypatch.setattr(clock, "clock_skew", lambda *a: 1e-3)
     search = search_of(found, steps=[None] * steps)
-    assert stepwise._allow_for_skew(search, None, [])
+    assert clock.allow_for_skew(search, None, [])
     for one in (search.declared, search.current):
         assert one.motions[0].skew == pytest.approx(1e-3)
-    monkeypatch.setattr(stepwise, "clock_skew", lambda *a: 1e-6)
-    assert not stepwise._allow_for_skew(search, None, [])
+    monkeypatch.setattr(clock, "clock_skew", lambda *a: 1e-6)
+    assert not clock.allow_for_skew(search, None, [])
 
 
 def test_a_refused_event_is_not_asked_again_and_another_one_is_no_reason(fitted):

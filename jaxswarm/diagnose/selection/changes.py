@@ -42,7 +42,7 @@ class Comparison:
     Attributes:
         before, after: The earlier model on the logs, and with the changes.
         changes: In the order they were found.
-        stages: The estimates after each change.
+        after_each: The estimates after each change.
         unseen: After each change, the residual (T, n) of every second block of time with the changes
             fitted to the others.
         last: Scores of the final round.

@@ -7,10 +7,30 @@ from scipy import special
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import shift_motion
+
+# How often the skew is found anew.
+_MOST_SKEWS = 3
+# A skew [s] below this moves a torque at 10 Hz by a thousandth of its size.
+_LEAST_SKEW = 2e-5
+
+
+def allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Move the clocks against each other where they are apart; whether they were moved."""
+    if len(search.skews) == _MOST_SKEWS:
+        return False
+    late = clock_skew(lin, eligible, search.seed)
+    if abs(late) <= _LEAST_SKEW:
+        return False
+    search.skews.append(late)
+    search.current = with_skew(search.current, late)
+    # The error before is told by the same clocks as the error after.
+    search.declared = with_skew(search.declared, late) if search.steps else search.current
+    return True
 
 
 def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:

@@ -25,11 +25,12 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
-def everyday_first(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
-    """Add what every drive has, in the first round, on all joints that lack it; whether any was added."""
+def allow_for_everyday(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Add what every drive has, on all joints that lack it, once; whether anything was added."""
     everyday = [t for t in eligible if t.law.everyday]
-    if search.asked or not everyday:
+    if search.everyday or not everyday:
         return False
+    search.everyday = True
     search.asked = len(eligible)
     scores = score_terms(lin, everyday, search.seed)
     together = add_everyday(search.current, lin.crossfit, scores, search.rules)

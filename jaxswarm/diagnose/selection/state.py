@@ -29,6 +29,7 @@ class Search:
         spent: The budget that ended the search; None: none has.
         ended: Whether it ended by its number of rounds, and more might be added.
         skews: Clock skews that were allowed for.
+        everyday: Whether what every drive has was asked already.
         settled: Whether every choice was made again already.
         withdrawn, refused: As :class:`Diagnosis` tells them.
     """
@@ -49,6 +50,7 @@ class Search:
     spent: Spent | None = None
     ended: bool = False
     skews: list[float] = field(default_factory=list)
+    everyday: bool = False
     settled: bool = False
     withdrawn: tuple[Term, ...] = ()
     refused: list[tuple[Term, str]] = field(default_factory=list)

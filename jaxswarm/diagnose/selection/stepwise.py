@@ -20,9 +20,9 @@ from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
-from jaxswarm.diagnose.selection.clock import clock_skew, with_skew
+from jaxswarm.diagnose.selection.clock import allow_for_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.everyday import everyday_first
+from jaxswarm.diagnose.selection.everyday import allow_for_everyday
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
@@ -35,10 +35,8 @@ from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
-# Rounds per joint, and for any arm; how often the clocks' skew is found anew.
-_ROUNDS_PER_JOINT, _LEAST_ROUNDS, _MOST_SKEWS = 4, 12, 3
-# A skew [s] below this moves a torque at 10 Hz by a thousandth of its size.
-_LEAST_SKEW = 2e-5
+# Rounds per joint, and for any arm.
+_ROUNDS_PER_JOINT, _LEAST_ROUNDS = 4, 12
 # Events of one kind that are looked for in a row; runners-up that a step remembers.
 _MOST_EVENTS, _MOST_OTHERS = 20, 8
 
@@ -78,15 +76,20 @@ def diagnose(
     search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     _take_back_harm(search)
-    held = within_bounds(search.current)
-    if held is not search.current:
-        search.current = with_motion_noise(held, seed)
-        search.crossfit = cross_fit(search.current)
+    _hold_within_bounds(search)
     return Diagnosis(
-        within_bounds(search.declared), search.current, tuple(search.steps), tuple(search.scores),
-        search.crossfit, search.asked, search.withdrawn, tuple(search.refused), search.ended, rules,
+        within_bounds(search.declared),
+        search.current,
+        tuple(search.steps),
+        tuple(search.scores),
+        search.crossfit,
+        search.asked,
+        search.withdrawn,
+        tuple(search.refused),
+        search.ended,
+        rules,
         search.spent,
-    )  # fmt: skip
+    )
 
 
 def _told(search: Search) -> str:
@@ -128,23 +131,16 @@ def _take_back_harm(search: Search) -> None:
         search.crossfit = cross_fit(search.current)
 
 
-def _begin(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
-    """Before anything rarer: what every drive has, and the clocks; whether there was any of it."""
-    return everyday_first(search, lin, eligible) or _allow_for_skew(search, lin, eligible)
+def _hold_within_bounds(search: Search) -> None:
+    held = within_bounds(search.current)
+    if held is not search.current:
+        search.current = with_motion_noise(held, search.seed)
+        search.crossfit = cross_fit(search.current)
 
 
-def _allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
-    """Move the clocks against each other where they are apart; whether they were moved."""
-    if len(search.skews) == _MOST_SKEWS:
-        return False
-    late = clock_skew(lin, eligible, search.seed)
-    if abs(late) <= _LEAST_SKEW:
-        return False
-    search.skews.append(late)
-    search.current = with_skew(search.current, late)
-    # The error before is told by the same clocks as the error after.
-    search.declared = with_skew(search.declared, late) if search.steps else search.current
-    return True
+def _allow(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
+    """Allow for what every drive has, once, and for clocks that are apart; whether either was there."""
+    return allow_for_everyday(search, lin, eligible) or allow_for_skew(search, lin, eligible)
 
 
 def _choose_again(search: Search) -> bool:
@@ -235,4 +231,4 @@ def _error(one: Estimate) -> float:
     return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))
 
 
-_LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _begin)
+_LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _allow)

@@ -6,7 +6,7 @@ leaves friction that drives on some joint, which is within its error and triples
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import CONTRADICTS
+from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE
 from jaxswarm.effects.term import parameter_bounds
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import base_bounds
@@ -17,7 +17,7 @@ def within_bounds(current: Estimate) -> Estimate:
     model, fit = current.model, current.fit
     low, high = base_bounds(fit.base, *parameter_bounds(model.terms, model.robot.joints))
     beyond = np.maximum(low - fit.values, fit.values - high)
-    if not (beyond > 0).any() or (beyond > CONTRADICTS * fit.std_error).any():
+    if not (beyond > 0).any() or (beyond > BEYOND_CHANCE * fit.std_error).any():
         return current
     return estimate(
         model.robot,
