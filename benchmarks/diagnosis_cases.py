@@ -130,7 +130,7 @@ def plain_motion(log: Log, state: tuple | None = None) -> Motion:
 def hidden_ratio(arm: Robot, declared, motion: Motion, clean: np.ndarray) -> np.ndarray:
     """RMS of the part of a torque that the declared model cannot absorb, over the noise, (3,)."""
     pi = np.asarray(arm.parameters).ravel()
-    columns = assemble(arm, declared, motion, WIDTH, pi) / NOISE[:, None]
+    columns = assemble(arm, declared, motion, (WIDTH,) * arm.num_joints, pi) / NOISE[:, None]
     flat = columns[::4].reshape(-1, columns.shape[2])
     target = (clean / NOISE)[::4].reshape(-1)
     scale = np.maximum(np.linalg.norm(flat, axis=0), 1e-12)

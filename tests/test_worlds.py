@@ -11,6 +11,7 @@ import pytest
 from benchmarks.worlds import plain
 from benchmarks.worlds.along import declared_torque, effect_torques, view
 from benchmarks.worlds.arm import mjcf, pin_model, toml, urdf
+from benchmarks.worlds.bodies import across, askew, carried, loaded
 from benchmarks.worlds.control import Control
 from benchmarks.worlds.families import draw_arm, joint_scales
 from benchmarks.worlds.files import write_world
@@ -20,7 +21,7 @@ from benchmarks.worlds.place import place_effect
 from benchmarks.worlds.plan import CLEAN, ROUND, plan
 from benchmarks.worlds.reading import said
 from benchmarks.worlds.record import measured_torque
-from benchmarks.worlds.rigid import Absorber, declared_columns, rms
+from benchmarks.worlds.rigid import Absorber, declared_columns, inverse_dynamics, rms
 from benchmarks.worlds.simulate import simulate
 from benchmarks.worlds.strength import Ground, size_effect, thin
 from benchmarks.worlds.world import make_world
@@ -150,6 +151,33 @@ def test_a_structure_does_what_it_says():
     friction = ARM.viscous * run.dq + ARM.coulomb * np.tanh(run.dq / ARM.width)
     rest = run.tau - np.array(rows) - ARM.rotor * run.ddq - friction
     assert rms(rest).max() < 1e-3 * rms(run.tau).max()
+
+
+def test_a_load_is_carried_between_its_times_and_no_longer():
+    load = {"m": 1.0, "x": 0.05, "y": -0.03, "z": 0.08, "start": 1.0, "end": 2.0}
+    effect = Effect("payload_change", params=load)
+    run = _run(effect)
+    more = inverse_dynamics(loaded(ARM, effect), run.q, run.dq, run.ddq)
+    more -= inverse_dynamics(ARM, run.q, run.dq, run.ddq)
+    stated = more * carried(effect, run.t)[:, None]
+    rest = run.tau - declared_torque(ARM, run)
+    settled = np.abs(run.t[:, None] - [1.0, 2.0]).min(axis=1) > 0.2
+    assert rms((rest - stated)[settled]).max() < 0.03 * rms(stated).max()
+
+
+def test_a_joint_askew_turns_the_weight_of_what_it_carries():
+    effect = Effect("link_geometry", 1, params={"shift": 0.01, "turn": 0.05})
+    run, built = _run(effect), askew(ARM, (effect,))
+    direction = across(ARM, 1)
+    np.testing.assert_allclose(built.xyz[1] - ARM.xyz[1], 0.01 * direction)
+    assert np.trace(built.rotation[1] @ ARM.rotation[1].T) == pytest.approx(1 + 2 * np.cos(0.05))
+    rest = run.tau - declared_torque(ARM, run)
+    stated = inverse_dynamics(built, run.q, run.dq, run.ddq)
+    stated -= inverse_dynamics(ARM, run.q, run.dq, run.ddq)
+    lasting = slice(500, None)
+    assert (
+        rms((rest - stated)[lasting]).max() < 0.03 * rms(stated).max() + 2e-4 * rms(run.tau).max()
+    )
 
 
 @pytest.mark.parametrize("kind", ["encoder_eccentricity", "gear_coupling_error"])

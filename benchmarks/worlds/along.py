@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from benchmarks.worlds.arm import Arm
-from benchmarks.worlds.laws import STRUCTURAL, Effect
+from benchmarks.worlds.laws import LAWS, STRUCTURAL, Effect
+from benchmarks.worlds.memory import along
 from benchmarks.worlds.record import measured_torque
 from benchmarks.worlds.rigid import inverse_dynamics
 from benchmarks.worlds.simulate import Run
@@ -17,20 +18,10 @@ def view(arm: Arm, run: Run, effect: Effect) -> SimpleNamespace:
     s = SimpleNamespace(q=run.q.T, dq=run.dq.T, ddq=run.ddq.T, t=run.t)
     s.sign = np.tanh(run.dq / arm.width).T
     s.load = inverse_dynamics(arm, run.q, run.dq, run.ddq).T
-    if effect.kind == "hysteresis":
-        s.bristle = bristle(run.t, run.dq[:, effect.joint], effect.params["x0"])
+    law = LAWS[effect.kind]
+    if law.memory:
+        s.state = along(law, effect.params, run.t, run.dq[:, effect.joint])
     return s
-
-
-def bristle(t: np.ndarray, dq: np.ndarray, x0: float) -> np.ndarray:
-    """Deflection of a Dahl bristle in units of its level, exact for steady velocity between samples."""
-    z, state = np.zeros_like(dq), 0.0
-    steps = np.diff(t, append=t[-1])
-    for k in range(len(dq)):
-        z[k] = state
-        target = np.sign(dq[k])
-        state = target + (state - target) * np.exp(-abs(dq[k]) * steps[k] / x0)
-    return z
 
 
 def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarray:

@@ -25,6 +25,7 @@ class Law:
         outside: Not in the catalog.
         pair: Acts on one joint by the motion of another.
         resists: Takes from the dry friction of its joint, which must stay positive.
+        memory: ``(params, state, dq, h) -> state`` a step later; None: it has none.
     """
 
     torque: Callable | None
@@ -33,3 +34,4 @@ class Law:
     outside: bool = False
     pair: bool = False
     resists: bool = False
+    memory: Callable | None = None

@@ -2,8 +2,8 @@
 
 A law gives ``(dry, rest)`` and acts with ``dry * sign + rest``, ``sign = tanh(dq / width)``; what multiplies
 the sign is kept apart because the simulation has to treat the steep sign implicitly. ``S`` holds rows
-``q, dq, ddq, sign, load`` (one a joint) and ``t``, each a number or an array over time. Amplitudes named in
-``scaled`` are solved for from the wanted strength; the torque is linear in them.
+``q, dq, ddq, sign, load`` (one a joint), ``t`` and the ``state`` of a law's memory, each a number or an array
+over time. Amplitudes named in ``scaled`` are solved for from the wanted strength; the torque is linear in them.
 """
 
 from dataclasses import replace
@@ -13,6 +13,7 @@ import numpy as np
 from benchmarks.worlds.effect import Effect as Effect
 from benchmarks.worlds.effect import Law as Law
 from benchmarks.worlds.families import log_uniform
+from benchmarks.worlds.memory import dahl
 from benchmarks.worlds.outside import OUTSIDE_LAWS
 
 
@@ -72,9 +73,10 @@ _INSIDE_LAWS = {
         lambda p, s, j, o: (0.0, p["tau0"] + 0.0 * s.q[j]), lambda r, w: {"tau0": 1.0}, ("tau0",)
     ),
     "hysteresis": Law(
-        lambda p, s, j, o: (0.0, p["fc"] * s.bristle),
+        lambda p, s, j, o: (0.0, p["fc"] * s.state),
         lambda r, w: {"fc": 1.0, "x0": log_uniform(r, 0.01, 0.1) * (0.1 if w else 1)},
         ("fc",),
+        memory=dahl,
     ),
     "asymmetric_friction": Law(
         _asymmetric,
@@ -115,7 +117,9 @@ LAWS = {**_INSIDE_LAWS, **OUTSIDE_LAWS}
 # Effects that are not a torque on a joint: at most one of them in a world, so that what they do to the
 # torque is what remains when everything else is subtracted.
 STRUCTURAL = tuple(k for k, law in LAWS.items() if law.torque is None and k != "contact")
-GLOBAL = ("time_delay", "torque_lag", "base_tilt", "contact")
+GLOBAL = ("time_delay", "torque_lag", "base_tilt", "contact", "payload_change")
+# What happens in one run between two times, and in no other.
+EVENTS = ("contact", "payload_change")
 # Kept in MuJoCo's mass matrix: a torque that lags behind the acceleration would not be stable.
 IN_BODY = ("rotor_inertia",)
 # Ramp of a contact [s].

@@ -4,6 +4,7 @@ import numpy as np
 
 from benchmarks.worlds.effect import Law
 from benchmarks.worlds.families import log_uniform
+from benchmarks.worlds.memory import age, lugre
 
 
 def _compensator(p, s, j, o):
@@ -21,6 +22,24 @@ def _eccentric(rng, slide):
         "s2": 0.01 * part * np.cos(twice),
         "c2": 0.01 * part * np.sin(twice),
     }
+
+
+def _askew(rng, slide):
+    """Mostly a shift, or mostly a turn."""
+    large, small = rng.choice([-1, 1], 2) * [1.0, 0.2]
+    return (
+        {"shift": 5e-3 * large, "turn": 0.02 * small}
+        if rng.random() < 0.5
+        else {"shift": 5e-3 * small, "turn": 0.02 * large}
+    )
+
+
+def _load(rng, slide):
+    """A kilogram beside the last joint, from a time on or between two; times are shares of a run."""
+    start = rng.uniform(0.15, 0.5)
+    end = 10.0 if rng.random() < 0.3 else start + rng.uniform(0.2, 0.35)
+    x, y, z = rng.uniform(-0.1, 0.1, 3)
+    return {"m": 1.0, "x": x, "y": y, "z": z, "start": start, "end": end}
 
 
 OUTSIDE_LAWS = {
@@ -83,4 +102,30 @@ OUTSIDE_LAWS = {
     "gear_coupling_error": Law(
         None, lambda r, w: {"c": 0.01 * r.choice([-1, 1])}, ("c",), outside=True, pair=True
     ),
+    # After those again.
+    "dwell_friction": Law(
+        lambda p, s, j, o: (p["fc"] * -np.expm1(-s.state / p["tr"]), 0.0),
+        lambda r, w: {
+            "fc": 1.0,
+            "x0": log_uniform(r, 0.02, 0.1) * (0.1 if w else 1),
+            "tr": log_uniform(r, 0.3, 2.0),
+        },
+        ("fc",),
+        outside=True,
+        memory=age,
+    ),
+    "lugre_friction": Law(
+        lambda p, s, j, o: (0.0, p["fc"] * s.state),
+        lambda r, w: {
+            "fc": 1.0,
+            "x0": log_uniform(r, 0.02, 0.1) * (0.1 if w else 1),
+            "rise": r.uniform(0.4, 1.0),
+            "vs": log_uniform(r, 0.08, 0.25) * (0.2 if w else 1),
+        },
+        ("fc",),
+        outside=True,
+        memory=lugre,
+    ),
+    "link_geometry": Law(None, _askew, ("shift", "turn"), outside=True),
+    "payload_change": Law(None, _load, ("m",), outside=True),
 }

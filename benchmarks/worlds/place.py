@@ -60,6 +60,8 @@ def place_effect(rng, arm: Arm, kind: str) -> Effect:
         other = int((joint + rng.integers(1, n)) % n)
     if kind == "drive_gain":
         params["gain"] = 1.0 + 0.01 * float(rng.choice([-1, 1]))
+    if kind == "link_geometry":  # a matter of a joint on another link
+        joint = int(rng.integers(1, n))
     if kind == "base_tilt":
         angle = rng.uniform(0, 2 * np.pi)
         params = {"gx": 0.1 * np.cos(angle), "gy": 0.1 * np.sin(angle)}

@@ -21,6 +21,7 @@ _ON_FRICTION = (
     "thermal_drift",
     "position_dependent_friction",
     "friction_change",
+    "dwell_friction",
 )
 # What softness and backlash need to be told from the inertia of the motor.
 _NEED_ROTORS = ("joint_elasticity", "backlash")

@@ -13,8 +13,9 @@ import mujoco
 import numpy as np
 
 from benchmarks.worlds.arm import GRAVITY, Arm, mjcf
+from benchmarks.worlds.bodies import BODY_FIELDS, askew, carried, loaded
 from benchmarks.worlds.control import Control, make_controller
-from benchmarks.worlds.laws import IN_BODY, Effect, is_torque, torque_of
+from benchmarks.worlds.laws import IN_BODY, LAWS, Effect, is_torque, torque_of
 from benchmarks.worlds.motion import Motion, reference
 from benchmarks.worlds.reading import said
 
@@ -123,7 +124,12 @@ class _Rig:
             gravity = np.array([x, y, -np.sqrt(GRAVITY[2] ** 2 - x**2 - y**2)])
         for e in find(effects, "rotor_inertia"):
             arm = replace(arm, rotor=arm.rotor + e.params["ia"] * (np.arange(arm.size) == e.joint))
-        self.model = mujoco.MjModel.from_xml_string(mjcf(arm, h, gravity, soft))
+        built = askew(arm, effects)
+        self.model = mujoco.MjModel.from_xml_string(mjcf(built, h, gravity, soft))
+        self.bodies = [
+            (e, *(_bodies(mjcf(x, h, gravity, soft)) for x in (built, loaded(built, e))))
+            for e in find(effects, "payload_change")
+        ]
         self.data = mujoco.MjData(self.model)
         self.arm, self.h = arm, h
         self.motor = np.array([j + sum(s < j for s in soft) for j in range(arm.size)])
@@ -131,7 +137,7 @@ class _Rig:
         self.torques = [
             (i, e) for i, e in enumerate(effects) if is_torque(e) and e.kind not in IN_BODY
         ]
-        self.bristles = {i: 0.0 for i, e in enumerate(effects) if e.kind == "hysteresis"}
+        self.memory = {i: 0.0 for i, e in enumerate(effects) if LAWS[e.kind].memory}
         self.loads = any(e.kind == "load_dependent_friction" for e in effects)
         self.links = [
             (self.motor[e.joint] + 1, e, compliance[e.joint])
@@ -149,6 +155,9 @@ class _Rig:
     def step(self, tau: np.ndarray, t: float) -> np.ndarray:
         """One step under a torque; returns the mean acceleration of the motors, (n,)."""
         model, data, arm = self.model, self.data, self.arm
+        for effect, *bodies in self.bodies:
+            for name, values in bodies[int(carried(effect, t))].items():
+                getattr(model, name)[:] = values
         dq = self.v[self.motor]
         sign = np.tanh(dq / arm.width)
         dry, rest = arm.coulomb.copy(), arm.viscous * dq
@@ -170,13 +179,9 @@ class _Rig:
         if self.loads:
             s.load = self._load()
         for i, effect in self.torques:
-            if i in self.bristles:
-                # Exact over a step of steady velocity: dz = (dq - |dq| z) / x0 dt.
-                j, x0 = effect.joint, effect.params["x0"]
-                target = np.sign(dq[j])
-                decay = np.exp(-abs(dq[j]) * self.h / x0)
-                s.bristle = self.bristles[i]
-                self.bristles[i] = target + (s.bristle - target) * decay
+            if i in self.memory:
+                s.state, law = self.memory[i], LAWS[effect.kind]
+                self.memory[i] = law.memory(effect.params, s.state, dq[effect.joint], self.h)
             for j, (a, b) in torque_of(effect, s).items():
                 dry[j] += a
                 rest[j] += b
@@ -188,6 +193,12 @@ class _Rig:
         self.data.qacc[self.motor] = self.ddq
         mujoco.mj_rne(self.model, self.data, 1, self.rigid)
         return self.rigid[self.motor]
+
+
+def _bodies(text: str) -> dict[str, np.ndarray]:
+    """The bodies of a model by the names of MuJoCo's fields."""
+    model = mujoco.MjModel.from_xml_string(text)
+    return {name: getattr(model, name).copy() for name in BODY_FIELDS}
 
 
 def _link_torque(effect: Effect, inertia: float, e: float) -> tuple[float, float]:

@@ -12,8 +12,9 @@ from scipy import signal
 
 from benchmarks.worlds.along import effect_torques, view
 from benchmarks.worlds.arm import GRAVITY, Arm
+from benchmarks.worlds.bodies import askew, carried, loaded
 from benchmarks.worlds.families import joint_scales
-from benchmarks.worlds.laws import Effect, scaled, torque_of
+from benchmarks.worlds.laws import EVENTS, LAWS, Effect, scaled, torque_of
 from benchmarks.worlds.plain import Plain, best_cutoff, prepare
 from benchmarks.worlds.reading import said
 from benchmarks.worlds.record import measured_torque
@@ -37,6 +38,9 @@ _LIMITS = {
     "bend": 0.4,
     "hertz": (6.0, 60.0),
 }
+
+# Largest shift [m], turn [rad] and load [kg].
+_BODY_LIMITS = {"shift": 0.05, "turn": 0.15, "m": 10.0}
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ def size_effect(effect: Effect, wanted: float, ground: Ground) -> Effect:
     if change is None:
         return effect
     left = ground.absorber.left(change)
-    if effect.kind == "contact":
+    if effect.kind in EVENTS:
         inside = np.abs(change).max(axis=1) > 0
         change, left = change[inside], left[inside]
     seen, whole = (rms(left) / ground.unit).max(), (rms(change) / ground.unit).max()
@@ -105,6 +109,9 @@ def _grown(effect: Effect, factor: float, ground: Ground) -> Effect:
         return replace(effect, params={"tc": float(np.clip(1e-3 * factor, *_LIMITS["tc"]))})
     if kind in ("torque_constant_saturation", "torque_dead_band"):
         return _bent(effect, factor, ground.run)
+    if kind in ("link_geometry", "payload_change"):
+        most = min(_BODY_LIMITS[name] / abs(p[name]) for name in LAWS[kind].scaled)
+        return scaled(effect, min(factor, most))
     if kind in ("encoder_eccentricity", "gear_coupling_error"):
         most = _LIMITS["waves" if kind == "encoder_eccentricity" else "ratio"]
         return scaled(effect, min(factor, most / max(abs(x) for x in p.values())))
@@ -143,6 +150,13 @@ def _change(effect: Effect, ground: Ground) -> np.ndarray | None:
         change = measured_torque(run, (replace(effect, params={"seconds": 1e-3}),)) - run.tau
     elif effect.kind in ("torque_lag", "torque_constant_saturation", "torque_dead_band"):
         change = measured_torque(run, (effect,)) - run.tau
+    elif effect.kind == "link_geometry":
+        change = inverse_dynamics(askew(arm, (effect,)), run.q, run.dq, run.ddq)
+        change -= inverse_dynamics(arm, run.q, run.dq, run.ddq)
+    elif effect.kind == "payload_change":
+        change = inverse_dynamics(loaded(arm, effect), run.q, run.dq, run.ddq)
+        change -= inverse_dynamics(arm, run.q, run.dq, run.ddq)
+        change *= carried(effect, run.t)[:, None]
     elif effect.kind in ("encoder_eccentricity", "gear_coupling_error"):
         there = said((effect,), run.q, run.dq, run.ddq)
         true = [2 * x - y for x, y in zip((run.q, run.dq, run.ddq), there, strict=True)]
@@ -190,6 +204,8 @@ def strengths(world, run: Run, unit: np.ndarray) -> list[dict]:
         inside = slice(None)
         if effect.kind == "contact":
             inside = np.abs(part).max(axis=1) > 0
+        elif effect.kind in EVENTS:
+            inside = carried(effect, slim.t)
         ratio = rms(left[inside]) / unit
         share = rms(left[inside] / noise).max() / max(rms(part[inside] / noise).max(), 1e-12)
         rows.append(

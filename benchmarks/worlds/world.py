@@ -13,7 +13,7 @@ from benchmarks.worlds import control, motion
 from benchmarks.worlds.along import effect_torques
 from benchmarks.worlds.arm import Arm
 from benchmarks.worlds.families import draw_arm, joint_scales
-from benchmarks.worlds.laws import LAWS, Effect
+from benchmarks.worlds.laws import EVENTS, LAWS, Effect
 from benchmarks.worlds.place import allowed_friction, place_effects
 from benchmarks.worlds.plan import Plan, plan
 from benchmarks.worlds.record import Logging, draw_logging, quantum, record
@@ -58,8 +58,8 @@ class World:
         return joint_scales(self.arm)[0] - self.arm.rotor
 
     def present(self, name: str) -> tuple[Effect, ...]:
-        """The effects in a run: a contact happens in the training run alone."""
-        return tuple(e for e in self.effects if name == "train" or e.kind != "contact")
+        """The effects in a run: a contact or a load happens in the training run alone."""
+        return tuple(e for e in self.effects if name == "train" or e.kind not in EVENTS)
 
     def run(self, name: str, effects: tuple[Effect, ...] | None = None) -> Run:
         """A run of one of the motions, with these effects in place of all."""
@@ -137,6 +137,8 @@ def _sized(rng, ground: Ground, effects, seconds: float):
         if effect.kind == "contact":
             start = rng.uniform(0.1 * seconds, 0.9 * seconds - p["seconds"])
             p = {"start": start, "end": start + p["seconds"], "tau": p["tau"]}
+        if effect.kind == "payload_change":
+            p |= {name: p[name] * seconds for name in ("start", "end")}
         if effect.kind == "friction_change":
             p["start"] = p["start"] * min(seconds, SCORED_SECONDS)
         effect = replace(effect, params=p)

@@ -1,5 +1,6 @@
 """Physical effects a rigid body lacks: one law a function, a table of its parameters, one registry."""
 
+from jaxswarm.effects import base_compliance as base_compliance
 from jaxswarm.effects import bodies as bodies
 from jaxswarm.effects import cable_coupling as cable_coupling
 from jaxswarm.effects import contact as contact
@@ -11,10 +12,13 @@ from jaxswarm.effects import friction as friction
 from jaxswarm.effects import friction_change as friction_change
 from jaxswarm.effects import gear_coupling_error as gear_coupling_error
 from jaxswarm.effects import gravity_compensator as gravity_compensator
+from jaxswarm.effects import lagging_temperature as lagging_temperature
 from jaxswarm.effects import link_geometry as link_geometry
+from jaxswarm.effects import lugre_friction as lugre_friction
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
 from jaxswarm.effects import payload_change as payload_change
+from jaxswarm.effects import periodic_force as periodic_force
 from jaxswarm.effects import position_friction as position_friction
 from jaxswarm.effects import torque_constant_saturation as torque_constant_saturation
 from jaxswarm.effects import torque_dead_band as torque_dead_band

@@ -110,6 +110,10 @@ def _(law: BodyChange, rng, num_draws):
         still = np.asarray(law.placement({p.name: 0.0 for p in law.linear}))
         _require(still.shape == (2, 2) and not still.any(), law, "moves a joint by nothing")
         return
+    if law.compliance is not None:
+        firm = np.asarray(law.compliance({p.name: 0.0 for p in law.linear}))
+        _require(firm.shape == (2,) and not firm.any(), law, "gives way by nothing")
+        return
     if law.window:
         along = np.asarray(law.weight({"start": 0.5, "end": 1.5}, np.linspace(0.0, 2.0, 64)))
         _require(along[0] == along[-1] == 0.0 and along.max() == 1.0, law, "has no window")

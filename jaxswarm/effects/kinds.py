@@ -28,19 +28,23 @@ class TorqueLaw(Effect):
         torque: ``torque(p, sample) -> scalar`` [N m or N] for one :class:`Sample` of scalars and a
             dictionary of parameters; friction has the sign of the velocity.
         rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
+        start: ``start(p, sample) -> state`` at the begin of a log; None: zero.
+        tone: Nonlinear parameter that is a frequency of time [Hz]: it is read off a spectrum, not searched.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         motor_inertia: Linear parameter that is an inertia on the motor's side of the transmission.
     """
 
     torque: Callable[[dict, Sample], jax.Array] | None = None
     rate: Callable[[dict, Sample], jax.Array] | None = None
+    start: Callable[[dict, Sample], jax.Array] | None = None
+    tone: str = ""
     dissipative: bool = False
     motor_inertia: str = ""
 
     @property
     def searched(self) -> bool:
-        """Whether there are nonlinear parameters."""
-        return bool(self.nonlinear)
+        """Whether there are nonlinear parameters, and no spectrum that shows them."""
+        return bool(self.nonlinear) and not self.tone
 
     def neutral(self) -> dict[str, float]:
         """Without its linear parameters there is no torque."""
@@ -51,6 +55,10 @@ class TorqueLaw(Effect):
         super().check()
         if self.torque is None:
             raise ValueError(f"effect {self.name!r} needs a torque")
+        if self.tone and not {self.tone, "log"} <= {p.name for p in self.nonlinear}:
+            raise ValueError(
+                f"effect {self.name!r} has a tone: it needs nonlinear parameters {self.tone!r} and 'log'"
+            )
         if self.scope == "global":
             raise ValueError(f"effect {self.name!r} is a torque: its scope is 'joint' or 'pair'")
 
@@ -116,6 +124,8 @@ class BodyChange(Effect):
             their standard order.
         placement: ``placement(p) -> (2, 2)``: shift [m] of a joint in its parent along two directions across
             its own axis, and turns [rad] about them, the first of which lies across its parent's axis too.
+        compliance: ``compliance(p) -> (2,)``: turns of the base about its x and y axes per moment that it
+            holds there [rad/(N m)].
         window: Whether the body is carried between the times ``start`` and ``end`` [s] of one log only, told
             by the parameter ``log`` from zero; then its inertial parameters are linear.
     """
@@ -123,6 +133,7 @@ class BodyChange(Effect):
     gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
     body: Callable[[Mapping], jax.Array] | None = None
     placement: Callable[[Mapping], jax.Array] | None = None
+    compliance: Callable[[Mapping], jax.Array] | None = None
     window: bool = False
 
     @property
@@ -147,14 +158,15 @@ class BodyChange(Effect):
     def check(self) -> None:
         """Refuse a change of nothing, of several things, or of a single joint's gravity or body."""
         super().check()
-        told = [x for x in (self.gravity, self.body, self.placement) if x is not None]
-        linear = self.window or self.placement is not None
+        ways = (self.gravity, self.body, self.placement, self.compliance)
+        told = [x for x in ways if x is not None]
+        linear = self.window or self.placement is not None or self.compliance is not None
         scope = "global" if self.placement is None else "joint"
         if self.scope != scope or len(told) != 1 or bool(self.linear) != linear:
             raise ValueError(
-                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body and "
-                "placement, scope 'global' ('joint' for a placement), and linear parameters for a body "
-                "in a window and for a placement only"
+                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body, "
+                "placement and compliance, scope 'global' ('joint' for a placement), and linear parameters "
+                "for a body in a window, a placement and a compliance only"
             )
         own = len(self.linear or self.parameters)
         if self.body is not None and not (self.reference_only and own == 10):

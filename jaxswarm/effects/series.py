@@ -17,7 +17,7 @@ from jaxswarm.effects.sample import Sample
 
 
 def states(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
-    """Integrate the state of ``law`` along a series, from rest; where time falls another log begins.
+    """Integrate the state of ``law`` along a series from its start; where time falls another log begins.
 
     Args:
         law: A law with memory.
@@ -27,6 +27,10 @@ def states(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
     Returns:
         The state at every sample, shape (T,).
     """
+
+    def begin(sample):
+        start = 0.0 if law.start is None else law.start(parameters, sample)
+        return jnp.asarray(start, series.q.dtype)
 
     def step(z, pair):
         now, following = pair
@@ -39,12 +43,12 @@ def states(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
         x = h * slope
         safe = jnp.where(jnp.abs(x) < 1e-8, 1.0, x)
         phi = jnp.where(jnp.abs(x) < 1e-8, 1.0, jnp.expm1(safe) / safe)
-        z = jnp.where(h < 0, 0.0, z + h * phi * rate)
+        z = jnp.where(h < 0, begin(following), z + h * phi * rate)
         return z, z
 
     now = jax.tree.map(lambda x: x[:-1], series)
     following = jax.tree.map(lambda x: x[1:], series)
-    start = jnp.zeros((), series.q.dtype)
+    start = begin(jax.tree.map(lambda x: x[0], series))
     _, rest = jax.lax.scan(step, start, (now, following))
     return jnp.concatenate([start[None], rest])
 

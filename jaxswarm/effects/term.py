@@ -41,6 +41,10 @@ class Term:
         partner = "" if self.other is None else f":{joints[self.other]}"
         return f"{self.effect}@{joints[self.joint]}{partner}"
 
+    def acts_in(self, log: int | None) -> bool:
+        """Whether it can show in a log by its number: what happened in another one cannot; None: in any."""
+        return log is None or not self.law.in_one_log or self.values.get("log", 0) == log
+
     @property
     def place(self) -> tuple:
         """Effect, joint and partner."""

@@ -7,7 +7,8 @@ transmission passes
 
 Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
 ripple and rotor inertia see motor position and velocity as the encoders say them, the rigid body sees the
-links. A :class:`BodyChange` changes the robot itself, a :class:`MeasurementLaw` what is measured.
+links. A :class:`BodyChange` changes the robot itself or sets it on springs, a :class:`MeasurementLaw` changes
+what is measured.
 """
 
 import dataclasses
@@ -34,6 +35,8 @@ from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
 
 FLANK_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
+# Compliance [rad/(N m)] below which a base is taken to have this one: firmer costs shorter steps and no more.
+FIRM = 1e-7
 
 
 # An effect in its place is a term of a model: what was identified can be simulated as it is.
@@ -61,6 +64,17 @@ class Plant:
         return tuple(sorted({a.joint for a in of_kind(self.acting, TransmissionLaw)}))
 
     @property
+    def swaying(self) -> bool:
+        """Whether the base gives way: its turns follow the motors of the soft joints."""
+        return any(a.law.compliance is not None for a in of_kind(self.acting, BodyChange))
+
+    @property
+    def compliance(self) -> jax.Array:
+        """Turns of the base per moment [rad/(N m)], (2,), a firm axis one that hardly gives way."""
+        ways = [a for a in of_kind(self.acting, BodyChange) if a.law.compliance is not None]
+        return jnp.maximum(sum(a.law.compliance(a.values) for a in ways), FIRM)
+
+    @property
     def remembering(self) -> tuple[Acting, ...]:
         """Effects with a state of their own."""
         return tuple(a for a in of_kind(self.acting, TorqueLaw) if a.law.rate is not None)
@@ -79,7 +93,7 @@ class Plant:
     def robot_at(self, t: Any) -> Robot:
         """Return the robot with what its last link carries at a time [s]."""
         robot = self.robot
-        for a in of_kind(self.acting, BodyChange):
+        for a in [a for a in of_kind(self.acting, BodyChange) if a.law.window]:
             body = a.law.weight(a.values, jnp.asarray(t, float)) * a.law.body(a.values)
             robot = robot.replace(parameters=jnp.asarray(robot.parameters).at[-1].add(body))
         return robot
@@ -172,7 +186,7 @@ def _(law: BodyChange, plant, acting):
         placed = moved_joint(robot, acting.joint, law.placement(acting.values))
         rotation, translation = (_known(x) for x in (placed.rotation, placed.translation))
         return plant.replace(robot=robot.replace(rotation=rotation, translation=translation))
-    if law.window:
+    if law.window or law.compliance is not None:
         return plant.replace(acting=(*plant.acting, acting))
     parameters = jnp.asarray(robot.parameters).at[-1].add(law.body(acting.values))
     return plant.replace(robot=robot.replace(parameters=_known(parameters)))

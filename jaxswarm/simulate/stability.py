@@ -11,8 +11,7 @@ import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.robot.kinematics import sincos
-from jaxswarm.simulate.acceleration import Drive, State, accelerations, rest
-from jaxswarm.simulate.loops import AMBIENT
+from jaxswarm.simulate.acceleration import AMBIENT, Drive, State, accelerations, rest
 from jaxswarm.simulate.plant import Plant
 
 
@@ -42,7 +41,7 @@ def fastest_mode(plant: Plant, q: jax.Array) -> tuple[complex, float]:
 def _linearized(plant: Plant, q: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Slopes of the state and their Jacobian at standstill under a torque of 1 on every joint."""
     start = rest(plant, q)
-    n, s = q.shape[0], len(plant.soft)
+    n, s = q.shape[0], start.motor_q.shape[0]
     drive = Drive((1.0,) * n, (0.0,) * n, (AMBIENT,) * n)
 
     def flow(x):

@@ -132,7 +132,7 @@ class Linearization:
         terms = self.found.model.terms
 
         def build(k):
-            own = term_columns(term, motions[k], width, self.loads[k])
+            own = term.acts_in(k) * term_columns(term, motions[k], width, self.loads[k])
             return report_own(terms, motions[k], own, term.joint)
 
         if term.law.uses_load:

@@ -18,6 +18,7 @@ from jaxswarm.diagnose.candidates.contact import external_candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.refine import refined
 from jaxswarm.diagnose.candidates.search import searching
+from jaxswarm.diagnose.candidates.tone import tonal_candidate
 from jaxswarm.diagnose.candidates.transmission import lagging_candidate
 from jaxswarm.diagnose.candidates.whole_model import body_candidate, measurement_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
@@ -69,6 +70,8 @@ def propose(law: Effect, lin: Linearization, term: Term) -> Candidate | None:
 
 @propose.register
 def _(law: TorqueLaw, lin, term):
+    if law.tone:
+        return tonal_candidate(lin, term)
     return Candidate(term, lin.on_all(lin.law(term)), len(law.linear))
 
 

@@ -15,6 +15,7 @@ from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
 from jaxswarm.identify.forward.columns import rigid_columns
+from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.measuring_chain import report_own
@@ -104,6 +105,14 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate:
             return lin.reported(k, placement_columns(law, term.joint, *at))
 
         columns = lin.stack(moved)
+        return Candidate(term, lin.on_all(columns), columns.shape[2])
+    if law.compliance is not None:
+
+        def swayed(k):
+            at = lin.arm, lin.moved[k], lin.pi, lin.found.motions[k]
+            return lin.reported(k, compliance_columns(law, *at))
+
+        columns = lin.stack(swayed)
         return Candidate(term, lin.on_all(columns), columns.shape[2])
     if law.gravity is not None:
         columns = lin.crossfit.weigh(_gravity_columns(lin, term))

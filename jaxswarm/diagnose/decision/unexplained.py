@@ -16,7 +16,8 @@ from scipy import linalg
 
 from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.score import slope_p_value
-from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
@@ -39,6 +40,8 @@ class Unexplained:
         variables: Values of the named variables, shape (T, m).
         term: The same as a term that predicts other motion; None if it depends on time or temperature.
         change: Change of the model's columns' values that goes with it, shape (p,).
+        elsewhere: Share that it takes off on motion it was not fitted to: on the worst other log, or without
+            any in regions of the states held out in turn; below zero where it adds error, None if unknown.
     """
 
     joint: int
@@ -49,6 +52,7 @@ class Unexplained:
     variables: np.ndarray
     term: Smooth | None
     change: np.ndarray
+    elsewhere: float | None = None
 
 
 def residual_variables(found: Estimate) -> dict[str, np.ndarray]:
@@ -148,7 +152,24 @@ def _unexplained(found, crossfit, joint, pick, worth, table, seed) -> Unexplaine
         )  # fmt: skip
     share, p_value = worth
     smooth = _features(inputs, seed) @ a
-    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change)
+    elsewhere = None if term is None else _in_other_regions(found, crossfit, joint, rows)
+    return Unexplained(joint, pick, share, min(1.0, p_value), smooth, x, term, change, elsewhere)
+
+
+def _in_other_regions(
+    found: Estimate, crossfit: CrossFit, joint: int, rows: np.ndarray
+) -> float | None:
+    """Share that weighted features (T, f) take off in regions of states they were not fitted to."""
+    label = regions(found)
+    if label is None:
+        return None
+    gain = before = 0.0
+    for one in np.unique(label):
+        fold = crossfit.whole.trained_on(label != one)
+        residual, said = _predicted(fold, rows, joint)
+        gain += float((residual**2 - (residual - said) ** 2).sum())
+        before += float((residual**2).sum())
+    return gain / max(before, 1e-300)
 
 
 class _Input(NamedTuple):
@@ -196,14 +217,17 @@ def _try(crossfit: CrossFit, joint: int, inputs, seed: int) -> tuple[float, floa
     gains, before = np.zeros(count), 0.0
     inner, square = np.zeros(count), np.zeros(count)
     for fold in crossfit.halves:
-        free = fold.free_rows(rows, joint)
-        a = _ridge(free[fold.train], fold.residual[fold.train, joint])
-        out = ~fold.train
-        r = fold.residual[out, joint]
-        said = free[out] @ a
-        block = crossfit.block[out]
+        r, said = _predicted(fold, rows, joint)
+        block = crossfit.block[~fold.train]
         gains += np.bincount(block, r**2 - (r - said) ** 2, count)
         inner += np.bincount(block, said * r, count)
         square += np.bincount(block, said**2, count)
         before += float((r**2).sum())
     return float(gains.sum() / before), slope_p_value(inner, square)
+
+
+def _predicted(fold: Fold, rows: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
+    """Residual of a joint off a fold's rows, and what weighted features (T, f) fitted to those say of it."""
+    free = fold.free_rows(rows, joint)
+    a = _ridge(free[fold.train], fold.residual[fold.train, joint])
+    return fold.residual[~fold.train, joint], free[~fold.train] @ a

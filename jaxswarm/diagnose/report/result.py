@@ -183,11 +183,13 @@ def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], join
     told = []
     for u in left:
         entry = {"share": u.share, "p_value": u.p_value, "in_model": u.term is not None}
+        entry["share_on_other_motion"] = u.elsewhere
         told.append((u.joint, {"depends_on": list(u.depends_on), **entry}))
     seen = {joint for joint, _ in told}
     for r in remains:
         if not r.near and r.joint not in seen:
             entry = {"share": 1.0 - 1.0 / r.over_noise**2, "p_value": None, "in_model": False}
+            entry["share_on_other_motion"] = None
             told.append((r.joint, {"depends_on": [], **entry}))
     return [
         {

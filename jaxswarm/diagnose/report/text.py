@@ -78,15 +78,25 @@ def proof_sentence(result: dict) -> str:
 
 
 def remaining(entry: dict) -> str:
-    """What is left on a joint, in one clause: what it follows, or when and at which frequencies it is."""
-    times = f"{entry['over_noise']:.1f} times the noise"
+    """What is left on a joint, in one clause: when and at which frequencies it is, and what it follows."""
+    times = f"{entry['over_noise']:.1f} times the noise at {when(entry)}"
     if entry["depends_on"]:
         names = " and ".join(entry["depends_on"])
         return (
             f"{percent(entry['share'], 0)} of the remaining error of {entry['joint']} ({times}) "
-            f"follows {names}"
+            f"follows {names}{_elsewhere(entry)}"
         )
-    return f"{entry['joint']} is left with {times} at {when(entry)}"
+    return f"{entry['joint']} is left with {times}"
+
+
+def _elsewhere(entry: dict) -> str:
+    """How much of it holds on motion that was not fitted."""
+    share = entry.get("share_on_other_motion")
+    if share is None:
+        return ""
+    if share <= 0.0:
+        return ", on other motion none of it"
+    return f", on other motion {percent(share, 0)}"
 
 
 def when(entry: dict) -> str:

@@ -130,6 +130,9 @@ def proven(
                 (two <= HARM * one).all() and two[item.joint] < GAIN * one[item.joint]
                 for one, two in pairs
             )
+            if pairs:
+                falls = [1.0 - float(two[item.joint] / one[item.joint]) ** 2 for one, two in pairs]
+                item = replace(item, elsewhere=min(falls))
             item = item if helps else replace(item, term=None)
         told.append(item)
     return told

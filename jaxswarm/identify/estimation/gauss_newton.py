@@ -75,7 +75,7 @@ class Problem:
             parts.append(
                 sum(
                     term_block(self.robot, place.terms, place.terms[k], *given)
-                    @ theta[ends[k] - sizes[k] : ends[k]]
+                    @ (place.terms[k].acts_in(number) * theta[ends[k] - sizes[k] : ends[k]])
                     for k in moved
                 )
             )

@@ -25,6 +25,7 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
+from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.placement import placement_columns
 from jaxswarm.logs.motion import Motion
@@ -78,8 +79,7 @@ def assemble(
     for term in terms:
         if term.columns(robot.joints):
             block = _block(terms, term, body, width, load, low)
-            here = log is None or not term.law.in_one_log or term.values.get("log", 0) == log
-            parts.append(block if here else np.zeros_like(block))
+            parts.append(block if term.acts_in(log) else np.zeros_like(block))
     return np.concatenate(parts, axis=2)
 
 
@@ -154,6 +154,8 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     law = term.law
     if isinstance(law, BodyChange) and law.placement is not None:
         return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
+    if isinstance(law, BodyChange) and law.compliance is not None:
+        return compliance_columns(law, body.arm, body.moved, body.pi, body.motion)
     if isinstance(law, BodyChange) and law.window:
         return carried(term, body.motion)[:, None, None] * (
             body.columns[:, :, -10:] @ body_basis(law)

@@ -45,7 +45,9 @@ class Model:
 
     def during(self, log: int | None) -> "Model":
         """The model in a log by its number, with what happened there alone; None: what always holds."""
-        kept = (t for t in self.terms if not t.law.in_one_log or t.values.get("log", 0) == log)
+        kept = (
+            t for t in self.terms if not t.law.in_one_log or (log is not None and t.acts_in(log))
+        )
         return replace(self, terms=tuple(kept))
 
     def __repr__(self) -> str:

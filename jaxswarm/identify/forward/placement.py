@@ -8,13 +8,12 @@ import numpy as np
 
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.placement import moved_joint, own_moves
+from jaxswarm.identify.forward.lengths import chunks
 from jaxswarm.robot import inverse_dynamics
 from jaxswarm.robot.model import Robot
 
 # Half a difference [m, rad]: errors of the second difference and of rounding are alike small.
 _STEP = 1e-5
-# Samples evaluated in one call: one compiled program for logs of any length.
-_CHUNK = 2048
 
 
 @jax.jit
@@ -40,15 +39,8 @@ def placement_columns(
 
     def torque(name, step):
         there = moved_joint(arm, joint, own * law.placement({**neutral, name: step}))
-        parts = [_torque(there, *x) for x in _chunks(moved)]
+        parts = [_torque(there, *x) for x in chunks(moved)]
         return np.concatenate([np.asarray(x) for x in parts])[: len(moved[0])]
 
     columns = [(torque(p.name, _STEP) - torque(p.name, -_STEP)) / (2 * _STEP) for p in law.linear]
     return np.stack(columns, axis=2)
-
-
-def _chunks(moved):
-    """The motion in parts of equal length, the last one filled up."""
-    filled = [np.concatenate([x, np.repeat(x[-1:], -len(x) % _CHUNK, axis=0)]) for x in moved]
-    for k in range(0, len(filled[0]), _CHUNK):
-        yield [x[k : k + _CHUNK] for x in filled]

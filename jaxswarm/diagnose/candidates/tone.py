@@ -1,0 +1,93 @@
+r"""A torque of a frequency of its own, read off the spectrum of what a model leaves on a joint.
+
+A sine that is fitted to n rows takes off :math:`2 |X(f)|^2 / n` of their squares, X their Fourier transform:
+the highest line of the spectrum is the best frequency. What follows from the motion can have a line too; a
+tone is asked only where the motion has none and where it does not repeat itself with a multiple of the tone's
+period.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.effects.term import Term
+from jaxswarm.logs.motion import Motion
+
+# Least share of a joint's squared error that a tone takes off: below, it may be the strongest of a law's lines.
+_LEAST = 0.5
+# Periods that a log holds at least, and how much finer than its resolution frequencies are looked at.
+_PERIODS, _FINER = 4, 8
+# A line that takes off this share of a joint's position, velocity or acceleration is the motion's own.
+_OWN_LINE = 0.03
+# Relative squared difference below which a motion repeats itself, and lags [s] tried, of the log at most.
+_REPEATS, _SHORTEST, _LONGEST = 0.05, 0.2, 0.5
+# Part of a turn by which a tone is ahead when the motion repeats itself: then a fifth of its power at least
+# does not repeat, and no function of the motion can be that part.
+_OUT_OF_STEP = 0.15
+
+
+def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
+    """The term at the strongest line of its joint's residual, found on every fold anew; None without one."""
+    name = term.law.tone
+    lines = [
+        _strongest(lin, np.where(fold.train, fold.residual[:, term.joint], 0.0))
+        for fold in lin.crossfit.folds
+    ]
+    share, hertz, log = lines[0]
+    if share < _LEAST or not _alone(lin.found.motions[log], hertz):
+        return None
+    placed = [replace(term, values={name: f, "log": float(k)}) for _, f, k in lines]
+    columns = tuple(lin.law(one) for one in placed)
+    return Candidate(placed[0], columns, len(term.law.linear) + 1)
+
+
+def _strongest(lin: Linearization, left: np.ndarray) -> tuple[float, float, int]:
+    """Share, frequency [Hz] and log of the strongest line of a residual (T',) that is zero off its rows."""
+    regression, best = lin.found.regression, (0.0, 1.0, 0)
+    for log in np.unique(regression.log):
+        own = left[regression.log == log]
+        used = max(int((own != 0.0).sum()), 1)
+        step = regression.step[log]
+        size = _FINER * len(own)
+        gain = 2.0 * np.abs(np.fft.rfft(own, size)) ** 2 / used
+        hertz = np.fft.rfftfreq(size, step)
+        motion = lin.found.motions[log]
+        inside = (hertz >= _PERIODS / (len(own) * step)) & (hertz <= motion.torque_cutoff)
+        if not inside.any():
+            continue
+        pick = int(np.argmax(np.where(inside, gain, 0.0)))
+        share = gain[pick] / max(float((left**2).sum()), 1e-300)
+        best = max(best, (float(share), float(hertz[pick]), int(log)))
+    return best
+
+
+def _alone(motion: Motion, hertz: float) -> bool:
+    """Whether nothing that follows from the motion can have a line at a frequency [Hz]."""
+    turn = np.exp(-2j * np.pi * hertz * motion.t)
+    for x in (motion.q, motion.dq, motion.ddq):
+        own = x - x.mean(axis=0)
+        line = 2.0 * np.abs(turn @ own) ** 2 / len(own)
+        if (line > _OWN_LINE * (own**2).sum(axis=0)).any():
+            return False
+    period = _period(motion)
+    if period is None:
+        return True
+    return abs(hertz * period - round(hertz * period)) > _OUT_OF_STEP
+
+
+def _period(motion: Motion) -> float | None:
+    """Time [s] after which a motion first repeats itself; None if it does not."""
+    own = motion.q - motion.q.mean(axis=0)
+    own = own / np.maximum(own.std(axis=0), 1e-12)
+    first, last = (int(x * motion.rate) for x in (_SHORTEST, _LONGEST * motion.t[-1]))
+    apart = np.array([((own[k:] - own[:-k]) ** 2).mean() / 2.0 for k in range(first, last)])
+    again = np.flatnonzero(apart < _REPEATS)
+    # Shortly after any moment a slow motion is still where it was: it has to have been elsewhere between.
+    left = np.flatnonzero(apart > 0.5)
+    again = again[again > left[0]] if len(left) else again[:0]
+    if not len(again):
+        return None
+    nearest = np.split(again, np.flatnonzero(np.diff(again) > 1) + 1)[0]
+    return (first + int(nearest[np.argmin(apart[nearest])])) / motion.rate

@@ -1,0 +1,70 @@
+"""A base that gives way is named by what it does to all joints, and a soft joint stays one."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from elbow import ask, elbow, elbow_log, fitted, passing
+from scipy.interpolate import make_interp_spline
+from swaying import given_motion, log_on_soft_base, log_with_soft_joint, on_hinges
+
+from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects import get_law
+from jaxswarm.identify.forward.compliance import compliance_columns
+from jaxswarm.logs.filtering import Decimator
+from jaxswarm.logs.motion import Motion
+
+RIVALS = ("joint_elasticity", "base_tilt", "encoder_offset", "link_geometry", "backlash")
+
+
+def chosen(log):
+    """What is chosen among all that stands or lags otherwise, its rivals, and the first fit."""
+    found = fitted(log)
+    best, rivals = choose(
+        passing(ask(found, "base_compliance", *RIVALS)), Rules(), cross_fit(found)
+    )
+    return best, rivals, found
+
+
+def test_a_soft_base_is_named_with_its_compliance():
+    best, rivals, found = chosen(log_on_soft_base(1e-3, 3e-4))
+    assert (best.candidate.term.effect, rivals) == ("base_compliance", [])
+    after = refit_with(found, best)
+    values = find_term(after, best.candidate.term).values
+    assert values["cx"] == pytest.approx(1e-3, rel=0.4)
+    assert values["cy"] == pytest.approx(3e-4, rel=0.4)
+    assert (after.fit.sigma < 0.95 * found.fit.sigma).all()
+
+
+def test_a_soft_second_joint_is_not_taken_for_its_base():
+    best, rivals, _ = chosen(log_with_soft_joint(1, 800.0, 8.0))
+    assert (best.candidate.term.place, rivals) == (("joint_elasticity", 1, None), [])
+
+
+def test_a_firm_base_is_left_as_it_is():
+    assert not passing(ask(fitted(elbow_log()), "base_compliance"))
+
+
+def test_columns_are_what_pinocchio_says_of_a_base_that_turns_by_its_moment():
+    t, *moved = given_motion()
+    model, c = on_hinges(), np.array([2e-7, 1e-7])
+    data = model.createData()
+    held = [
+        pin.rnea(model, data, *(np.r_[0, 0, x] for x in now)) for now in zip(*moved, strict=True)
+    ]
+    turns = make_interp_spline(t, -c * np.array(held)[:, :2], k=5)
+    along = [turns.derivative(k)(t) for k in range(3)]
+    whole = [np.column_stack(pair) for pair in zip(along, moved, strict=True)]
+    swayed = [pin.rnea(model, data, *now) for now in zip(*whole, strict=True)]
+    change = np.array(swayed)[:, 2:] - np.array(held)[:, 2:]
+    motion = Motion("given", elbow().joints, t, *moved, None, {}, Decimator(np.ones(1), 1),
+                    (np.inf,) * 3, np.inf, t[1], None)  # fmt: skip
+    pi = np.asarray(elbow().parameters).ravel()
+    columns = compliance_columns(get_law("base_compliance"), elbow(), tuple(moved), pi, motion)
+    inside = slice(50, -50)
+    np.testing.assert_allclose(
+        (columns @ c)[inside], change[inside], atol=1e-3 * np.abs(change).max()
+    )

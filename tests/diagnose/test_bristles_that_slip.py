@@ -1,0 +1,69 @@
+"""Bristles that hold more at creeping speed are told from those that do not, and asked beside them alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from elbow import ask, elbow_log, fitted, passing
+from scipy.integrate import solve_ivp
+
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.synthetic import fourier_motion
+from jaxswarm.logs.log import Log
+
+FC, X0, RISE, VS = 8.0, 0.05, 0.8, 0.15
+DOUBLES = ("hysteresis", "stribeck_friction", "dwell_friction", "nonlinear_viscous_friction")
+DAHL = Term("hysteresis", 1, values={"fc": FC, "x0": X0})
+
+
+def log_of_lugre() -> Log:
+    """Bristles of the second joint integrated by SciPy along the motion of the log."""
+    log = elbow_log()
+    t, _, dq, _ = fourier_motion(3, np.random.default_rng(1), 12.0, 125.0)
+
+    def bend(now, z):
+        v = np.interp(now, t, dq[:, 1])
+        return (v - abs(v) * z / (1.0 + RISE * np.exp(-((v / VS) ** 2)))) / X0
+
+    path = solve_ivp(bend, (0.0, t[-1]), [0.0], t_eval=t, max_step=2e-3, rtol=1e-6)
+    tau = log.tau.copy()
+    tau[:, 1] += FC * path.y[0]
+    return replace(log, tau=tau)
+
+
+def with_bristles(log: Log):
+    """The fit with the bristles that are found first."""
+    found = fitted(log)
+    best = passing(ask(found, *DOUBLES))[0]
+    assert best.candidate.term.place == DAHL.place
+    return refit_with(found, best)
+
+
+def test_bristles_that_slip_early_are_named_with_their_values():
+    plain = with_bristles(log_of_lugre())
+    best = passing(ask(plain, "lugre_friction", *DOUBLES))[0]
+    after = refit_with(plain, best)
+    term = find_term(after, best.candidate.term)
+    assert term.place == ("lugre_friction", 1, None)
+    assert not [t for t in after.model.terms if t.effect == "hysteresis"]
+    for name, value in {"fc": FC, "x0": X0, "rise": RISE, "vs": VS}.items():
+        assert term.values[name] == pytest.approx(value, rel=0.1), name
+
+
+def test_bristles_of_dahl_stay_what_they_are():
+    assert not passing(ask(with_bristles(elbow_log(DAHL)), "lugre_friction"))
+
+
+def test_a_rise_that_jumps_at_a_reversal_is_no_slip_of_bristles():
+    jump = Term("stribeck_friction", 1, values={"df": 4.0, "vs": VS, "delta": 2.0})
+    plain = with_bristles(elbow_log(DAHL, jump))
+    best = passing(ask(plain, "lugre_friction", *DOUBLES))[0]
+    assert best.candidate.term.place == jump.place
+
+
+def test_they_are_asked_beside_bristles_alone():
+    found = fitted(elbow_log())
+    assert "lugre_friction" not in {t.effect for t in eligible_terms(found.model, found.motions)}

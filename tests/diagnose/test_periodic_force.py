@@ -1,0 +1,84 @@
+"""A force with a frequency of its own is named with it, and no motion is taken for one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from elbow import ask, elbow, elbow_log, fitted, passing
+from planted import BAND
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.tone import tonal_candidate
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term, parse_terms
+from jaxswarm.identify import estimate
+from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.logs.motion import prepare
+
+DOUBLES = ("torque_ripple", "contact", "friction_change", "encoder_eccentricity", "thermal_drift")
+HERTZ, SIZE = 2.37, 1.2
+
+
+def shaken(log, hertz=HERTZ, joint=1):
+    tau = log.tau.copy()
+    tau[:, joint] += SIZE * np.sin(2 * np.pi * hertz * log.t + 0.7)
+    return replace(log, tau=tau)
+
+
+def test_a_force_of_its_own_frequency_is_named_with_it():
+    found = fitted(shaken(elbow_log()))
+    best = passing(ask(found, "periodic_force", *DOUBLES))[0]
+    assert best.candidate.term.place == ("periodic_force", 1, None)
+    after = refit_with(found, best)
+    values = find_term(after, best.candidate.term).values
+    assert values["hertz"] == pytest.approx(HERTZ, abs=0.003)
+    assert np.hypot(values["sine"], values["cosine"]) == pytest.approx(SIZE, rel=0.05)
+    assert after.fit.sigma[1] < 0.5 * found.fit.sigma[1]
+
+
+def test_it_is_of_its_own_log_alone():
+    logs = [shaken(elbow_log()), elbow_log(seed=2)]
+    declared = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
+    motions = [prepare(x, BAND) for x in logs]
+    found = estimate(elbow(), declared, motions, bounded=False)
+    best = passing(ask(found, "periodic_force"))[0]
+    after = refit_with(found, best)
+    term = find_term(after, best.candidate.term)
+    assert (term.values["log"], term.acts_in(0), term.acts_in(1)) == (0.0, True, False)
+    both = [model_torque(after.model.during(k), motions[1]) for k in (1, None)]
+    np.testing.assert_array_equal(*both)
+    assert (after.fit.sigma < 0.7 * found.fit.sigma)[1]
+
+
+@pytest.mark.parametrize(
+    "truth",
+    [
+        None,
+        Term("joint_spring", 1, values={"k": 12.0, "tau0": 1.0}),
+        Term("quadratic_drag", 0, values={"c": 2.0}),
+        Term("torque_ripple", 2, values={"sine": 1.0, "cosine": 0.0, "n": 8.0}),
+        Term("cubic_spring", 0, values={"k3": 9.0, "q0": 0.1}),
+    ],
+    ids=lambda t: t.effect if t else "clean",
+)
+def test_what_goes_with_the_motion_is_no_force_of_its_own(truth):
+    found = fitted(elbow_log(*([truth] if truth else [])))
+    assert not passing(ask(found, "periodic_force"))
+
+
+def test_a_motion_that_repeats_itself_hides_a_multiple_of_its_frequency():
+    log = elbow_log()
+    t, base = log.t, 2 * np.pi * 0.5
+    q = np.column_stack([np.sin(base * t), np.cos(base * t), np.sin(base * t + 1.0)])
+    noise = 0.1 * np.random.default_rng(0).normal(size=q.shape)
+
+    def asked(hertz):
+        found = fitted(shaken(replace(log, q=q + 1e-6 * log.q, tau=noise), hertz))
+        stand = Linearization(found, cross_fit(found))
+        return tonal_candidate(stand, Term("periodic_force", 1))
+
+    assert asked(2.0) is None
+    assert asked(2.03) is None
+    assert asked(HERTZ).term.values["hertz"] == pytest.approx(HERTZ, abs=0.01)

@@ -1,0 +1,54 @@
+"""Structure without a law is told with what of it holds on motion it was not fitted to."""
+
+import pytest
+from planted import declared_fit, log_with
+from test_unexplained import LAWS, with_extra
+
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.report.text import remaining
+from jaxswarm.diagnose.selection.survives import proven
+from jaxswarm.logs.motion import prepare
+
+LAW = LAWS[1][1]
+
+
+@pytest.fixture(scope="module")
+def structured():
+    found, background = declared_fit(with_extra(LAW))
+    (item,) = [u for u in find_unexplained(found, background) if u.joint == 1]
+    return found, item
+
+
+def test_regions_that_were_not_fitted_say_less_than_time_that_was_not(structured):
+    _, item = structured
+    assert 0.1 < item.elsewhere < item.share
+
+
+def test_other_motion_of_the_same_arm_is_told_and_the_term_kept(structured):
+    found, item = structured
+    other = prepare(with_extra(LAW, motion_seed=8), found.model.filtering)
+    (told,) = proven(found, [item], [other])
+    assert told.term is not None
+    assert 0.1 < told.elsewhere < 1.0
+
+
+def test_what_does_not_hold_on_other_motion_is_told_and_kept_out_of_the_model(structured):
+    found, item = structured
+    clean = prepare(log_with(motion_seed=8), found.model.filtering)
+    (told,) = proven(found, [item], [clean])
+    assert told.term is None
+    assert told.elsewhere < 0.0
+
+
+def test_the_sentence_says_how_much_of_it_holds_elsewhere():
+    entry = {
+        **{"joint": "joint2", "share": 0.4, "over_noise": 3.0, "depends_on": ["q_joint1"]},
+        **{"band_hz": [0.2, 3.0], "windows": [{"log": 0, "start": 1.0, "end": 2.5}]},
+    }
+    where = "(3.0 times the noise at 0.2 to 3 Hz, mostly at 1-2.5 s)"
+    start = f"40 % of the remaining error of joint2 {where} follows q_joint1"
+    assert remaining({**entry, "share_on_other_motion": None}) == start
+    assert remaining({**entry, "share_on_other_motion": 0.25}) == start + ", on other motion 25 %"
+    assert remaining({**entry, "share_on_other_motion": -2.0}).endswith(
+        "on other motion none of it"
+    )
