@@ -9,6 +9,7 @@ from jaxswarm.swarm.minimize import minimize as minimize
 from jaxswarm.swarm.minimize import minimize_runs as minimize_runs
 from jaxswarm.swarm.optimizers import operators as operators
 from jaxswarm.swarm.optimizers.aelspso import aelspso as aelspso
+from jaxswarm.swarm.optimizers.auto import auto as auto
 from jaxswarm.swarm.optimizers.base import Info as Info
 from jaxswarm.swarm.optimizers.base import Optimizer as Optimizer
 from jaxswarm.swarm.optimizers.base import State as State
@@ -20,6 +21,8 @@ from jaxswarm.swarm.optimizers.boundaries import reflect as reflect
 from jaxswarm.swarm.optimizers.boundaries import resample as resample
 from jaxswarm.swarm.optimizers.clpso import clpso as clpso
 from jaxswarm.swarm.optimizers.cma_es import cma_es as cma_es
+from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es as bipop_cma_es
+from jaxswarm.swarm.optimizers.cma_restarts import ipop_cma_es as ipop_cma_es
 from jaxswarm.swarm.optimizers.control import converged as converged
 from jaxswarm.swarm.optimizers.control import evolutionary_control as evolutionary_control
 from jaxswarm.swarm.optimizers.control import evolutionary_factor as evolutionary_factor
@@ -29,6 +32,9 @@ from jaxswarm.swarm.optimizers.freeze import freeze as freeze
 from jaxswarm.swarm.optimizers.ga import ga as ga
 from jaxswarm.swarm.optimizers.ga import textbook_ga as textbook_ga
 from jaxswarm.swarm.optimizers.islands import islands as islands
+from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es as lm_ma_es
+from jaxswarm.swarm.optimizers.lshade import lshade as lshade
+from jaxswarm.swarm.optimizers.open_es import open_es as open_es
 from jaxswarm.swarm.optimizers.pso import pso as pso
 from jaxswarm.swarm.optimizers.published import gpso as gpso
 from jaxswarm.swarm.optimizers.published import spso as spso
@@ -40,9 +46,10 @@ from jaxswarm.swarm.optimizers.restart import restart as restart
 from jaxswarm.swarm.optimizers.rules import bare_bones as bare_bones
 from jaxswarm.swarm.optimizers.rules import canonical as canonical
 from jaxswarm.swarm.optimizers.rules import spherical as spherical
+from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es as sep_cma_es
 from jaxswarm.swarm.optimizers.sepso import sepso as sepso
-from jaxswarm.swarm.optimizers.shade import lshade as lshade
 from jaxswarm.swarm.optimizers.shade import shade as shade
+from jaxswarm.swarm.optimizers.snes import snes as snes
 from jaxswarm.swarm.optimizers.topologies import global_best as global_best
 from jaxswarm.swarm.optimizers.topologies import random_informants as random_informants
 from jaxswarm.swarm.optimizers.topologies import ring as ring

@@ -33,6 +33,7 @@ FALLING = {
     "clpso": ("inertia", 0.9, 0.4),
     "aelspso": ("learning_scale", 1.0, 0.1),
     "lshade": ("alive", 20.0, 4.0),
+    "open_es": ("sigma", 0.1, 1e-3),
 }
 
 

@@ -24,6 +24,7 @@ __all__ = [
     "best_of",
     "candidate_info",
     "comparable",
+    "finished",
     "once",
 ]
 
@@ -91,6 +92,17 @@ def candidate_info(position, value, best_value, improved, hyper) -> Info:
     mean = jnp.sum(jnp.where(finite, value, 0.0)) / jnp.sum(finite)
     diversity = jnp.sqrt(jnp.mean((position - position.mean(axis=0)) ** 2))
     return Info(best_value, mean, diversity, improved, hyper)
+
+
+def finished(state: Any) -> jax.Array | None:
+    """() bool, whether a search has ended by criteria of its own; None if it has none.
+
+    A state says so in ``finished``; a wrapper's ``inner`` state is asked in its place, and of several
+    populations all have to have ended.
+    """
+    if hasattr(state, "finished"):
+        return jnp.all(state.finished)
+    return finished(state.inner) if hasattr(state, "inner") else None
 
 
 def once(function: Callable[[], Any]) -> Any:

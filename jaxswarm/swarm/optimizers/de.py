@@ -114,12 +114,15 @@ def de(
     num_particles: int = 50,
     *,
     strategy: str = "best/1",
-    weight: ScalarOrSchedule = 0.6,
-    crossover_rate: ScalarOrSchedule = 0.8,
-    dither: ScalarOrSchedule = 0.2,
+    weight: ScalarOrSchedule = 0.75,
+    crossover_rate: ScalarOrSchedule = 0.7,
+    dither: ScalarOrSchedule = 0.25,
     random: str = "hash",
 ) -> DE:
     """Classic differential evolution with binomial crossover; best/1 with dither by default.
+
+    F from 0.5 to 1 and CR = 0.7 are SciPy's: with F from 0.4 to 0.8 and CR = 0.8 the population
+    collapsed in 20 dimensions before it had walked down a linear slope.
 
     Args:
       num_particles: n, at least 4.
