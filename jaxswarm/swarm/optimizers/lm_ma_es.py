@@ -11,8 +11,9 @@ The matrix that CMA-ES learns is replaced by the product of k = 4 + floor(3 ln d
 with a_j = 1 / (1.5^(j-1) d), b_j = n / (4^(j-1) d), c_sigma = 2 n / d, the weights of the better half
 as in CMA-ES, and one factor more in use every generation until all are. A candidate costs O(d k).
 
-Deviations: b_j and c_sigma are at most 1 (the rule is meant for d far above n); a candidate that a
-wrapper put in has no z, its d is taken for it. Walls as for ``cma_es``.
+Deviations: b_j and c_sigma are at most 1 (the rule is meant for d far above n; in a few dimensions it may
+settle early), and sigma stays where all values are alike; a candidate that a wrapper put in has no z, its
+d is taken for it. Walls as for ``cma_es``.
 
 Reference:
     I. Loshchilov, T. Glasmachers, H.-G. Beyer, "Large scale black-box optimization by limited-memory
@@ -108,7 +109,9 @@ class LMMAES:
         c_sigma = min(1.0, 2.0 * n / d)
         path = _blend(state.path, noise, c_sigma, rates.mass)
         grow = 0.5 * c_sigma * (jnp.sum(path**2) / d - 1.0)
-        sigma = state.sigma * jnp.exp(jnp.minimum(grow, 1.0))
+        # Values all alike, infinite ones too, rank nothing: a size that then drifts may be lost for good.
+        grow = jnp.where(value.min() < value.max(), jnp.minimum(grow, 1.0), 0.0)
+        sigma = state.sigma * jnp.exp(grow)
         sigma = jnp.clip(sigma, jnp.finfo(dtype).eps, LARGEST).astype(dtype)
         number = np.arange(state.directions.shape[0])
         turn = np.minimum(1.0, n / (4.0**number * d))[:, None]
