@@ -94,7 +94,6 @@ def test_the_mean_of_a_distribution_lies_nearer_than_its_luckiest_sample():
         return sphere(recommend(found, SPACE)), sphere(found.params)
 
     mean, luckiest = jax.vmap(errors)(keys)
-    print(mean, luckiest)
     assert float(jnp.median(mean)) < 0.5 * float(jnp.median(luckiest))
 
 
