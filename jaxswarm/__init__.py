@@ -23,12 +23,22 @@ _PLACES = {
     "jaxswarm.swarm": (
         *("Bound", "Space", "minimize", "minimize_runs", "minimize_resumable", "minimize_sharded"),
         *("polish", "save", "restore", "Result", "OPTIMIZERS", "find_optimizer"),
+        *("Choice", "around", "Driver", "averaged", "recommend", "reevaluate", "time_limit"),
+        *("constrained", "feasibility_rules", "epsilon_level", "augmented_lagrangian"),
+        *("nsga2", "mopso", "front", "Front", "hypervolume"),
         *("pso", "spso", "gpso", "sepso", "aelspso", "ga", "textbook_ga", "spso2011", "clpso"),
-        *("de", "shade", "lshade", "cma_es", "random_search"),
+        *("de", "shade", "lshade", "cma_es", "ipop_cma_es", "bipop_cma_es", "sep_cma_es"),
+        *("lm_ma_es", "snes", "open_es", "auto", "random_search"),
         *("elitist_learning", "restart", "islands", "freeze"),
         *("global_best", "ring", "von_neumann", "random_informants"),
         *("clip", "absorb", "bounce", "reflect", "periodic", "resample"),
         *("target", "stalled", "collapsed", "any_of", "schedules"),
+    ),
+    # What one needs to write an optimizer, a topology, a boundary, a rule or a schedule of one's own.
+    "jaxswarm.swarm.own": (
+        *("Info", "Optimizer", "State", "Swarm", "Progress", "Random", "fold"),
+        *("at_least", "best_of", "candidate_info", "comparable"),
+        *("pytree", "static", "replace", "as_part", "coefficient", "evaluate", "check_optimizer"),
     ),
     "jaxswarm.robot": (
         *("Robot", "build_robot", "load_robot", "BUILTIN_ROBOTS", "rx60", "tx40", "ur10e", "emps"),

@@ -72,11 +72,20 @@ def catch_termination() -> Iterator[None]:
 
     kinds = {signal.SIGTERM: Terminated, signal.SIGINT: Interrupted}
     before = {number: signal.signal(number, ending(error)) for number, error in kinds.items()}
+    hook = sys.unraisablehook
+
+    def quiet(lost) -> None:
+        # Raised where nothing can be, as while garbage is collected: it is repeated, and no word for the user.
+        if not issubclass(lost.exc_type, tuple(kinds.values())):
+            hook(lost)
+
+    sys.unraisablehook = quiet
     try:
         yield
     finally:
         if timer:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
+        sys.unraisablehook = hook
         for number, former in before.items():
             signal.signal(number, former)
 

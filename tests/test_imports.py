@@ -48,10 +48,14 @@ ALLOWED = {
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
-    **dict.fromkeys(("space", "schedules", "random", "pytree", "fingerprint"), "leaves"),
+    **dict.fromkeys(("space", "bounds", "scales", "forward"), "leaves"),
+    **dict.fromkeys(("schedules", "random", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
-    **dict.fromkeys(("minimize", "loop", "stopping", "result"), "minimize"),
-    **dict.fromkeys(("polish", "checkpoint", "sharding", "contract"), "tools"),
+    **dict.fromkeys(("minimize", "search", "repeating", "loop"), "minimize"),
+    **dict.fromkeys(("start", "stopping", "result"), "minimize"),
+    **dict.fromkeys(("polish", "checkpoint", "resume", "sharding", "contract"), "tools"),
+    **dict.fromkeys(("driver", "noise", "handling", "constraints"), "tools"),
+    **dict.fromkeys(("pareto", "objectives", "nsga2", "mopso", "plots", "own"), "tools"),
 }
 
 # Rooms of a wing and their floors: a room sees those below it; commands at the top of a wing see all.

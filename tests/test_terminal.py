@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from slide import EFFECTS, assert_refused, identify, run, slide_log
 
+from jaxswarm import terminal
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -190,3 +192,18 @@ def test_a_message_that_quotes_a_huge_text_stays_short(tmp_path):
     code, out, err = run("robots", "show", "x" * 100_000)
     assert code == 2 and out == "" and len(err) < 2000
     assert "unknown robot" in err and err.rstrip().endswith("ur10e.")
+
+
+@pytest.mark.parametrize("error", [terminal.Interrupted, terminal.Terminated, ValueError])
+def test_a_signal_where_nothing_can_be_raised_prints_no_traceback(error, monkeypatch):
+    """As while garbage is collected: the interpreter would print it and go on."""
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", told.append)
+
+    class Collected:
+        def __del__(self):
+            raise error
+
+    with terminal.catch_termination():
+        Collected()
+    assert [lost.exc_type for lost in told] == ([ValueError] if error is ValueError else [])

@@ -1,9 +1,4 @@
-"""The step of a search and the two ways to repeat it; what ``minimize`` compiles.
-
-From step to step a state is carried as :func:`flat` makes it. XLA on a CPU runs the loops of an
-elementwise step along the last axis of its result; over rows of a dozen coordinates it unrolls them
-and gathers lane by lane, which took two to three times as long as one pass over a flat array.
-"""
+"""The step of a search: evaluate the candidates, update, report; ``repeating`` repeats it."""
 
 from functools import partial
 from typing import Any
@@ -12,17 +7,26 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import comparable, once
-from jaxswarm.swarm.pytree import pytree, replace, static
+from jaxswarm.swarm.optimizers.base import Info, comparable, num_values, once
+from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import fold
-from jaxswarm.swarm.stopping import STEPS_DONE, Progress
 
-__all__ = ["Loop", "repeat_all", "repeat_until"]
+__all__ = ["Loop"]
+
+EVALUATION = 0x0B1EC
+"""What is folded into the key of a step for the objective: other numbers than the optimizer's."""
 
 
 @pytree
 class Loop:
-    """The choices that the compiled program of a search depends on."""
+    """The choices that the compiled program of a search depends on.
+
+    Attributes:
+      fn: the objective; record: what is kept of a step.
+      runs: whether there is a leading axis of runs; args_axes: the axis of the runs in each of
+        ``args`` (a prefix of them), None where all share the data.
+      noisy: whether ``fn`` takes a key first.
+    """
 
     fn: Any
     record: Any
@@ -31,32 +35,54 @@ class Loop:
     progress: Any = static()
     progress_every: int = static()
     runs: bool = static()
+    noisy: bool = static()
+    args_axes: Any = static()
 
-    def advance(self, optimizer, space, key, args, carry):
-        """One step: evaluate, update, count."""
-        state, since = carry
-        value = self.evaluate(space, state.position, args)
-        update = self.map(lambda k, s, v: optimizer.update(fold(k, s.count), s, v))
-        state, info = update(key, state, value)
-        since = jnp.where(info.improved, 0, since + 1)
-        return (state, since), info
+    def advance(self, optimizer, space, key, args, state):
+        """One step: the next state, and what an observer may want of it."""
+        value = self.evaluate(optimizer, space, key, state, args)
 
-    def evaluate(self, space, position, args):
-        """Values of the candidates: (n,) for (n, d), or (runs, n) for (runs, n, d)."""
-        flat = position.reshape(-1, position.shape[-1])
+        def update(k, s, v):
+            new, info = optimizer.update(fold(k, s.count), s, v)
+            _check_info(info)
+            return new, info
+
+        return self.map(update)(key, state, value)
+
+    def evaluate(self, optimizer, space, key, state, args):
+        """Values of the candidates: (n,) for (n, d), or (runs, n) for (runs, n, d).
+
+        For an optimizer with ``num_values`` there are as many numbers a candidate, (..., n, k).
+        """
+        width = num_values(optimizer)
+        single = partial(self._population, space, width)
+        if not self.runs:
+            return single(args, state.position, _keys(key, state.count) if self.noisy else None)
+        if not self.noisy and self.args_axes is None:
+            # One population of all runs: one matrix product, not one of rank three.
+            joined = state.position.reshape(-1, state.position.shape[-1])
+            value = single(args, joined, None)
+            return value.reshape(state.position.shape[:-1] + value.shape[1:])
+        keys = jax.vmap(_keys)(key, state.count) if self.noisy else None
+        axes = self.args_axes, 0, 0 if self.noisy else None
+        return jax.vmap(single, in_axes=axes)(args, state.position, keys)
+
+    def _population(self, space, width, args, position, key):
+        given = () if key is None else (key,)
         if self.vectorized:
-            decode = lambda: jax.vmap(space.decode)(flat)  # noqa: E731
+            decode = lambda: jax.vmap(space.decode)(position)  # noqa: E731
             # Reductions of many rows are slow to compute what is fused into them.
-            value = self.fn(once(decode) if self.runs else decode(), args)
-            _check_shape(value, flat.shape[:1], True)
+            params = once(decode) if self.runs and self.args_axes is None else decode()
+            value = _values(self.fn(*given, params, args), position.shape[:1], width, True)
+        elif key is None:
+            value = jax.vmap(lambda x: self._one(space, width, x, args))(position)
         else:
-            value = jax.vmap(lambda x: self._one(space, x, args))(flat)
-        return comparable(value, position.dtype).reshape(position.shape[:-1])
+            keys = jax.vmap(partial(fold, key))(jnp.arange(position.shape[0]))
+            value = jax.vmap(lambda k, x: self._one(space, width, x, args, k))(keys, position)
+        return comparable(value, position.dtype)
 
-    def _one(self, space, x, args):
-        value = self.fn(space.decode(x), args)
-        _check_shape(value, (), False)
-        return value
+    def _one(self, space, width, x, args, *key):
+        return _values(self.fn(*key, space.decode(x), args), (), width, False)
 
     def map(self, function):
         """Map over the runs, if there are runs."""
@@ -66,99 +92,38 @@ class Loop:
         """Call the host now and then; nothing at all without a progress function."""
         if self.progress is None:
             return
-        due = state.count % self.progress_every == 0
+        count = jnp.max(state.count)  # of runs with a stop rule, those that go on have the most
         call = partial(jax.debug.callback, self.progress)
-        jax.lax.cond(due, lambda s: call(s.count, s.best_value), lambda s: None, state)
+        due = count % self.progress_every == 0
+        jax.lax.cond(due, lambda c, v: call(c, v), lambda c, v: None, count, state.best_value)
 
 
-def repeat_all(loop, step, start):
-    """A fixed number of steps."""
-
-    def body(carry, _):
-        carry, info = step(unflat(carry))
-        loop.report(carry[0])
-        return flat(carry), loop.map(loop.record)(carry[0], info)
-
-    carry, history = jax.lax.scan(body, flat(start), length=loop.num_steps)
-    if loop.runs:
-        history = jax.tree.map(lambda h: jnp.moveaxis(h, 0, 1), history)
-    num_steps = jnp.full_like(carry[1], loop.num_steps)
-    return unflat(carry), num_steps, jnp.full_like(num_steps, STEPS_DONE), history
+def _keys(key, count):
+    return fold(fold(key, count), EVALUATION)
 
 
-def repeat_until(stop, loop, step, start):
-    """Steps until the rule fires; with many runs, those that have stopped are held."""
-    axis = 1 if loop.runs else 0
-    kept = jax.eval_shape(lambda c: loop.map(loop.record)(step(c)[0][0], step(c)[1]), start)
-    history = jax.tree.map(lambda leaf: _blank(leaf, loop.num_steps, axis), kept)
-    zero = jnp.zeros_like(start[1])
-
-    def running(loop_state):
-        index, _, done, *_ = loop_state
-        return (index < loop.num_steps) & ~jnp.all(done)
-
-    def body(loop_state):
-        index, carry, done, code, num_steps, history = loop_state
-        new, info = step(unflat(carry))
-        loop.report(new[0])
-        entry = loop.map(loop.record)(new[0], info)
-        carry = jax.tree.map(partial(_hold, done), carry, flat(new))
-        entry = jax.tree.map(
-            lambda e, h: _hold(done, jnp.take(h, index, axis=axis), e), entry, history
-        )
-        history = jax.tree.map(
-            lambda h, e: jax.lax.dynamic_update_index_in_dim(h, e, index, axis), history, entry
-        )
-        state, since = carry
-        here, reason = loop.map(stop)(
-            Progress(state.count, state.best_value, since, info.diversity)
-        )
-        code = jnp.where(here & ~done, reason, code)
-        return index + 1, carry, done | here, code, num_steps + ~done, history
-
-    first = (jnp.int32(0), flat(start), zero > 0, zero + STEPS_DONE, zero, history)
-    _, carry, _, code, num_steps, history = jax.lax.while_loop(running, body, first)
-    return unflat(carry), num_steps, code, history
-
-
-def flat(carry):
-    """Join the last two axes of the fields that a state names in ``CARRIED_FLAT``."""
-    return _reshape(carry, lambda lead, dims: (*lead, -1))
-
-
-def unflat(carry):
-    """Undo :func:`flat`."""
-    return _reshape(carry, lambda lead, dims: (*lead, -1, dims))
-
-
-def _reshape(carry, shape):
-    def reshape(part):
-        to = shape(part.best_position.shape[:-1], part.best_position.shape[-1])
-        return replace(
-            part, **{name: getattr(part, name).reshape(to) for name in part.CARRIED_FLAT}
+def _check_info(info):
+    missing = [name for name in Info._fields if not hasattr(info, name)]
+    if missing:
+        raise InputError(
+            f"update returned info={info!r}, which has no {', '.join(missing)}: return (state, Info), "
+            "e.g. with candidate_info(position, value, best_value, improved, {})."
         )
 
-    named = lambda part: hasattr(part, "CARRIED_FLAT")  # noqa: E731
-    return jax.tree.map(lambda p: reshape(p) if named(p) else p, carry, is_leaf=named)
 
-
-def _hold(done, old, new):
-    """Keep the old leaf of runs that are done."""
-    if done.ndim == 0:  # a single run leaves the loop at once
-        return new
-    return jnp.where(done.reshape(done.shape + (1,) * (new.ndim - 1)), old, new)
-
-
-def _blank(leaf, num_steps, axis):
-    shape = (*leaf.shape[:axis], num_steps, *leaf.shape[axis:])
-    fill = jnp.nan if jnp.issubdtype(leaf.dtype, jnp.inexact) else 0
-    return jnp.full(shape, fill, leaf.dtype)
-
-
-def _check_shape(value, expected, vectorized):
-    shape = jnp.shape(value)
+def _values(out, lead, width, vectorized):
+    """What an objective returned as an array, checked: (*lead,), or (*lead, width)."""
+    if width is not None and isinstance(out, tuple | list):
+        out = [jnp.asarray(part) for part in out]
+        out = jnp.concatenate([part.reshape(*lead, -1) for part in out], axis=-1)
+    shape, expected = jnp.shape(out), lead if width is None else (*lead, width)
     if shape == expected:
-        return
+        return out
+    if width is not None:
+        raise InputError(
+            f"fn returned values of shape {shape}, the optimizer needs {expected}: one row of "
+            f"{width} numbers a candidate (value and constraints, or objectives)."
+        )
     if vectorized:
         raise InputError(
             f"fn returned shape {shape} for a population, expected {expected}: with "

@@ -12,40 +12,40 @@ a whole population at once.
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.loop import Loop, repeat_all, repeat_until
-from jaxswarm.swarm.optimizers.base import Info, at_least
-from jaxswarm.swarm.pytree import as_part
-from jaxswarm.swarm.result import Result, Status
-from jaxswarm.swarm.schedules import for_run
+from jaxswarm.swarm.optimizers.base import Info
+from jaxswarm.swarm.result import Result
+from jaxswarm.swarm.search import (
+    best_value,
+    going_on,
+    optimizer_for,
+    rule,
+    search,
+    start_for,
+    the_loop,
+)
 from jaxswarm.swarm.space import Space
-from jaxswarm.swarm.stopping import NO_FINITE_VALUE
 
 __all__ = ["best_value", "minimize", "minimize_runs"]
 
 
-def best_value(state: Any, info: Info) -> jax.Array:
-    """Record the best value so far: what ``minimize`` keeps of each step by default."""
-    return info.value_best
-
-
 def minimize(
-    fn: Callable[[Any, Any], jax.Array],
+    fn: Callable[..., jax.Array],
     optimizer: Any,
     space: Space,
     key: jax.Array,
     args: Any = None,
     *,
     num_steps: int,
+    start: Any = None,
     stop: Any = None,
     record: Callable[[Any, Info], Any] | None = None,
     vectorized: bool = False,
+    noisy: bool = False,
     state: Any = None,
     progress: Callable[[int, float], None] | None = None,
     progress_every: int = 10,
@@ -63,9 +63,16 @@ def minimize(
       key: JAX key; the same key gives the same search.
       args: data handed to ``fn``, any pytree of arrays.
       num_steps: number of updates, an upper limit if there is a stop rule.
-      stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``.
+      start: where to begin: parameters as ``space.decode`` returns them, a population of these with
+        a leading axis, or ``around(params, spread)``. What is given is evaluated in the first step,
+        and the mean of ``cma_es`` begins there; the other candidates are drawn as ever.
+      stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``. A search with one has
+        no reverse mode (``jax.grad``); forward mode goes through.
       record: ``(state, info) -> pytree`` kept for every step; default the best value so far.
       vectorized: whether ``fn`` takes the whole population.
+      noisy: whether the objective is random: it is called ``fn(key, params, args)`` with a key of
+        its own for every step and candidate (with ``vectorized`` for every step). See
+        :mod:`jaxswarm.swarm.noise` for what the best of such values is worth.
       state: where to go on from, e.g. ``result.state`` of an earlier call with the same key.
       progress: called on the host with (updates done, best value) every ``progress_every`` updates;
         absent from the compiled program if None.
@@ -85,22 +92,31 @@ def minimize(
     >>> round(float(result.params["x"]), 4), result.status.message, int(result.num_evaluations)
     (2.0, 'all steps done', 2000)
     """
-    loop = _loop(fn, num_steps, record, vectorized, progress, progress_every, runs=False)
-    optimizer = _of_length(optimizer, num_steps, state)
-    return _minimize(loop, optimizer, space, key, args, _stop(stop), state)
+    options = dict(record=record, vectorized=vectorized, noisy=noisy)
+    telling = dict(progress=progress, progress_every=progress_every)
+    loop = the_loop(fn, space, num_steps, **options, **telling)
+    optimizer = optimizer_for(optimizer, num_steps, state)
+    stop, begin = rule(stop), start_for(space, start, state)
+    return search(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]
 
 
 def minimize_runs(
-    fn: Callable[[Any, Any], jax.Array],
+    fn: Callable[..., jax.Array],
     optimizer: Any,
     space: Space,
     keys: jax.Array,
     args: Any = None,
     *,
     num_steps: int,
+    start: Any = None,
     stop: Any = None,
     record: Callable[[Any, Info], Any] | None = None,
+    vectorized: bool = True,
+    noisy: bool = False,
+    args_axes: Any = None,
     state: Any = None,
+    progress: Callable[[int, Any], None] | None = None,
+    progress_every: int = 10,
 ) -> Result:
     """Minimize from many keys at once, with one call of a vectorized ``fn`` for all runs.
 
@@ -109,10 +125,16 @@ def minimize_runs(
     x n.
 
     Args:
-      fn: objective for a population: ``params`` has a leading axis, the result is one value each.
+      fn: objective for a population: ``params`` has a leading axis, the result is one value each;
+        without ``vectorized`` for one candidate.
       keys: (runs,) JAX keys, e.g. ``jax.random.split(key, 1000)``.
-      optimizer, space, args, num_steps, stop, record, state: as for :func:`minimize`; with a stop
-        rule a run that has stopped is held while the others go on.
+      args_axes: 0 if every run has data of its own, along the first axis of every array of ``args``;
+        a tuple of 0 and None if ``args`` is a tuple of such and of shared data; None if all share
+        them. With data of its own every run calls ``fn`` for its own population (by ``vmap``).
+      progress: called with (updates done, best values of the runs (runs,)).
+      optimizer, space, args, num_steps, start, stop, record, noisy, state, progress_every: as for
+        :func:`minimize`; all runs have the same start; with a stop rule a run that has stopped is
+        held while the others go on.
 
     Returns:
       A :class:`Result` with a leading axis of runs; run r equals ``minimize`` with ``keys[r]``.
@@ -124,68 +146,29 @@ def minimize_runs(
     >>> result.value.shape, result.params.shape
     ((4,), (4, 3))
     """
-    loop = _loop(fn, num_steps, record, True, None, 1, runs=True)
-    optimizer = _of_length(optimizer, num_steps, state)
-    return _minimize(loop, optimizer, space, keys, args, _stop(stop), state)
+    options = dict(record=record, vectorized=vectorized, noisy=noisy)
+    telling = dict(progress=progress, progress_every=progress_every)
+    axes = axes_of_runs(args, args_axes, keys)
+    loop = the_loop(fn, space, num_steps, runs=True, args_axes=axes, **options, **telling)
+    optimizer = optimizer_for(optimizer, num_steps, state)
+    stop, begin = rule(stop), start_for(space, start, state)
+    return search(loop, optimizer, space, keys, args, stop, begin, going_on(state, stop))[0]
 
 
-@jax.jit
-def _minimize(loop: Loop, optimizer, space, key, args, stop, state) -> Result:
-    if state is None:
-        state = loop.map(lambda k: optimizer.init(k, space.size, dtype=space.dtype))(key)
-    _check_state(state, space, loop.runs)
-    start = (state, jnp.zeros_like(state.count))
-    step = partial(loop.advance, optimizer, space, key, args)
-    run = repeat_all if stop is None else partial(repeat_until, stop)
-    (state, _), num_steps, code, history = run(loop, step, start)
-
-    code = jnp.where(state.best_value < jnp.inf, code, NO_FINITE_VALUE)
-    return Result(
-        params=loop.map(space.decode)(state.best_position),
-        value=state.best_value,
-        position=state.best_position,
-        status=Status(code.astype(jnp.int32)),
-        num_steps=num_steps,
-        num_evaluations=num_steps * state.position.shape[-2],
-        history=history,
-        state=state,
-    )
-
-
-def _loop(fn, num_steps, record, vectorized, progress, progress_every, runs) -> Loop:
-    if not callable(fn):
-        raise InputError(f"fn={fn!r} must be a function of (params, args).")
-    return Loop(
-        fn=as_part(fn),
-        record=as_part(record or best_value),
-        num_steps=at_least("num_steps", num_steps, 1, "a search needs a step"),
-        vectorized=vectorized,
-        progress=progress,
-        progress_every=at_least(
-            "progress_every", progress_every, 1, "progress is told now and then"
-        ),
-        runs=runs,
-    )
-
-
-def _of_length(optimizer, num_steps, state):
-    """Schedules without a length end with this call, whatever was done before it."""
-    done = 0.0 if state is None else jnp.max(state.count).astype(float)
-    return for_run(optimizer, done + num_steps)
-
-
-def _stop(stop):
-    if stop is not None and not callable(stop):
-        raise InputError(
-            f"stop={stop!r} must be a rule such as target(1e-6), stalled(50) or any_of(...)."
-        )
-    return None if stop is None else as_part(stop)
-
-
-def _check_state(state, space, runs):
-    rank = 3 if runs else 2
-    if state.position.ndim != rank or state.position.shape[-1] != space.size:
-        raise InputError(
-            f"state.position has shape {state.position.shape}, the space has {space.size} "
-            "coordinates: go on only with a state of the same optimizer and space."
-        )
+def axes_of_runs(args: Any, axes: Any, keys: jax.Array) -> Any:
+    """Check that data of their own have as many rows as there are runs; the axes, hashable."""
+    if isinstance(axes, list):
+        axes = tuple(axes)
+    if axes is None:
+        return None
+    parts = zip(axes, args, strict=True) if isinstance(axes, tuple) else [(axes, args)]
+    for axis, part in parts:
+        if axis not in (0, None) or isinstance(axis, bool):
+            raise InputError(f"args_axes={axes!r} must be None, 0, or a tuple of these.")
+        for leaf in jax.tree.leaves(part) if axis == 0 else ():
+            if jax.numpy.shape(leaf)[:1] != keys.shape[:1]:
+                raise InputError(
+                    f"args holds an array of shape {jax.numpy.shape(leaf)} for {keys.shape[0]} runs: "
+                    "with args_axes=0 its first axis is that of the runs."
+                )
+    return axes

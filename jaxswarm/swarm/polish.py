@@ -31,6 +31,8 @@ from jaxswarm.swarm.space import Space
 __all__ = ["Polished", "polish"]
 
 MARGIN = 1e-3
+APART = 1e-6
+"""Distance in the cube (largest coordinate) below which two starts are one: a gradient leads both alike."""
 
 
 class Polished(NamedTuple):
@@ -60,11 +62,12 @@ def polish(
         ``method="levenberg_marquardt"`` the residuals (m,), whose sum of squares is the value.
       space: names and bounds.
       state: final state of a search (``result.state``), or starting points of the cube, (d,) or (k,
-        d).
+        d), all of which are polished.
       args: data handed to ``fn``.
       method: ``"lbfgs"``, ``"adam"`` or ``"levenberg_marquardt"``.
       num_steps: iterations of the method.
-      top: how many starting points: the best, and the best memories of a swarm that has any.
+      top: how many starting points: the best distinct ones of all that the state remembers, which
+        are evaluated to be ranked.
       learning_rate: of Adam.
 
     Returns:
@@ -84,12 +87,15 @@ def polish(
     if method not in METHODS:
         raise InputError(f"method={method!r} is unknown. {nearest(str(method), METHODS)}")
     at_least("num_steps", num_steps, 1, "a method needs a step")
-    starts = _starts(state, at_least("top", top, 1, "a start is needed"))
-    _check_output(fn, space, starts, args, method)
-    return _polish(fn, space, starts, args, method, num_steps, learning_rate)
+    points = _candidates(state)
+    top = min(at_least("top", top, 1, "a start is needed"), points.shape[0])
+    if not hasattr(state, "best_position"):
+        top = points.shape[0]  # who names the starts wants all of them
+    _check_output(fn, space, points, args, method)
+    return _polish(fn, space, points, args, method, num_steps, top, learning_rate)
 
 
-def _polish(fn, space, starts, args, method, num_steps, learning_rate):
+def _polish(fn, space, points, args, method, num_steps, top, learning_rate):
     def value_of(x):
         out = fn(space.decode(x), args)
         out = jnp.sum(out**2) if method == "levenberg_marquardt" else out
@@ -103,6 +109,7 @@ def _polish(fn, space, starts, args, method, num_steps, learning_rate):
         best = jnp.argmin(values)
         return _to_cube(visited[best]), values[best]
 
+    starts = _distinct(points, jax.vmap(value_of)(points), top)
     start_values = jax.vmap(value_of)(starts)
     positions, _ = jax.vmap(one)(starts)
     positions = jnp.concatenate([starts, positions])
@@ -112,7 +119,7 @@ def _polish(fn, space, starts, args, method, num_steps, learning_rate):
     return Polished(space.decode(position), values[best], position, start_values.min())
 
 
-_polish = jax.jit(_polish, static_argnames=("fn", "method", "num_steps"))
+_polish = jax.jit(_polish, static_argnames=("fn", "method", "num_steps", "top"))
 
 
 def _optax(fn, z, num_steps, name, *numbers, with_value=False):
@@ -182,14 +189,33 @@ def _from_cube(x):
     return jnp.log(share) - jnp.log1p(-share)
 
 
-def _starts(state, top):
+def _candidates(state):
+    """Points of the cube, (k, d), among which the starts are chosen: the best, and what is remembered.
+
+    Memories as the states name them (``MEMORY``), the innermost of wrapped ones; of an optimizer
+    without memory the candidates of its next step.
+    """
     if not hasattr(state, "best_position"):
         return jnp.atleast_2d(jnp.asarray(state))
-    best = state.best_position[None]
-    if top == 1 or not hasattr(state, "memory_position"):
-        return best
-    order = jnp.argsort(state.memory_value)[1:top]
-    return jnp.concatenate([best, state.memory_position[order]])
+    inner, dims = state, state.best_position.shape[-1]
+    while not hasattr(inner, "MEMORY") and hasattr(inner, "inner"):
+        inner = inner.inner
+    points = getattr(inner, inner.MEMORY[0]) if hasattr(inner, "MEMORY") else state.position
+    if points.shape[-1] != dims:  # of a search in some of the coordinates
+        points = state.position
+    return jnp.concatenate([state.best_position[None], points.reshape(-1, dims)])
+
+
+def _distinct(points, values, top):
+    """The ``top`` best points no two of which coincide; the best again where there are no more."""
+
+    def choose(blocked, _):
+        pick = jnp.argmin(jnp.where(blocked, jnp.inf, values))
+        near = jnp.max(jnp.abs(points - points[pick]), axis=1) < APART
+        return blocked | near, jnp.where(jnp.all(blocked), jnp.argmin(values), pick)
+
+    _, order = jax.lax.scan(choose, jnp.zeros(values.shape, bool), length=top)
+    return points[order]
 
 
 def _check_output(fn, space, starts, args, method):

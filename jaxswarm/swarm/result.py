@@ -23,8 +23,11 @@ class Status:
 
     @property
     def message(self) -> str | list[str]:
-        """The text of the code; a list where there are several runs."""
-        codes = np.asarray(self.code)
+        """The text of the code; a list where there are several runs.
+
+        Of runs that are spread over several hosts, the list tells those of this one.
+        """
+        codes = _here(self.code)
         return MESSAGES[int(codes)] if codes.ndim == 0 else [MESSAGES[c] for c in codes.ravel()]
 
     @property
@@ -44,7 +47,8 @@ class Result:
       status: why the search ended.
       num_steps: () int32, updates done.
       num_evaluations: () int32, candidates evaluated, exactly.
-      history: what ``record`` returned for each step; steps not done hold NaN (floats) or zero.
+      history: what ``record`` returned for each step; steps not done after an early
+        stop repeat the last one.
       state: the final state; ``minimize(..., state=result.state)`` goes on from it.
     """
 
@@ -59,6 +63,38 @@ class Result:
 
     def check(self) -> "Result":
         """Return the result, or raise ``RuntimeError`` if some run never saw a finite value."""
-        if not np.all(self.status.ok):
+        if not np.all(_here(self.status.code) != NO_FINITE_VALUE):
             raise RuntimeError(MESSAGES[NO_FINITE_VALUE])
         return self
+
+    def __repr__(self) -> str:
+        """One line: values, why it ended, what it cost; neither history nor state."""
+        if isinstance(self.value, jax.core.Tracer):
+            return f"Result(traced, {type(self.state).__name__})"
+        if not isinstance(self.value, jax.Array | np.ndarray):
+            return f"Result({self.value!r})"  # of a tree that was mapped to something else
+        values = _here(self.value)
+        if not values.ndim:
+            shown = " ".join(repr(jax.tree.map(np.asarray, self.params)).split())
+            shown = shown if len(shown) <= LONGEST else shown[:LONGEST] + "..."
+            head = f"value={values:.6g}, params={shown}"
+        else:
+            head = f"{values.size} runs, values {values.min():.6g} to {values.max():.6g}"
+        reasons = self.status.message
+        reasons = reasons if isinstance(reasons, str) else ", ".join(sorted(set(reasons)))
+        return (
+            f"Result({head}, {reasons}, num_steps={_here(self.num_steps).max()}, "
+            f"num_evaluations={_here(self.num_evaluations).sum()}, state={type(self.state).__name__})"
+        )
+
+
+LONGEST = 200
+"""Characters of the parameters in the text of a result."""
+
+
+def _here(leaf: Any) -> np.ndarray:
+    """The values of an array that this host holds: all, or its own rows of a spread one."""
+    if getattr(leaf, "is_fully_addressable", True):
+        return np.asarray(leaf)
+    shards = {shard.index[0].start or 0: shard.data for shard in leaf.addressable_shards}
+    return np.concatenate([np.asarray(shards[start]) for start in sorted(shards)])

@@ -6,11 +6,12 @@ A CPU counts as one device unless told otherwise before JAX starts:
 
 XLA keeps small programs on one core, so forced host devices pay where the runs are many. Over
 several hosts call ``jax.distributed.initialize()`` first; every host makes the same call with all
-the keys, and gets a result whose arrays are spread over all devices.
+the keys, and gets a result whose arrays are spread over all devices: a host reads its own rows from
+``array.addressable_shards``, as ``status.message`` and the text of a result do.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import jax
@@ -18,16 +19,18 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.minimize import minimize_runs
+from jaxswarm.swarm.minimize import axes_of_runs
 from jaxswarm.swarm.result import Result
-from jaxswarm.swarm.schedules import for_run
+from jaxswarm.swarm.search import optimizer_for, rule, search, start_for, the_loop
 from jaxswarm.swarm.space import Space
 
 __all__ = ["minimize_sharded"]
 
+SPLIT, COPIED = PartitionSpec("runs"), PartitionSpec()
+
 
 def minimize_sharded(
-    fn: Callable[[Any, Any], jax.Array],
+    fn: Callable[..., jax.Array],
     optimizer: Any,
     space: Space,
     keys: jax.Array,
@@ -35,16 +38,24 @@ def minimize_sharded(
     *,
     num_steps: int,
     devices: Sequence[jax.Device] | None = None,
+    start: Any = None,
     stop: Any = None,
     record: Any = None,
+    vectorized: bool = True,
+    noisy: bool = False,
+    args_axes: Any = None,
+    progress: Callable[[int, Any], None] | None = None,
+    progress_every: int = 10,
 ) -> Result:
     """Minimize from many keys, the runs shared out among devices.
 
     Args:
       keys: (runs,) JAX keys; the number of runs must be a multiple of the number of devices.
       devices: default all devices of all hosts.
-      fn, optimizer, space, args, num_steps, stop, record: as for ``minimize_runs``; with a stop
-        rule each device ends when its own runs have.
+      progress: as for ``minimize_runs``; every device tells of its own runs, on its own host.
+      fn, optimizer, space, args, num_steps, start, stop, record, vectorized, noisy, args_axes,
+        progress_every: as for ``minimize_runs``; with a stop rule each device ends when its own runs
+        have.
 
     Returns:
       A ``Result`` with a leading axis of runs, equal to that of ``minimize_runs``.
@@ -59,27 +70,50 @@ def minimize_sharded(
             f"{len(devices)}."
         )
     mesh = Mesh(np.array(devices), ("runs",))
-    shares = NamedSharding(mesh, PartitionSpec("runs"))
-    search = _sharded(fn, num_steps, record, mesh)
-    optimizer = for_run(optimizer, float(num_steps))  # a leaf here too, as in ``minimize_runs``
-    return search(jax.device_put(keys, shares), optimizer, space, args, stop)
+    axes = axes_of_runs(args, args_axes, keys)
+    options = dict(record=record, vectorized=vectorized, noisy=noisy, args_axes=axes, runs=True)
+    telling = dict(progress=progress, progress_every=progress_every)
+    loop = the_loop(fn, space, num_steps, **options, **telling)
+    optimizer = optimizer_for(optimizer, num_steps)
+    rest = loop, optimizer, space, rule(stop), start_for(space, start)
+    run = _sharded(mesh, axes)
+    return run(_placed(keys, mesh, SPLIT), _by_axes(_placed, args, axes, mesh), _placed(rest, mesh))
 
 
-_CACHE: dict[Any, Any] = {}
+@cache
+def _sharded(mesh, axes):
+    """The compiled search on a mesh; JAX tells apart what is searched."""
+
+    def run(keys, args, rest):
+        loop, optimizer, space, stop, start = rest
+        return search(loop, optimizer, space, keys, args, stop, start, None)[0]
+
+    parts = (
+        tuple(SPLIT if axis == 0 else COPIED for axis in axes) if isinstance(axes, tuple) else None
+    )
+    specs = SPLIT, parts or (SPLIT if axes == 0 else COPIED), COPIED
+    # No collective is needed, and the carry of a loop starts from constants: skip that check.
+    mapped = partial(jax.shard_map, mesh=mesh, in_specs=specs, out_specs=SPLIT, check_vma=False)
+    return jax.jit(mapped(run))
 
 
-def _sharded(fn, num_steps, record, mesh):
-    """The compiled search of a function on a mesh, made once."""
-    known = (fn, num_steps, record, mesh)
-    if known not in _CACHE:
-        split, copied = PartitionSpec("runs"), PartitionSpec()
+def _by_axes(place, args, axes, mesh):
+    if isinstance(axes, tuple):
+        return tuple(_by_axes(place, *pair, mesh) for pair in zip(args, axes, strict=True))
+    return place(args, mesh, SPLIT if axes == 0 else COPIED)
 
-        def search(keys, optimizer, space, args, stop):
-            options = dict(num_steps=num_steps, stop=stop, record=record)
-            return minimize_runs(fn, optimizer, space, keys, args, **options)
 
-        specs = (split, copied, copied, copied, copied)
-        # No collective is needed, and the carry of a loop starts from constants: skip that check.
-        mapped = partial(jax.shard_map, mesh=mesh, in_specs=specs, out_specs=split, check_vma=False)
-        _CACHE[known] = jax.jit(mapped(search))
-    return _CACHE[known]
+def _placed(tree, mesh, spec=COPIED):
+    """Arrays as every host holds them, as one array over the devices of all hosts."""
+    sharding = NamedSharding(mesh, spec)
+
+    def place(leaf):
+        if not isinstance(leaf, jax.Array | np.ndarray):
+            return leaf
+        typed = jax.numpy.issubdtype(leaf.dtype, jax.dtypes.prng_key)
+        data = np.asarray(jax.random.key_data(leaf) if typed else leaf)
+        spread = jax.make_array_from_callback(data.shape, sharding, lambda index: data[index])
+        # ``device_put`` of keys reaches no device of another host; their words do.
+        return jax.random.wrap_key_data(spread, impl=jax.random.key_impl(leaf)) if typed else spread
+
+    return jax.tree.map(place, tree)

@@ -1,56 +1,49 @@
 """The search space: a unit cube that decodes to named parameters.
 
 Every optimizer searches [0, 1]^d, so step sizes, limits and diversity carry no units and a
-parameter of 1e-6 is treated like one of 1e3. A :class:`Space` turns a point u of the cube into
-parameters:
-
-    linear   x = lower + u (upper - lower)
-    log      x = lower (upper / lower)^u
+parameter of 1e-6 is treated like one of 1e3. A :class:`Space` turns a point of the cube into
+parameters, each on a scale of its own (:mod:`jaxswarm.swarm.scales`).
 
 The bounds are leaves (change or map them without compiling), names and scales are static.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.errors import InputError, nearest
+from jaxswarm.errors import InputError
+from jaxswarm.swarm.bounds import (
+    Bound,
+    Choice,
+    as_box,
+    index_of,
+    is_bound,
+    name_of,
+    names_in,
+    one_each,
+    vectors,
+)
+from jaxswarm.swarm.scales import COUNTED, to_unit, to_values
 
-__all__ = ["Bound", "Space"]
-
-SCALES = ("linear", "log")
-
-
-class Bound(NamedTuple):
-    """Box of one named parameter, a scalar or an array.
-
-    Attributes:
-      lower: smallest value, scalar or array.
-      upper: largest value, larger than ``lower`` everywhere.
-      scale: ``"linear"``, or ``"log"`` for positive parameters that range over decades.
-      unit: for people, e.g. ``"N m s/rad"``.
-    """
-
-    lower: Any
-    upper: Any
-    scale: str = "linear"
-    unit: str = ""
+__all__ = ["Bound", "Choice", "Space"]
 
 
 class Space:
     """Named, bounded parameters as the unit cube that optimizers search.
 
     Args:
-      **bounds: for each parameter a :class:`Bound`, a pair ``(lower, upper)``, or a dict of these.
+      **bounds: for each parameter a :class:`Bound`, a :class:`Choice`, a pair ``(lower, upper)``, or
+        a dict, list or tuple of these. A tuple is a container if it holds tuples: bounds that are
+        arrays are written ``Bound((0, 0), (1, 2))`` or ``([0, 0], [1, 2])``.
 
     Coordinates stand in the order in which JAX flattens a dict: sorted by name.
 
     Attributes:
       lower, upper: bounds of all coordinates, (d,).
-      names: name of each coordinate; those of arrays and dicts are joined, ``"joint.fc[0]"``.
-      log: whether each coordinate is on a logarithmic scale.
+      names: name of each coordinate; ``"joint.fc[0]"`` in arrays, dicts and lists.
+      scales: scale of each coordinate; units: unit of each.
 
     Raises:
       InputError: bounds that are not finite, ``lower >= upper``, a log scale that reaches zero.
@@ -63,22 +56,35 @@ class Space:
     {'mass': 1.0, 'offset': -0.5}
     >>> space.encode(params)
     Array([0.5 , 0.25], dtype=float64)
+    >>> network = Space(layers=[Bound(1, 64, "integer")] * 2, kind=Choice(("relu", "tanh")))
+    >>> network.labeled(network.decode(jnp.array([0.9, 0.0, 0.5])))
+    {'kind': 'tanh', 'layers': [1, 33]}
     """
 
     def __init__(self, **bounds: Any):
-        if not bounds:
+        leaves, structure = jax.tree_util.tree_flatten_with_path(bounds, is_leaf=is_bound)
+        if not leaves:
             raise InputError("Space() has no parameters: name at least one, Space(x=(0.0, 1.0)).")
-        leaves, structure = jax.tree_util.tree_flatten_with_path(bounds, is_leaf=_is_bound)
-        boxes = [(_name(path), *_as_bound(_name(path), leaf)) for path, leaf in leaves]
+        named = [(name_of(path), leaf) for path, leaf in leaves]
+        boxes = [as_box(name, leaf) for name, leaf in named]
+
+        def spread(field):
+            return tuple(getattr(box, field) for box in boxes for _ in range(box.lower.size))
+
         _fill(
             self,
-            lower=np.concatenate([lower.ravel() for _, lower, *_ in boxes]),
-            upper=np.concatenate([upper.ravel() for _, _, upper, *_ in boxes]),
-            names=tuple(n for name, lower, *_ in boxes for n in _names(name, lower.shape)),
-            log=tuple(s == "log" for _, lower, _, s, _ in boxes for _ in range(lower.size)),
-            units=tuple(unit for _, lower, _, _, unit in boxes for _ in range(lower.size)),
-            shapes=tuple(lower.shape for _, lower, *_ in boxes),
+            lower=_joined([box.lower for box in boxes]),
+            upper=_joined([box.upper for box in boxes]),
+            names=tuple(
+                one
+                for (name, _), box in zip(named, boxes, strict=True)
+                for one in names_in(name, box.lower.shape)
+            ),
+            scales=spread("scale"),
+            units=spread("unit"),
+            shapes=tuple(box.lower.shape for box in boxes),
             structure=structure,
+            options=tuple(box.options for box in boxes),
         )
 
     @classmethod
@@ -90,14 +96,11 @@ class Space:
         >>> Space.from_arrays(["a", "b"], [0.0, 1.0], [1.0, 2.0]).names
         ('a', 'b')
         """
-        names = tuple(names)
-        lower, upper = _vectors(lower, upper)
-        if lower.size != len(names):
-            raise InputError(
-                f"names has {len(names)} entries, lower {lower.size}: give one a name."
-            )
-        scales = (scale,) * len(names) if isinstance(scale, str) else tuple(scale)
-        units = (units,) * len(names) if isinstance(units, str) else tuple(units)
+        lower, upper = vectors(lower, upper)
+        names = one_each("names", names, lower.size)
+        scales, units = (
+            one_each(*pair, lower.size) for pair in (("scale", scale), ("units", units))
+        )
         bounds = map(Bound, lower, upper, scales, units)
         return cls(**dict(zip(names, bounds, strict=True)))
 
@@ -110,17 +113,23 @@ class Space:
         >>> Space.vector([0.0, 0.0], [2.0, 4.0]).decode(jnp.array([0.5, 0.5]))
         Array([1., 2.], dtype=float64)
         """
-        lower, upper = _vectors(lower, upper)
+        lower, upper = vectors(lower, upper)
         size = lower.size
-        names = tuple(names) if names is not None else _names("x", (size,))
-        scales = (scale,) * size if isinstance(scale, str) else tuple(scale)
-        units = (units,) * size if isinstance(units, str) else tuple(units)
-        for name, low, high, one in zip(names, lower, upper, scales, strict=True):
-            _as_bound(name, Bound(low, high, one))
-        log = tuple(one == "log" for one in scales)
-        shapes = ((size,),)
-        fields = dict(names=names, log=log, units=units, shapes=shapes, structure=None)
-        return _fill(object.__new__(cls), lower=lower, upper=upper, **fields)
+        names = names_in("x", (size,)) if names is None else one_each("names", names, size)
+        scales = one_each("scale", scale, size)
+        for i in range(size):
+            as_box(names[i], Bound(lower[i], upper[i], scales[i]))
+        return _fill(
+            object.__new__(cls),
+            lower=lower,
+            upper=upper,
+            names=names,
+            scales=scales,
+            units=one_each("units", units, size),
+            shapes=((size,),),
+            structure=None,
+            options=(None,),
+        )
 
     @property
     def size(self) -> int:
@@ -128,41 +137,78 @@ class Space:
         return len(self.names)
 
     @property
+    def log(self) -> tuple[bool, ...]:
+        """Whether each coordinate is on a logarithmic scale."""
+        return tuple(scale == "log" for scale in self.scales)
+
+    @property
     def dtype(self) -> Any:
         """Floating type of the bounds, in which a search is carried out."""
         return jnp.result_type(jax.dtypes.canonicalize_dtype(jnp.result_type(self.lower)), 0.0)
 
     def decode(self, position: jax.Array) -> Any:
-        """Turn a point of the unit cube, (d,), into parameters; map over a population with vmap."""
-        lower, upper = self._bounds(position.dtype)
-        flat = lower + position * (upper - lower)
-        if any(self.log):
-            log = np.array(self.log)
-            low, high = jnp.where(log, lower, 1.0), jnp.where(log, upper, 1.0)
-            flat = jnp.where(log, low * jnp.exp(position * jnp.log(high / low)), flat)
-        flat = jnp.clip(flat, lower, upper)  # rounding must not leave the box
+        """Turn a point of the unit cube, (d,), into parameters; map over a population with vmap.
+
+        Parameters on an integer scale and choices are int32, in a flat vector floats.
+        """
+        flat = to_values(position, *self._bounds(position.dtype), self.scales)
         if self.structure is None:
             return flat
         ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes])
-        parts = [
-            part.reshape(s) for part, s in zip(jnp.split(flat, ends[:-1]), self.shapes, strict=True)
+        parts = jnp.split(flat, ends[:-1])
+        counted = [self.scales[end - 1] in COUNTED for end in ends]
+        leaves = [
+            (part.astype(jnp.int32) if whole else part).reshape(shape)
+            for part, whole, shape in zip(parts, counted, self.shapes, strict=True)
         ]
-        return jax.tree_util.tree_unflatten(self.structure, parts)
+        return jax.tree_util.tree_unflatten(self.structure, leaves)
 
     def encode(self, params: Any) -> jax.Array:
-        """Turn parameters into a point, (d,): in [0, 1] where they are within the bounds."""
-        leaves = [jnp.asarray(leaf) for leaf in jax.tree.leaves(params)]
-        flat = jnp.concatenate([leaf.ravel() for leaf in leaves]).astype(self.dtype)
-        if flat.size != self.size:
-            raise InputError(f"params hold {flat.size} numbers, the space has {self.size}.")
-        lower, upper = self._bounds(flat.dtype)
-        position = (flat - lower) / (upper - lower)
-        if any(self.log):
-            log = np.array(self.log)
-            low, high = jnp.where(log, lower, 1.0), jnp.where(log, upper, 2.0)
-            safe = jnp.where(log, flat, 1.0)
-            position = jnp.where(log, jnp.log(safe / low) / jnp.log(high / low), position)
-        return position
+        """Turn parameters into a point, (d,): in [0, 1] where they are within the bounds.
+
+        Args:
+          params: as :meth:`decode` returns them; of a choice also the option itself.
+
+        Raises:
+          InputError: other names, other shapes, an option that is not among the choices.
+        """
+        leaves = [params] if self.structure is None else self._leaves(params)
+        firsts = np.cumsum([0] + [int(np.prod(shape)) for shape in self.shapes[:-1]])
+        flat = []
+        for leaf, shape, options, first in zip(
+            leaves, self.shapes, self.options, firsts, strict=True
+        ):
+            name = self.names[first]
+            value = jnp.asarray(index_of(name, leaf, options))
+            if value.shape != shape:
+                raise InputError(
+                    f"{name}: params hold {value.size} numbers of shape {value.shape}, the space has "
+                    f"shape {shape}."
+                )
+            flat.append(value.ravel().astype(self.dtype))
+        return to_unit(jnp.concatenate(flat), *self._bounds(self.dtype), self.scales)
+
+    def labeled(self, params: Any) -> Any:
+        """Return parameters for people, on the host: choices by their options, numbers as numbers."""
+        leaves = jax.tree.leaves(params) if self.structure is None else self._leaves(params)
+        shown = [
+            np.asarray(leaf).tolist() if options is None else options[int(leaf)]
+            for leaf, options in zip(leaves, self.options, strict=True)
+        ]
+        return shown[0] if self.structure is None else jax.tree.unflatten(self.structure, shown)
+
+    def _leaves(self, params):
+        leaves, structure = jax.tree_util.tree_flatten_with_path(params)
+        if structure == self.structure:
+            return [leaf for _, leaf in leaves]
+        blank = jax.tree.unflatten(self.structure, self.shapes)
+        shape = lambda node: isinstance(node, tuple) and node in self.shapes  # noqa: E731
+        own = jax.tree_util.tree_flatten_with_path(blank, is_leaf=shape)[0]
+        found, wanted = ({name_of(path) for path, _ in some} for some in (leaves, own))
+        raise InputError(
+            f"params are other than the space's: {sorted(wanted - found) or 'nothing'} missing, "
+            f"{sorted(found - wanted) or 'nothing'} unknown; the space decodes to {self.structure}."
+        )
 
     def _bounds(self, dtype):
         return jnp.asarray(self.lower, dtype), jnp.asarray(self.upper, dtype)
@@ -173,7 +219,7 @@ class Space:
 
 
 _LEAVES = ("lower", "upper")
-_STATIC = ("names", "log", "units", "shapes", "structure")
+_STATIC = ("names", "scales", "units", "shapes", "structure", "options")
 
 
 def _flatten(space):
@@ -195,48 +241,6 @@ def _fill(space, **fields):
     return space
 
 
-def _is_bound(node) -> bool:
-    return isinstance(node, Bound) or not isinstance(node, dict)
-
-
-def _name(path) -> str:
-    return ".".join(str(entry.key) for entry in path)
-
-
-def _names(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
-    if not shape:
-        return (name,)
-    return tuple(f"{name}[{','.join(map(str, index))}]" for index in np.ndindex(*shape))
-
-
-def _as_bound(name: str, bound: Any) -> tuple[np.ndarray, np.ndarray, str, str]:
-    if not isinstance(bound, Bound):
-        if not isinstance(bound, tuple) or len(bound) != 2:
-            raise InputError(f"{name}={bound!r}: give a Bound or a pair (lower, upper).")
-        bound = Bound(*bound)
-    lower, upper = _floats(bound.lower), _floats(bound.upper)
-    lower, upper = np.broadcast_arrays(lower, upper)
-    if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
-        raise InputError(f"{name}: bounds {bound.lower} and {bound.upper} must be finite numbers.")
-    if not (lower < upper).all():
-        raise InputError(
-            f"{name}: lower={bound.lower} must be below upper={bound.upper}; "
-            "to hold a parameter fixed use the wrapper freeze."
-        )
-    if bound.scale not in SCALES:
-        raise InputError(f"{name}: scale={bound.scale!r}. {nearest(str(bound.scale), SCALES)}")
-    if bound.scale == "log" and not (lower > 0).all():
-        raise InputError(f"{name}: a log scale needs lower > 0, not {bound.lower}.")
-    return lower, upper, bound.scale, bound.unit
-
-
-def _floats(value) -> np.ndarray:
-    array = np.asarray(value)
-    return array if np.issubdtype(array.dtype, np.floating) else array.astype(float)
-
-
-def _vectors(lower, upper) -> tuple[np.ndarray, np.ndarray]:
-    lower, upper = np.broadcast_arrays(np.atleast_1d(_floats(lower)), np.atleast_1d(_floats(upper)))
-    if lower.ndim != 1:
-        raise InputError(f"lower and upper have shape {lower.shape}: one number a coordinate.")
-    return lower, upper
+def _joined(parts):
+    traced = any(isinstance(part, jax.core.Tracer) for part in parts)
+    return (jnp if traced else np).concatenate([part.ravel() for part in parts])

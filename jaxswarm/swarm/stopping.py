@@ -1,22 +1,35 @@
-"""When to stop early: small pure rules on the state of a search.
+"""When to stop early: small rules on the progress of a search.
 
 A rule is any function ``(progress) -> (done, code)``: whether to stop and the status that says why.
-Rules are pytrees whose numbers are leaves, so a threshold changes without compiling again.
+A rule that looks back has ``start() -> memory`` and is called ``(progress, memory) -> (done, code,
+memory)``. Rules are pytrees whose numbers are leaves, so a threshold changes without compiling again.
 """
 
+import time
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from jax.experimental import io_callback
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.pytree import as_part, pytree
 from jaxswarm.swarm.schedules import coefficient
 
-__all__ = ["MESSAGES", "Progress", "any_of", "collapsed", "stalled", "target"]
+__all__ = [
+    "MESSAGES",
+    "Progress",
+    "any_of",
+    "collapsed",
+    "renewed",
+    "stalled",
+    "target",
+    "time_limit",
+]
 
-STEPS_DONE, TARGET_REACHED, STALLED, NO_FINITE_VALUE, COLLAPSED, CUSTOM = range(6)
+STEPS_DONE, TARGET_REACHED, STALLED, NO_FINITE_VALUE, COLLAPSED, CUSTOM, TIME_UP = range(7)
 
 MESSAGES = (
     "all steps done",
@@ -25,6 +38,7 @@ MESSAGES = (
     "no candidate ever had a finite value: check the objective and the bounds",
     "population collapsed to a point",
     "stopped by the given rule",
+    "time limit reached",
 )
 """Text of each status code."""
 
@@ -50,11 +64,21 @@ def target(value: float) -> "Target":
     return Target(coefficient("value", value))
 
 
-def stalled(patience: int) -> "Stalled":
-    """Stop when the best value has not fallen for ``patience`` updates."""
+def stalled(patience: int, *, tolerance: float = 0.0, relative: float = 0.0) -> Any:
+    """Stop when the best value has not fallen for ``patience`` updates.
+
+    Args:
+      patience: updates, at least 1.
+      tolerance: smallest fall that counts, in the objective's unit; falls add up until they do.
+      relative: the same as a share of the size of the value; the larger of both holds.
+    """
     if isinstance(patience, int):
         at_least("patience", patience, 1, "a rule must give a step time to act")
-    return Stalled(coefficient("patience", patience))
+    patience = coefficient("patience", patience)
+    falls = [coefficient("tolerance", tolerance, lower=0.0)]
+    falls.append(coefficient("relative", relative, lower=0.0))
+    none = all(isinstance(fall, float) and fall == 0.0 for fall in falls)
+    return Stalled(patience) if none else StalledBy(patience, *falls)
 
 
 def collapsed(diversity: float) -> "Collapsed":
@@ -62,11 +86,21 @@ def collapsed(diversity: float) -> "Collapsed":
     return Collapsed(coefficient("diversity", diversity, lower=0.0))
 
 
+def time_limit(seconds: float) -> "TimeLimit":
+    """Stop at the first update that ends later than ``seconds`` after the first one ended.
+
+    Time that the compiler needs does not count; that a clock decides makes the search different
+    from call to call. A step asks the host for the time, which takes about 0.1 ms.
+    """
+    return TimeLimit(coefficient("seconds", seconds, lower=0.0))
+
+
 def any_of(*rules: Any) -> "AnyOf":
     """Stop when one of the rules says so; the first that does gives the status."""
     if not rules:
         raise InputError("any_of() has no rules: give at least one, any_of(target(1e-6)).")
-    return AnyOf(tuple(as_part(rule) for rule in rules))
+    kind = AnyOfBack if any(hasattr(rule, "start") for rule in rules) else AnyOf
+    return kind(tuple(as_part(rule) for rule in rules))
 
 
 @pytree
@@ -90,6 +124,27 @@ class Stalled:
 
 
 @pytree
+class StalledBy:
+    """See :func:`stalled`; remembers the value that counted last, and when."""
+
+    patience: float
+    tolerance: float
+    relative: float
+
+    def start(self):
+        """Nothing seen yet."""
+        return jnp.asarray(jnp.inf, float), jnp.zeros((), jnp.int32)
+
+    def __call__(self, progress: Progress, memory):
+        value, when = memory
+        now = jnp.asarray(progress.value, value.dtype)
+        fall = jnp.maximum(self.tolerance, self.relative * jnp.abs(value))
+        counts = jnp.where(jnp.isfinite(value), now < value - fall, now < value)
+        value, when = jnp.where(counts, now, value), jnp.where(counts, progress.count, when)
+        return progress.count - when >= self.patience, STALLED, (value, when)
+
+
+@pytree
 class Collapsed:
     """See :func:`collapsed`."""
 
@@ -99,6 +154,31 @@ class Collapsed:
         return progress.diversity <= self.diversity, COLLAPSED
 
 
+BEGUN = time.monotonic()
+"""Where this process counts seconds from: a float32 must tell milliseconds apart."""
+
+
+@pytree
+class TimeLimit:
+    """See :func:`time_limit`; remembers when the first update ended."""
+
+    seconds: float
+
+    def start(self):
+        """The clock is not running yet."""
+        return jnp.asarray(jnp.nan, jnp.float32)
+
+    def __call__(self, progress: Progress, memory):
+        # The count as an argument keeps the compiler from asking once for all steps.
+        now = io_callback(_clock, jax.ShapeDtypeStruct((), jnp.float32), progress.count)
+        first = jnp.where(jnp.isnan(memory), now, memory)
+        return now - first >= self.seconds, TIME_UP, first
+
+
+def _clock(count):
+    return np.asarray(np.full(np.shape(count), time.monotonic() - BEGUN), np.float32)
+
+
 @pytree
 class AnyOf:
     """See :func:`any_of`."""
@@ -106,9 +186,43 @@ class AnyOf:
     rules: tuple
 
     def __call__(self, progress: Progress):
-        done, code = jnp.asarray(False), jnp.asarray(STEPS_DONE, jnp.int32)
-        for rule in self.rules:
-            here, reason = rule(progress)
+        return AnyOfBack(self.rules)(progress, ((),) * len(self.rules))[:2]
+
+
+@pytree
+class AnyOfBack:
+    """See :func:`any_of`; with rules that look back."""
+
+    rules: tuple
+
+    def start(self):
+        """Memories of all rules."""
+        return tuple(begin(rule) for rule in self.rules)
+
+    def __call__(self, progress: Progress, memory):
+        done, code, kept = jnp.asarray(False), jnp.asarray(STEPS_DONE, jnp.int32), []
+        for rule, own in zip(self.rules, memory, strict=True):
+            here, reason, own = ask(rule, progress, own)
             code = jnp.where(here & ~done, reason, code)
             done = done | here
-        return done, code
+            kept.append(own)
+        return done, code, tuple(kept)
+
+
+def begin(rule: Any) -> Any:
+    """Memory with which a rule starts; () for one that does not look back, and for no rule."""
+    return rule.start() if hasattr(rule, "start") else ()
+
+
+def ask(rule: Any, progress: Progress, memory: Any) -> tuple:
+    """Whether to stop, the status code, and the rule's new memory."""
+    return rule(progress, memory) if hasattr(rule, "start") else (*rule(progress), memory)
+
+
+def renewed(rule: Any, memory: Any) -> Any:
+    """The memory with which a rule goes on in another process: clocks start anew there."""
+    if isinstance(rule, TimeLimit):
+        return jax.tree.map(lambda leaf: jnp.full_like(leaf, jnp.nan), memory)
+    if isinstance(rule, AnyOfBack):
+        return tuple(renewed(*pair) for pair in zip(rule.rules, memory, strict=True))
+    return memory

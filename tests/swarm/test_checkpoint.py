@@ -1,5 +1,6 @@
 """Checkpoints: bit for bit, whole or not at all, and nothing accepted that does not fit."""
 
+import importlib
 import os
 import signal
 import subprocess
@@ -18,10 +19,13 @@ from jaxswarm.swarm import (
     gpso,
     minimize,
     minimize_resumable,
+    minimize_runs,
     pso,
     restart,
     restore,
     save,
+    stalled,
+    target,
 )
 
 KEY = jax.random.key(3)
@@ -80,17 +84,69 @@ def test_what_does_not_fit_is_refused(tmp_path):
             restore(path, pso(6).init(KEY, 3))
 
 
+def rosenbrock(x, _):
+    return jnp.sum(100.0 * (x[1:] - x[:-1] ** 2) ** 2 + (1.0 - x[:-1]) ** 2)
+
+
 def test_another_search_is_refused(tmp_path):
+    space = Space.vector([1.0] * 3, [5.0] * 3)
+    given = dict(fn=sphere, optimizer=pso(4), space=space, key=KEY, args=None)
     options = dict(path=tmp_path / "a.npz", every=2, num_steps=4)
-    minimize_resumable(sphere, pso(4), SPACE, KEY, **options)
-    other = Space.vector([-5.0] * 3, [6.0] * 3)
-    for optimizer, space, key, message in [
-        (pso(4, inertia=0.5), SPACE, KEY, "optimizer is"),
-        (pso(4), other, KEY, "space is"),
-        (pso(4), SPACE, jax.random.key(4), "key is"),
+    minimize_resumable(**given, **options)
+
+    def shifted(x, _):
+        return sphere(x, _) + 1e-6
+
+    shifted.__qualname__ = "sphere"
+    for change, message in [
+        (dict(optimizer=pso(4, inertia=0.5)), "optimizer is"),
+        (dict(space=Space.vector([1.0] * 3, [6.0] * 3)), "space is"),
+        (dict(space=Space.vector([1.0] * 3, [5.0] * 3, scale="log")), "scales is"),
+        (dict(key=jax.random.key(4)), "key is"),
+        (dict(fn=rosenbrock), "objective is"),
+        (dict(fn=shifted), "objective is"),
+        (dict(stop=target(0.5)), "stop is"),
+        (dict(start=jnp.full(3, 2.0)), "start is"),
     ]:
         with pytest.raises(InputError, match=message):
-            minimize_resumable(sphere, optimizer, space, key, **options)
+            minimize_resumable(**(given | change), **options)
+
+
+@pytest.mark.parametrize("stop", [stalled(4, tolerance=0.1), target(1e-3)])
+def test_a_stop_rule_goes_on_where_it_was(tmp_path, stop):
+    options = dict(num_steps=40, stop=stop)
+    whole = minimize(sphere, pso(8), SPACE, KEY, **options)
+    assert 5 < int(whole.num_steps) < 40  # within a piece that is not the first
+    for _ in range(2):  # the second call finds a search that has ended
+        path = tmp_path / "a.npz"
+        resumed = minimize_resumable(sphere, pso(8), SPACE, KEY, path=path, every=5, **options)
+        assert same(whole, resumed)
+
+
+def test_many_runs_go_on_with_a_stop_rule(tmp_path):
+    keys, centers = jax.random.split(KEY, 3), jnp.array([0.0, 1.0, 4.5])
+
+    def near(x, center):
+        return jnp.sum((x - center) ** 2)
+
+    options = dict(num_steps=20, stop=target(0.5), args_axes=0, vectorized=False)
+    whole = minimize_runs(near, gpso(8), SPACE, keys, centers, **options)
+    assert len(set(np.asarray(whole.num_steps).tolist())) > 1
+    path = tmp_path / "a.npz"
+    steps = dict(path=path, every=3)
+    broken = []
+
+    def fail(*args, **kwargs):
+        save(*args, **kwargs)
+        broken.append(1)
+        if len(broken) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(importlib.import_module("jaxswarm.swarm.resume"), "save", fail)
+        minimize_resumable(near, gpso(8), SPACE, keys, centers, **options, **steps)
+    resumed = minimize_resumable(near, gpso(8), SPACE, keys, centers, **options, **steps)
+    assert same(whole, resumed)
 
 
 WRITER = """

@@ -6,8 +6,20 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm import clpso, cma_es, de, ga, lshade, operators, sepso, shade, textbook_ga
-from jaxswarm.swarm.optimizers.cma_es import Rates, fold_mirrors
+from jaxswarm.swarm import (
+    Space,
+    clpso,
+    cma_es,
+    de,
+    ga,
+    lshade,
+    minimize_runs,
+    operators,
+    sepso,
+    shade,
+    textbook_ga,
+)
+from jaxswarm.swarm.optimizers.cma_distribution import Rates
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.rules import Swarm
 from jaxswarm.swarm.random import Random
@@ -135,6 +147,33 @@ def test_lshade_shrinks_and_keeps_the_best_alive():
         assert bool((jnp.diff(state.member_value) >= 0).all())
 
 
+def test_a_generation_of_lshade_takes_several_steps():
+    """20 members, 8 trials a step: three steps a generation while more than 16 live, then two."""
+    optimizer = lshade(8, 12, population=20)
+    state = optimizer.init(KEY, 2)
+    update, alive, evaluated = jax.jit(optimizer.update), [], []
+    for k in range(12):
+        value = jnp.sum((state.position - 0.3) ** 2, axis=1)
+        state, _ = update(jax.random.key(k), state, value)
+        alive.append(int(state.alive))
+        evaluated.append(int(jnp.isfinite(state.member_value).sum()))
+        assert float(state.member_value[: alive[-1]].min()) == float(state.best_value)
+        if int(state.first) == 0:  # a generation begins: the best come first
+            assert bool((jnp.diff(state.member_value) >= 0).all())
+    assert evaluated[:3] == [8, 16, 20]
+    # 4 + 16 (1 - k / 12) after k updates, at the end of a generation only.
+    assert alive == [20, 20, 16, 16, 13, 13, 11, 11, 8, 7, 5, 4]
+
+
+def test_de_walks_down_a_linear_slope_in_twenty_dimensions():
+    """With smaller and less varied steps the population collapses on the way."""
+    slope = 10.0 ** jnp.linspace(0.0, 1.0, 20)
+    space = Space.vector([-5.0] * 20, [5.0] * 20)
+    keys = jax.random.split(KEY, 10)
+    result = minimize_runs(lambda x, _: x @ slope, de(), space, keys, num_steps=400)
+    np.testing.assert_allclose(result.value, -5.0 * float(slope.sum()), atol=1e-8)
+
+
 def test_cma_rates_of_the_tutorial():
     rates = Rates.of(10, 10)
     assert rates.weights[:5].sum() == pytest.approx(1.0) and len(rates.weights) == 10
@@ -153,10 +192,10 @@ def test_cma_mean_and_covariance_follow_the_selected():
     value = jnp.arange(8.0)
     new, _ = optimizer.update(KEY, state, value)
     weights = Rates.of(8, 3).weights
-    np.testing.assert_allclose(new.mean, weights[:4] @ state.sample[:4], atol=1e-12)
-    np.testing.assert_allclose(new.covariance, new.covariance.T, atol=1e-12)
-    decomposed = new.basis @ jnp.diag(new.spread**2) @ new.basis.T
-    np.testing.assert_allclose(decomposed, new.covariance, atol=1e-12)
+    np.testing.assert_allclose(new.search.mean, weights[:4] @ state.sample[:4], atol=1e-12)
+    np.testing.assert_allclose(new.search.covariance, new.search.covariance.T, atol=1e-12)
+    decomposed = new.search.basis @ jnp.diag(new.search.spread**2) @ new.search.basis.T
+    np.testing.assert_allclose(decomposed, new.search.covariance, atol=1e-12)
 
 
 def test_cma_worse_half_shrinks_the_covariance():
@@ -167,17 +206,12 @@ def test_cma_worse_half_shrinks_the_covariance():
     rates = Rates.of(8, 3)
     expected = np.eye(3) * (1.0 - rates.c_1 - rates.c_mu * rates.weights.sum())
     for weight, sample in zip(rates.weights, np.asarray(state.sample), strict=True):
-        y = (sample - np.asarray(state.mean)) / 0.1
+        y = (sample - np.asarray(state.search.mean)) / 0.1
         y *= np.sqrt(3.0) / np.linalg.norm(y) if weight < 0.0 else 1.0
         expected += rates.c_mu * weight * np.outer(y, y)
-    path = np.asarray(new.path_covariance)
+    path = np.asarray(new.search.path_covariance)
     expected += rates.c_1 * np.outer(path, path)
-    np.testing.assert_allclose(new.covariance, expected, atol=1e-12)
-
-
-def test_mirrors_fold_into_the_cube():
-    folded = fold_mirrors(jnp.array([0.3, 1.2, -0.2, 2.3, -1.9]))
-    np.testing.assert_allclose(folded, [0.3, 0.8, 0.2, 0.3, 0.1], atol=1e-12)
+    np.testing.assert_allclose(new.search.covariance, expected, atol=1e-12)
 
 
 def emotional_step(variant, emotion, numbers=0.5):

@@ -13,7 +13,10 @@ from jaxswarm.swarm import (
     OPTIMIZERS,
     Space,
     aelspso,
+    bipop_cma_es,
+    cma_es,
     elitist_learning,
+    ipop_cma_es,
     islands,
     minimize,
     pso,
@@ -39,10 +42,20 @@ OTHERS = {
     "aelspso as APSO": lambda n: aelspso(n, adapt_coefficients=True, gate="convergence"),
     "islands of elitists": lambda n: islands(elitist_learning(pso(n)), 2),
     "restarts": lambda n: restart(pso(n)),
+    "restarts of what ends by itself": lambda n: restart(cma_es(n)),
     "textbook_ga without elite": lambda n: textbook_ga(n, num_elites=0),
 }
-BUILD = {name: entry.factory for name, entry in OPTIMIZERS.items()} | OTHERS
-MAY_BE_INFINITE = ("best_value", "memory_value", "member_value", "parent_value", "reference")
+NAMED = {name: entry.factory for name, entry in OPTIMIZERS.items() if name != "auto"}
+# Lanes take both sides of every branch: few doublings, few rows to sort. ``auto`` is one of the others.
+NAMED |= {
+    "ipop_cma_es": lambda n: ipop_cma_es(n, num_doublings=2),
+    "bipop_cma_es": lambda n: bipop_cma_es(n, num_doublings=2),
+}
+BUILD = NAMED | OTHERS
+MAY_BE_INFINITE = (
+    *("best_value", "memory_value", "member_value", "parent_value", "reference"),
+    *("recent_value", "median_value", "pool_value", "life.limit"),
+)
 
 
 def problems(x, which):
@@ -68,7 +81,7 @@ def kept(state, info):
 # The variants in float32 only, whose range and digits end first.
 @pytest.mark.parametrize(
     "name, dtype",
-    [(name, "float32") for name in BUILD] + [(name, "float64") for name in OPTIMIZERS],
+    [(name, "float32") for name in BUILD] + [(name, "float64") for name in NAMED],
 )
 def test_ten_thousand_steps(name, dtype):
     space = Space.vector(np.full(DIMS, -5.0, dtype), np.full(DIMS, 5.0, dtype))

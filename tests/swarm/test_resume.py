@@ -23,7 +23,7 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_compilation_cache_dir", sys.argv[1] + "/compiled")
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
 from jaxswarm.swarm import OPTIMIZERS, Space, elitist_learning, freeze, islands, pso, restart
-from jaxswarm.swarm import checkpoint
+from jaxswarm.swarm import resume
 from jaxswarm.swarm.schedules import cosine, exponential
 
 def sphere(x, _):
@@ -44,13 +44,13 @@ folder = sys.argv[1]
 def search(name, folder=folder):
     path = os.path.join(folder, name + ".npz")
     options = dict(num_steps=9, every=3, path=path)
-    return checkpoint.minimize_resumable(sphere, searches[name], space, key, **options)
+    return resume.minimize_resumable(sphere, searches[name], space, key, **options)
 """
 
 BEGIN = (
     COMMON
     + """
-write, written = checkpoint.save, []
+write, written = resume.save, []
 
 def save_and_stop(path, result, **header):
     write(path, result, **header)
@@ -60,7 +60,7 @@ def save_and_stop(path, result, **header):
     if name != last:
         raise KeyboardInterrupt
 
-checkpoint.save = save_and_stop
+resume.save = save_and_stop
 last = list(searches)[-1]
 for name in searches:
     written.clear()
@@ -75,7 +75,7 @@ GO_ON = (
     COMMON
     + """
 for name in searches:
-    before = int(np.load(os.path.join(folder, name + ".npz"))[".num_steps"])
+    before = int(np.load(os.path.join(folder, name + ".npz"))["[0].num_steps"])
     resumed = search(name)
     whole = search(name, sys.argv[2])
     for a, b in zip(jax.tree.leaves(resumed), jax.tree.leaves(whole), strict=True):

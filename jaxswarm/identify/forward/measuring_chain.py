@@ -66,10 +66,8 @@ def assemble(
     body = body_along(robot, terms, motion, pi, rigid)
     load = body.load() if uses_load(terms) else None
     if distorted(terms):
-        names = [term.linear_names(motion.joints) for term in terms]
         values = [
-            np.array([t.values.get(name, 0.0) for name in own])
-            for t, own in zip(terms, names, strict=True)
+            np.array([t.values.get(n, 0.0) for n in t.linear_names(motion.joints)]) for t in terms
         ]
         load = load._replace(whole=true_torque(terms, values, body, width, load))
     if decimate and not of_kind(terms, MeasurementLaw):

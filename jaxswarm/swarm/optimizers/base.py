@@ -15,15 +15,19 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.pytree import as_part
 
 __all__ = [
     "Info",
     "Optimizer",
     "State",
+    "as_optimizer",
     "at_least",
     "best_of",
     "candidate_info",
     "comparable",
+    "finished",
+    "num_values",
     "once",
 ]
 
@@ -32,7 +36,8 @@ class State(Protocol):
     """Fields that every optimizer state has; algorithms add their own.
 
     A state class may name in ``CARRIED_FLAT`` those of its (n, d) fields that a loop had better carry
-    as (n d,): see :mod:`jaxswarm.swarm.loop`.
+    as (n d,): see :mod:`jaxswarm.swarm.loop`. One that keeps candidates with their values from step to
+    step names the fields of both in ``MEMORY``, so that others can read them and judge them anew.
     """
 
     position: jax.Array  # (n, d) candidates to evaluate next, in [0, 1]
@@ -60,7 +65,12 @@ class Info(NamedTuple):
 
 
 class Optimizer(Protocol):
-    """Anything with these two functions: a frozen pytree dataclass, or a NamedTuple of closures."""
+    """Anything with these two functions.
+
+    A frozen pytree dataclass, whose numbers can change without compiling; a NamedTuple of closures; an
+    object with methods. The size ``num_dims`` is part of the program: where a function must be closed
+    over it, as in ``jax.eval_shape``, write ``jax.eval_shape(lambda key: optimizer.init(key, 3), key)``.
+    """
 
     def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> Any:
         """Return the first state; ``dtype`` is that of the positions (default: JAX's float)."""
@@ -71,14 +81,78 @@ class Optimizer(Protocol):
         ...
 
 
-def comparable(value: jax.Array, dtype: Any) -> jax.Array:
-    """Values as the algorithms compare them: NaN counts as +inf."""
-    value = jnp.asarray(value, dtype)
+def comparable(value: jax.Array, like: Any) -> jax.Array:
+    """Values as the algorithms compare them: NaN counts as +inf.
+
+    Args:
+      value: (n,).
+      like: the candidates (n, d) to which the values belong, or only the dtype of these.
+
+    Raises:
+      InputError: another number of values than of candidates.
+    """
+    candidates = isinstance(like, jax.Array)
+    if candidates:
+        _check_number(like, value)
+    value = jnp.asarray(value, like.dtype if candidates else like)
     return jnp.where(jnp.isnan(value), jnp.inf, value)
+
+
+def _check_number(position, value):
+    if jnp.shape(value) != position.shape[:1]:
+        raise InputError(
+            f"value has shape {jnp.shape(value)}, the state has {position.shape[0]} candidates: give "
+            "update one value for each row of state.position."
+        )
+
+
+class Functions(NamedTuple):
+    """An optimizer as a pair of functions."""
+
+    init: Any
+    update: Any
+
+
+def as_optimizer(thing: Any) -> Any:
+    """Return an optimizer that JAX can pass around, or say what is in its place.
+
+    Functions among its leaves become static parts; an object that is no pytree is taken for its two
+    methods.
+
+    Raises:
+      InputError: a factory that was not called, a list of optimizers, anything else.
+    """
+    if isinstance(thing, list | tuple) and not hasattr(thing, "init"):
+        raise InputError(
+            f"optimizer is a {type(thing).__name__} of {len(thing)}: give a single optimizer; "
+            "islands(optimizer, num) runs several populations of one kind."
+        )
+    if isinstance(thing, type) or (callable(thing) and not hasattr(thing, "init")):
+        name = getattr(thing, "__name__", repr(thing))
+        raise InputError(f"optimizer={name} is a factory, not an optimizer: call it, {name}().")
+    if not (callable(getattr(thing, "init", None)) and callable(getattr(thing, "update", None))):
+        raise InputError(
+            f"optimizer={thing!r} has no init and update: use a factory such as pso(), or an object "
+            "with these two functions (check_optimizer tells the rest)."
+        )
+    if jax.tree_util.all_leaves([thing]):
+        return Functions(jax.tree_util.Partial(thing.init), jax.tree_util.Partial(thing.update))
+    return jax.tree.map(as_part, thing)
+
+
+def num_values(optimizer: Any) -> int | None:
+    """Numbers that an objective returns for a candidate; None for a single value.
+
+    An optimizer that wants several says so in ``num_values``; a wrapper wants what its ``inner`` does.
+    """
+    if hasattr(optimizer, "num_values"):
+        return optimizer.num_values
+    return num_values(optimizer.inner) if hasattr(optimizer, "inner") else None
 
 
 def best_of(position, value, best_position, best_value):
     """Update the best so far with a population: ``(best_position, best_value, improved)``."""
+    _check_number(position, value)
     leader = jnp.argmin(value)
     improved = value[leader] < best_value
     best_position = jnp.where(improved, position[leader], best_position)
@@ -91,6 +165,17 @@ def candidate_info(position, value, best_value, improved, hyper) -> Info:
     mean = jnp.sum(jnp.where(finite, value, 0.0)) / jnp.sum(finite)
     diversity = jnp.sqrt(jnp.mean((position - position.mean(axis=0)) ** 2))
     return Info(best_value, mean, diversity, improved, hyper)
+
+
+def finished(state: Any) -> jax.Array | None:
+    """() bool, whether a search has ended by criteria of its own; None if it has none.
+
+    A state says so in ``finished``; a wrapper's ``inner`` state is asked in its place, and of several
+    populations all have to have ended.
+    """
+    if hasattr(state, "finished"):
+        return jnp.all(state.finished)
+    return finished(state.inner) if hasattr(state, "inner") else None
 
 
 def once(function: Callable[[], Any]) -> Any:

@@ -45,6 +45,8 @@ class DEState(NamedTuple):
     best_value: jax.Array
     count: jax.Array
 
+    MEMORY = ("members", "member_value")
+
 
 @pytree
 class DE:
@@ -69,7 +71,7 @@ class DE:
     def update(self, key: jax.Array, state: DEState, value: jax.Array):
         """Select, mutate, cross."""
         random, dtype = Random(key, self.random), state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
         accepted = value <= state.member_value
@@ -114,12 +116,15 @@ def de(
     num_particles: int = 50,
     *,
     strategy: str = "best/1",
-    weight: ScalarOrSchedule = 0.6,
-    crossover_rate: ScalarOrSchedule = 0.8,
-    dither: ScalarOrSchedule = 0.2,
+    weight: ScalarOrSchedule = 0.75,
+    crossover_rate: ScalarOrSchedule = 0.7,
+    dither: ScalarOrSchedule = 0.25,
     random: str = "hash",
 ) -> DE:
     """Classic differential evolution with binomial crossover; best/1 with dither by default.
+
+    F from 0.5 to 1 and CR = 0.7 are SciPy's: with F from 0.4 to 0.8 and CR = 0.8 the population
+    collapsed in 20 dimensions before it had walked down a linear slope.
 
     Args:
       num_particles: n, at least 4.

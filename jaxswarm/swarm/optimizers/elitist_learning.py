@@ -19,7 +19,8 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.swarm.optimizers.base import comparable
+from jaxswarm.swarm.optimizers.base import as_optimizer, comparable
+from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import as_part, pytree, replace, static
 from jaxswarm.swarm.random import Random, check_source, fold
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
@@ -56,9 +57,15 @@ class ElitistLearning:
         worst = inner.position.shape[0] - 1
         return self._state(Random(key, self.random), inner, worst, jnp.zeros((), jnp.int32))[0]
 
+    def begin(self, key: jax.Array, state: ElitistLearningState, points: jax.Array, spread: Any):
+        """The wrapped optimizer begins at the points, the first jump at the first of them."""
+        inner = begin(self.inner, key, state.inner, points, spread)
+        worst = inner.position.shape[0] - 1
+        return self._state(Random(key, self.random), inner, worst, state.count)[0]
+
     def update(self, key: jax.Array, state: ElitistLearningState, value: jax.Array):
         """Let the trial in if it deserves it, update what is wrapped, try the next jump."""
-        value = comparable(value, state.position.dtype)
+        value = comparable(value, state.position)
         position = state.position
         if self.extra:
             position, trial = position[:-1], position[-1]
@@ -122,7 +129,7 @@ def elitist_learning(
     if on_failure not in FAILURES:
         raise InputError(f"on_failure={on_failure!r}. {nearest(str(on_failure), FAILURES)}")
     return ElitistLearning(
-        inner=inner,
+        inner=as_optimizer(inner),
         scale=coefficient("scale", scale, lower=0.0),
         gate=None if gate is None else as_part(gate),
         on_failure=on_failure,

@@ -7,6 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.optimizers.base import as_optimizer
+from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
 
@@ -39,6 +41,11 @@ class Freeze:
             )
         inner = self.inner.init(fold(key, 1), len(self._free), dtype=dtype)
         return self._state(inner, jnp.zeros((), jnp.int32))
+
+    def begin(self, key: jax.Array, state: FreezeState, points: jax.Array, spread: Any):
+        """Begin at the free coordinates of the points."""
+        inner = begin(self.inner, key, state.inner, points[:, self._free], spread)
+        return self._state(inner, state.count)
 
     def update(self, key: jax.Array, state: FreezeState, value: jax.Array):
         """Update the wrapped optimizer in the free coordinates."""
@@ -82,4 +89,4 @@ def freeze(inner: Any, mask: Any, position: Any) -> Freeze:
         held = position[np.array(mask)] if position.shape == (len(mask),) else position
         if position.shape != (len(mask),) or not ((held >= 0.0) & (held <= 1.0)).all():
             raise InputError(f"position={position} must hold {len(mask)} numbers in [0, 1].")
-    return Freeze(inner, position, mask)
+    return Freeze(as_optimizer(inner), position, mask)

@@ -42,6 +42,8 @@ class GAState(NamedTuple):
     best_value: jax.Array
     count: jax.Array
 
+    MEMORY = ("parents", "parent_value")
+
 
 @pytree
 class GA:
@@ -66,7 +68,7 @@ class GA:
     def update(self, key: jax.Array, state: GAState, value: jax.Array):
         """Survive, select, cross, mutate."""
         random, n = Random(key, self.random), self.num_particles
-        value = comparable(value, state.position.dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import as_optimizer, at_least, candidate_info, comparable
+from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.schedules import coefficient
@@ -43,9 +44,16 @@ class Islands:
         count = jnp.zeros((), jnp.int32)
         return IslandsState(inner, position, inner.best_position[0], inner.best_value[0], count)
 
+    def begin(self, key: jax.Array, state: IslandsState, points: jax.Array, spread: Any):
+        """Every island begins at the points."""
+        place = jax.vmap(lambda k, inner: begin(self.inner, k, inner, points, spread))
+        inner = place(self._keys(key), state.inner)
+        position = inner.position.reshape(state.position.shape)
+        return state._replace(inner=inner, position=position, best_position=inner.best_position[0])
+
     def update(self, key: jax.Array, state: IslandsState, value: jax.Array):
         """Update every island; when it is time, the worst candidate makes room for a migrant."""
-        value = comparable(value, state.position.dtype)
+        value = comparable(value, state.position)
         values = value.reshape(self.num, -1)
         positions = state.position.reshape(self.num, -1, state.position.shape[1])
         inner = replace(state.inner, position=positions)
@@ -84,4 +92,5 @@ def islands(inner: Any, num: int = 4, *, migrate_every: int = 20) -> Islands:
     (30, 2)
     """
     num = at_least("num", num, 2, "migration needs a neighbor")
-    return Islands(inner, coefficient("migrate_every", migrate_every, lower=1), num)
+    every = coefficient("migrate_every", migrate_every, lower=1)
+    return Islands(as_optimizer(inner), every, num)

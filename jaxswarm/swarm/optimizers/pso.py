@@ -61,6 +61,7 @@ class PSOState(NamedTuple):
 
     # Both are replaced coordinate by coordinate, as one pass over a flat array (see ``loop``).
     CARRIED_FLAT = ("position", "velocity")
+    MEMORY = ("memory_position", "memory_value")
 
 
 @pytree
@@ -103,7 +104,7 @@ class PSO:
     def update(self, key: jax.Array, state: PSOState, value: jax.Array):
         """Remember, attract, move; see the head of this file."""
         random, dtype = Random(key, self.random), state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         fell = value < state.memory_value
         memory_value = jnp.where(fell, value, state.memory_value)
         memory_position = jnp.where(fell[:, None], state.position, state.memory_position)

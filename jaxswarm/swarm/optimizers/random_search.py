@@ -43,7 +43,7 @@ class RandomSearch:
     def update(self, key: jax.Array, state: RandomSearchState, value: jax.Array):
         """Keep the best and draw anew."""
         dtype = state.position.dtype
-        value = comparable(value, dtype)
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
         position = Random(key, self.random).uniform("position", state.position.shape, dtype)

@@ -5,15 +5,22 @@ from typing import Any, NamedTuple
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.aelspso import aelspso
+from jaxswarm.swarm.optimizers.auto import auto
 from jaxswarm.swarm.optimizers.clpso import clpso
 from jaxswarm.swarm.optimizers.cma_es import cma_es
+from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
 from jaxswarm.swarm.optimizers.de import de
 from jaxswarm.swarm.optimizers.ga import ga, textbook_ga
+from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es
+from jaxswarm.swarm.optimizers.lshade import lshade
+from jaxswarm.swarm.optimizers.open_es import open_es
 from jaxswarm.swarm.optimizers.pso import pso
 from jaxswarm.swarm.optimizers.published import gpso, spso, spso2011
 from jaxswarm.swarm.optimizers.random_search import random_search
+from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es
 from jaxswarm.swarm.optimizers.sepso import sepso
-from jaxswarm.swarm.optimizers.shade import lshade, shade
+from jaxswarm.swarm.optimizers.shade import shade
+from jaxswarm.swarm.optimizers.snes import snes
 
 __all__ = ["OPTIMIZERS", "Entry", "find_optimizer"]
 
@@ -109,6 +116,42 @@ OPTIMIZERS: dict[str, Entry] = {
         cma_es,
         "covariance matrix adaptation",
         "Hansen 2016, arXiv 1604.00772",
+    ),
+    "ipop_cma_es": Entry(
+        ipop_cma_es,
+        "covariance matrix adaptation, restarted with doubled populations",
+        "Auger & Hansen 2005, doi 10.1109/CEC.2005.1554902",
+    ),
+    "bipop_cma_es": Entry(
+        bipop_cma_es,
+        "covariance matrix adaptation, restarted with large and small populations in turn",
+        "Hansen 2009, doi 10.1145/1570256.1570333",
+    ),
+    "sep_cma_es": Entry(
+        sep_cma_es,
+        "standard deviations without correlations, in linear time",
+        "Ros & Hansen 2008, doi 10.1007/978-3-540-87700-4_30",
+    ),
+    "lm_ma_es": Entry(
+        lm_ma_es,
+        "correlations of many dimensions from a few remembered directions",
+        "Loshchilov, Glasmachers & Beyer 2019, doi 10.1109/TEVC.2018.2855049",
+    ),
+    "snes": Entry(
+        snes,
+        "separable natural evolution strategy",
+        "Schaul, Glasmachers & Schmidhuber 2011, doi 10.1145/2001576.2001692",
+    ),
+    "open_es": Entry(
+        open_es,
+        "smoothed gradient from mirrored samples, followed by Adam",
+        "Salimans, Ho, Chen, Sidor & Sutskever 2017, arXiv 1703.03864",
+        scheduled=True,
+    ),
+    "auto": Entry(
+        auto,
+        "a strategy chosen from dimension, budget, parallel width and noise",
+        "its head states the rules",
     ),
     "random_search": Entry(
         random_search,

@@ -1,9 +1,11 @@
-"""Restart: begin anew when the search has stalled or collapsed, and keep what was found.
+"""Restart: begin anew when the search has ended, and keep what was found.
+
+An optimizer that knows when it has ended (``state.finished``, as ``cma_es`` does) is left alone until
+then; any other is taken for ended when it has stalled or collapsed.
 
 Reference:
     A. Auger, N. Hansen, "A restart CMA evolution strategy with increasing population size", CEC
-    2005 (the idea; the population here keeps its size, because shapes are part of a compiled
-    program).
+    2005 (the idea; here the population keeps its size, in ``ipop_cma_es`` it grows).
 """
 
 from typing import Any, NamedTuple
@@ -11,11 +13,17 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.optimizers.base import as_optimizer, finished
+from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.schedules import coefficient
 
 __all__ = ["Restart", "RestartState", "restart"]
+
+PATIENCE = 50
+DIVERSITY = 1e-6
+"""When an optimizer without criteria of its own has ended: updates without improvement, spread."""
 
 
 class RestartState(NamedTuple):
@@ -40,8 +48,8 @@ class Restart:
     """See :func:`restart`."""
 
     inner: Any
-    patience: float
-    diversity: float
+    patience: Any
+    diversity: Any
     keep: bool = static()
 
     def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> RestartState:
@@ -51,6 +59,13 @@ class Restart:
         best = inner.best_position, inner.best_value
         return RestartState(inner, inner.position, *best, zero, zero, zero)
 
+    def begin(self, key: jax.Array, state: RestartState, points: jax.Array, spread: Any):
+        """The first life begins at the points; the others do not."""
+        inner = begin(self.inner, key, state.inner, points, spread)
+        return state._replace(
+            inner=inner, position=inner.position, best_position=inner.best_position
+        )
+
     def update(self, key: jax.Array, state: RestartState, value: jax.Array):
         """Update the present life, or end it."""
         inner = replace(state.inner, position=state.position)
@@ -59,7 +74,7 @@ class Restart:
         best_value = jnp.minimum(inner.best_value, state.best_value)
         best_position = jnp.where(improved, inner.best_position, state.best_position)
         since = jnp.where(info.improved, 0, state.since + 1)
-        ended = (since >= self.patience) | (info.diversity < self.diversity)
+        ended = self._ended(inner, since, info.diversity)
 
         def anew():
             fresh = self.inner.init(fold(key, 2), state.position.shape[1], state.position.dtype)
@@ -80,19 +95,36 @@ class Restart:
         )
         return state, info._replace(value_best=best_value, improved=improved)
 
+    def _ended(self, inner, since, diversity):
+        own = finished(inner)
+        patience, limit = self.patience, self.diversity
+        if own is None:
+            patience = PATIENCE if patience is None else patience
+            limit = DIVERSITY if limit is None else limit
+        ended = jnp.asarray(False) if own is None else own
+        if patience is not None:
+            ended = ended | (since >= patience)
+        return ended if limit is None else ended | (diversity < limit)
+
 
 def restart(
-    inner: Any, *, patience: float = 50, diversity: float = 1e-6, keep: bool = False
+    inner: Any,
+    *,
+    patience: float | None = None,
+    diversity: float | None = None,
+    keep: bool = False,
 ) -> Restart:
-    """Wrap an optimizer so that it starts anew when it has stalled or collapsed.
+    """Wrap an optimizer so that it starts anew when it has ended, stalled or collapsed.
 
     The schedules of the wrapped optimizer begin again with every life; one without a length of its
     own lasts as long as the whole run, which most lives do not reach.
 
     Args:
       inner: any optimizer, wrapped ones included.
-      patience: updates without improvement after which a life ends.
-      diversity: spread of the candidates (RMS, unit cube) below which a life ends.
+      patience: updates without improvement after which a life ends; default 50, and no limit for an
+        optimizer that knows when it has ended.
+      diversity: spread of the candidates (RMS, unit cube) below which a life ends; default 1e-6, and
+        no limit for such an optimizer.
       keep: whether the best candidate so far is the first of the new population.
 
     >>> from jaxswarm.swarm import pso
@@ -100,8 +132,8 @@ def restart(
     0
     """
     return Restart(
-        inner=inner,
-        patience=coefficient("patience", patience, lower=1),
-        diversity=coefficient("diversity", diversity, lower=0.0),
+        inner=as_optimizer(inner),
+        patience=None if patience is None else coefficient("patience", patience, lower=1),
+        diversity=None if diversity is None else coefficient("diversity", diversity, lower=0.0),
         keep=bool(keep),
     )

@@ -97,6 +97,9 @@ class Spherical:
         offset = jnp.where(alone, own / 2.0, (own + social) / 3.0)  # G - x
         direction = random.normal("direction", position.shape, dtype)
         direction = direction / jnp.linalg.norm(direction, axis=1, keepdims=True)
-        radius = jnp.linalg.norm(offset, axis=1, keepdims=True)
+        # A particle at rest in its own best place has no offset, and the root no slope there.
+        square = jnp.sum(offset**2, axis=1, keepdims=True)
+        apart = square > 0.0
+        radius = jnp.where(apart, jnp.sqrt(jnp.where(apart, square, 1.0)), 0.0)
         radius = radius * random.uniform("radius", (position.shape[0], 1), dtype)
         return hyper["inertia"] * swarm.velocity + offset + radius * direction

@@ -9,11 +9,11 @@ and every trial draws F_i from a Cauchy distribution (positive, at most 1) and C
 one around a remembered pair (M_F, M_CR). After a generation the oldest pair is replaced by means of
 the F and CR that succeeded, weighted by the improvement (Lehmer mean for F).
 
-L-SHADE shrinks the population linearly from n to 4. Shapes are part of a compiled program, so here
-n trials are always evaluated: once the living members are fewer than the trials, member i is the
-target of the trials i, i + m, i + 2 m, ... and the best of these decides. The count of evaluations
-stays exact; in exchange for several trials a member there are fewer generations than in the
-publication.
+L-SHADE shrinks the population linearly to 4. Shapes are part of a compiled program, so the trials of a
+step stay n. While more members than that live, a generation takes several steps, each for the next n
+targets, and a trial replaces its target at once; memory, order and size of the population change when all
+have had their turn. Once fewer live, member i is the target of the trials i, i + m, i + 2 m, ... and the
+best of these decides. The count of evaluations stays exact.
 
 References:
     R. Tanabe, A. Fukunaga, "Success-history based parameter adaptation for differential evolution",
@@ -28,147 +28,186 @@ import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
 from jaxswarm.swarm.optimizers.de import cross, within
-from jaxswarm.swarm.optimizers.success_history import draw_pair, remember
+from jaxswarm.swarm.optimizers.success_history import draw_pair, remember, successes
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
-from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate, linear
+from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
-__all__ = ["SHADE", "SHADEState", "lshade", "shade"]
+__all__ = ["SHADE", "SHADEState", "shade"]
+
+FEWEST = 4
+"""Members that are always alive: a target and three others."""
+PER_DIMENSION = 18
+"""Members of L-SHADE per dimension, as published."""
+TRIALS_PER_DIMENSION = 2
+"""Its trials in a step: a ninth of that, so that few are left over when few members live."""
+SMALLEST = 8
 
 
 class SHADEState(NamedTuple):
-    """Trials, members in order of value, archive, and the memory of what succeeded.
+    """Trials, members, archive, and the memory of what succeeded.
 
     Attributes:
       position: (n, d) trials; trial_weight, trial_rate: (n,) their F and CR.
-      members: (n, d) sorted, best first; member_value: (n,); the first ``alive`` take part.
-      archive: (n, d), of which the first ``archived`` rows are filled.
+      first: () int32, target of the first trial; the others follow it.
+      members: (N, d), the best first when a generation begins; member_value: (N,), +inf before the first
+        evaluation; the first ``alive`` take part.
+      archive: (N, d), of which the first ``archived`` rows are filled.
+      success: (4,) sums over the successes of this generation.
       memory_weight, memory_rate: (h,) remembered M_F and M_CR; slot: the next to be replaced.
+      born: () bool, whether every member has been evaluated.
     """
 
     position: jax.Array
     trial_weight: jax.Array
     trial_rate: jax.Array
+    first: jax.Array
     members: jax.Array
     member_value: jax.Array
     alive: jax.Array
     archive: jax.Array
     archived: jax.Array
+    success: jax.Array
     memory_weight: jax.Array
     memory_rate: jax.Array
     slot: jax.Array
+    born: jax.Array
     best_position: jax.Array
     best_value: jax.Array
     count: jax.Array
 
+    MEMORY = ("members", "member_value")
+
 
 @pytree
 class SHADE:
-    """See :func:`shade` and :func:`lshade`."""
+    """See :func:`shade` and :func:`~jaxswarm.swarm.optimizers.lshade.lshade`."""
 
     greediness: ScalarOrSchedule
-    alive: ScalarOrSchedule
-    num_particles: int = static()
+    living: ScalarOrSchedule
+    num_particles: int | None = static()
+    population: int | None = static()
     num_memories: int = static()
     random: str = static()
 
     def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> SHADEState:
         """Uniform first trials; every remembered pair is (1/2, 1/2)."""
         dtype = jnp.result_type(float if dtype is None else dtype)
-        n = self.num_particles
+        n = self.num_particles or max(SMALLEST, TRIALS_PER_DIMENSION * num_dims)
+        total = max(n, self.population or self.num_particles or PER_DIMENSION * num_dims)
         position = Random(key, self.random).uniform("position", (n, num_dims), dtype)
-        half = jnp.full((self.num_memories,), 0.5, dtype)
+        half, blank = jnp.asarray(0.5, dtype), jnp.zeros((total, num_dims), dtype)
         zero = jnp.zeros((), jnp.int32)
         return SHADEState(
             position=position,
-            trial_weight=jnp.full((n,), 0.5, dtype),
-            trial_rate=jnp.full((n,), 0.5, dtype),
-            members=position,
-            member_value=jnp.full((n,), jnp.inf, dtype),
-            alive=jnp.asarray(n, jnp.int32),
-            archive=position,
+            trial_weight=jnp.broadcast_to(half, (n,)),
+            trial_rate=jnp.broadcast_to(half, (n,)),
+            first=zero,
+            members=blank,
+            member_value=jnp.full((total,), jnp.inf, dtype),
+            alive=jnp.asarray(total, jnp.int32),
+            archive=blank,
             archived=zero,
-            memory_weight=half,
-            memory_rate=half,
+            success=jnp.zeros((4,), dtype),
+            memory_weight=jnp.broadcast_to(half, (self.num_memories,)),
+            memory_rate=jnp.broadcast_to(half, (self.num_memories,)),
             slot=zero,
+            born=zero > 0,
             best_position=position[0],
             best_value=jnp.asarray(jnp.inf, dtype),
             count=zero,
         )
 
     def update(self, key: jax.Array, state: SHADEState, value: jax.Array):
-        """Select, remember, mutate."""
-        random, dtype, n = Random(key, self.random), state.position.dtype, self.num_particles
-        value = comparable(value, dtype)
+        """Select; after a generation remember, order and shrink; mutate."""
+        random, dtype = Random(key, self.random), state.position.dtype
+        value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
 
         state, gain = self._select(random, state, value)
-        memory = remember(state, gain)
-        alive = jnp.clip(evaluate("alive", self.alive, state.count + 1, dtype), 4, n)
-        alive = jnp.round(alive).astype(jnp.int32)
-        order = jnp.argsort(state.member_value)
-        members, member_value = state.members[order], state.member_value[order]
-        archived = jnp.minimum(state.archived, alive)
-
-        weight, rate = draw_pair(random, memory[0], memory[1], n, dtype)
+        sums = successes(state.trial_weight, state.trial_rate, gain)
+        state = state._replace(success=state.success + sums)
+        complete = state.first + value.size >= state.alive
+        state = jax.lax.cond(complete, self._generation, lambda s: s, state)
+        first = jnp.where(complete, 0, state.first + value.size)
         greediness = evaluate("greediness", self.greediness, state.count, dtype)
-        target = jnp.arange(n, dtype=jnp.int32) % alive
-        pick = random.uniform("pbest", (n,), dtype)
-        elite = (pick * jnp.maximum(2.0, greediness * alive)).astype(jnp.int32)
-        a = random.integers("a", (n,), alive - 1)
-        a = a + (a >= target)
-        b = random.integers("b", (n,), alive + archived - 2)
-        b = b + (b >= jnp.minimum(a, target))
-        b = b + (b >= jnp.maximum(a, target))
-        other = jnp.where(
-            (b < alive)[:, None], members[jnp.minimum(b, n - 1)], state.archive[(b - alive) % n]
-        )
-        own = members[target]
-        step = (members[elite] - own) + (members[a] - other)
-        trial = cross(random, own, within(own + weight[:, None] * step, own), rate[:, None])
+        trial, weight, rate = self._trials(random, state, first, greediness)
 
-        hyper = {"greediness": greediness, "alive": alive.astype(dtype)}
+        hyper = {"greediness": greediness, "alive": state.alive.astype(dtype)}
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = state._replace(
             position=trial,
             trial_weight=weight,
             trial_rate=rate,
-            members=members,
-            member_value=member_value,
-            alive=alive,
-            archived=archived,
-            memory_weight=memory[0],
-            memory_rate=memory[1],
-            slot=memory[2],
+            first=first,
             best_position=best_position,
             best_value=best_value,
             count=state.count + 1,
         )
         return new, info
 
+    def _generation(self, state):
+        """All members have had their turn: remember what succeeded, order, shrink."""
+        total, dtype = state.member_value.size, state.position.dtype
+        weight, rate, slot = remember(state, state.success)
+        living = evaluate("living", self.living, state.count + 1, dtype)
+        alive = jnp.round(FEWEST + (total - FEWEST) * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
+        order = jnp.argsort(state.member_value)
+        return state._replace(
+            members=state.members[order],
+            member_value=state.member_value[order],
+            alive=alive,
+            archived=jnp.minimum(state.archived, alive),
+            success=jnp.zeros_like(state.success),
+            memory_weight=weight,
+            memory_rate=rate,
+            slot=slot,
+            born=state.born | True,
+        )
+
+    def _trials(self, random, state, first, greediness):
+        """Trials (n, d) for the targets from ``first`` on, with their F and CR."""
+        (n, d), total, dtype = state.position.shape, state.member_value.size, state.position.dtype
+        members, alive = state.members, state.alive
+        weight, rate = draw_pair(random, state.memory_weight, state.memory_rate, n, dtype)
+        target = (first + jnp.arange(n, dtype=jnp.int32)) % alive
+        pick = random.uniform("pbest", (n,), dtype)
+        elite = (pick * jnp.maximum(2.0, greediness * alive)).astype(jnp.int32)
+        a = random.integers("a", (n,), alive - 1)
+        a = a + (a >= target)
+        b = random.integers("b", (n,), alive + state.archived - 2)
+        b = b + (b >= jnp.minimum(a, target))
+        b = b + (b >= jnp.maximum(a, target))
+        row = jnp.minimum(b, total - 1)
+        other = jnp.where((b < alive)[:, None], members[row], state.archive[(b - alive) % total])
+        own = members[target]
+        step = (members[elite] - own) + (members[a] - other)
+        trial = cross(random, own, within(own + weight[:, None] * step, own), rate[:, None])
+        return jnp.where(state.born, trial, random.uniform("born", (n, d), dtype)), weight, rate
+
     def _select(self, random, state, value):
         """Let trials replace their targets; return what each trial gained (0: no success)."""
-        n = self.num_particles
+        n, total = value.size, state.member_value.size
         lane = jnp.arange(n, dtype=jnp.int32)
-        target = lane % state.alive
+        target = (state.first + lane) % state.alive
         old = state.member_value[target]
         gain = jnp.where(jnp.isfinite(old) & (value < old), old - value, 0.0)
         # The best trial of each target decides; ties go to the first.
-        lowest = jnp.full((n,), jnp.inf, value.dtype).at[target].min(value)
-        first = (
-            jnp.full((n,), n, jnp.int32).at[target].min(jnp.where(value == lowest[target], lane, n))
-        )
-        winner = jnp.minimum(first, n - 1)
-        accepted = (lane < state.alive) & (first < n) & (value[winner] <= state.member_value)
+        lowest = jnp.full((total,), jnp.inf, value.dtype).at[target].min(value)
+        tied = jnp.where(value == lowest[target], lane, n)
+        leader = jnp.full((total,), n, jnp.int32).at[target].min(tied)
+        winner = jnp.minimum(leader, n - 1)
+        accepted = (leader < n) & (value[winner] <= state.member_value)
         members = jnp.where(accepted[:, None], state.position[winner], state.members)
         member_value = jnp.where(accepted, value[winner], state.member_value)
 
         retired = accepted & jnp.isfinite(state.member_value)
         place = state.archived + jnp.cumsum(retired) - 1
-        anywhere = random.integers("archive", (n,), state.alive)
+        anywhere = random.integers("archive", (total,), state.alive)
         place = jnp.where(place < state.alive, place, anywhere)
-        archive = state.archive.at[jnp.where(retired, place, n)].set(state.members, mode="drop")
+        place = jnp.where(retired, place, total)
+        archive = state.archive.at[place].set(state.members, mode="drop")
         archived = jnp.minimum(state.archived + jnp.sum(retired), state.alive)
         new = state._replace(
             members=members,
@@ -200,26 +239,9 @@ def shade(
     size = at_least("num_particles", num_particles, 8, "a mutant takes members and an archive")
     return SHADE(
         greediness=coefficient("greediness", greediness, lower=0.0, upper=1.0),
-        alive=float(size),
+        living=1.0,
         num_particles=size,
+        population=size,
         num_memories=at_least("num_memories", num_memories, 1, "something must be remembered"),
         random=check_source(random),
-    )
-
-
-def lshade(num_particles: int = 60, num_steps: float | None = None, **options: Any) -> SHADE:
-    """SHADE whose population falls linearly to 4 over ``num_steps``, with six remembered pairs.
-
-    Args:
-      num_particles: n, members at the start and trials in every step, at least 8.
-      num_steps: updates over which the population shrinks; default as many as ``minimize`` makes.
-      **options: keyword arguments of :func:`shade`.
-    """
-    optimizer = shade(num_particles, **(dict(num_memories=6) | options))
-    return SHADE(
-        greediness=optimizer.greediness,
-        alive=linear(float(num_particles), 4.0, num_steps),
-        num_particles=optimizer.num_particles,
-        num_memories=optimizer.num_memories,
-        random=optimizer.random,
     )

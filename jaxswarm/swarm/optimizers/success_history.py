@@ -11,28 +11,35 @@ from jaxswarm.swarm.random import Random
 SPREAD = 0.1  # scale of the distributions around a remembered pair
 
 
-def remember(state: Any, gain: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Put the weighted means of what succeeded into the oldest slot of the memory.
+def successes(weight: jax.Array, rate: jax.Array, gain: jax.Array) -> jax.Array:
+    """Sums over trials (4,) that the means of what succeeded follow from; sums of parts add up.
 
     Args:
-      state: what holds trial_weight and trial_rate (n,), memory_weight and memory_rate (h,), slot.
+      weight, rate: (n,) F and CR of the trials.
       gain: (n,) improvement by each trial, 0 where there was none.
+    """
+    return jnp.stack(
+        [gain.sum(), jnp.sum(gain * weight), jnp.sum(gain * weight**2), jnp.sum(gain * rate)]
+    )
+
+
+def remember(state: Any, sums: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Put the means of what succeeded, weighted by the gain, into the oldest slot of the memory.
+
+    Args:
+      state: what holds memory_weight and memory_rate (h,) and slot.
+      sums: (4,) of :func:`successes`.
 
     Returns:
       memory_weight (h,), memory_rate (h,) and the slot to be replaced next.
     """
-    total = jnp.sum(gain)
-    share = gain / jnp.where(total > 0.0, total, 1.0)
-    share = jnp.where(jnp.isfinite(share), share, 0.0)
-    weight, rate = state.trial_weight, state.trial_rate
-    mean_weight = jnp.sum(share * weight**2) / jnp.maximum(jnp.sum(share * weight), 1e-12)
-    mean_rate = jnp.sum(share * rate)
-    success = (total > 0.0) & (jnp.sum(share) > 0.5)
+    success = jnp.all(jnp.isfinite(sums)) & (sums[0] > 0.0) & (sums[1] > 0.0)
+    total, first, second, rate = jnp.where(success, sums, 1.0)
     here = (jnp.arange(state.memory_weight.shape[0]) == state.slot) & success
     slot = (state.slot + success) % state.memory_weight.shape[0]
     return (
-        jnp.where(here, mean_weight, state.memory_weight),
-        jnp.where(here, mean_rate, state.memory_rate),
+        jnp.where(here, second / first, state.memory_weight),
+        jnp.where(here, rate / total, state.memory_rate),
         slot.astype(jnp.int32),
     )
 

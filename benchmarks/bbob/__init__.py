@@ -1,0 +1,1 @@
+"""The 24 noiseless functions of BBOB (COCO), ours beside other libraries: see ``__main__``."""

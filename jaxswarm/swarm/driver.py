@@ -1,0 +1,241 @@
+"""Ask and tell: a search whose objective runs on the host, in NumPy, SciPy, MuJoCo or a laboratory.
+
+    driver = Driver(optimizer, space, key, num_steps=100)
+    while not driver.finished:
+        driver.tell([objective(params) for params in driver.ask()])
+    driver.result()
+
+:meth:`Driver.run` does the same with one call, a pool of workers and a time limit for each candidate.
+"""
+
+import concurrent.futures
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxswarm.errors import InputError
+from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
+from jaxswarm.swarm.random import fold
+from jaxswarm.swarm.repeating import first
+from jaxswarm.swarm.result import Result, Status
+from jaxswarm.swarm.search import going_on, optimizer_for, rule, start_for
+from jaxswarm.swarm.space import Space
+from jaxswarm.swarm.start import begun
+from jaxswarm.swarm.stopping import NO_FINITE_VALUE, STEPS_DONE, Progress, ask
+
+__all__ = ["Driver"]
+
+LOOK = 0.02
+"""Seconds between two looks at which candidates are running: a time limit is kept to within this."""
+
+
+class Driver:
+    """Step by step through a search; the same steps as ``minimize`` with the same key makes.
+
+    Args:
+      optimizer, space, key, num_steps, start, stop, state: as for ``minimize``. A stop rule ends the
+        search by ``finished``; who goes on telling is not held.
+
+    Attributes:
+      state: of the optimizer; ``save(path, driver.state)`` and ``Driver(..., state=restore(...))`` go
+        on in another process.
+      history: best value after every step, a list of floats.
+      num_timeouts: candidates so far that were given up by :meth:`run`.
+
+    >>> import numpy as np
+    >>> from jaxswarm.swarm import pso
+    >>> driver = Driver(pso(8), Space(x=(-5.0, 5.0)), jax.random.key(0), num_steps=40)
+    >>> while not driver.finished:
+    ...     driver.tell([np.square(params["x"] - 2.0) for params in driver.ask()])
+    >>> round(float(driver.result().params["x"]), 2)
+    2.0
+    """
+
+    def __init__(
+        self,
+        optimizer: Any,
+        space: Space,
+        key: jax.Array,
+        *,
+        num_steps: int,
+        start: Any = None,
+        stop: Any = None,
+        state: Any = None,
+    ):
+        if not isinstance(space, Space):
+            raise InputError(f"space={space!r} must be a Space, e.g. Space(x=(-5.0, 5.0)).")
+        self.space = space
+        self.num_steps = at_least("num_steps", num_steps, 1, "a search needs a step")
+        self._optimizer = optimizer_for(optimizer, num_steps, state)
+        self._key, self._stop = key, rule(stop)
+        begin = start_for(space, start, state)
+        self._carry = going_on(state, self._stop)
+        if self._carry is None:
+            self._carry = first(begun(self._optimizer, key, space, begin), self._stop)
+        self.history: list[float] = []
+        self.num_timeouts = 0
+
+    @property
+    def state(self) -> Any:
+        """State of the optimizer."""
+        return self._carry.state
+
+    @property
+    def finished(self) -> bool:
+        """Whether all steps are done or the stop rule has fired."""
+        return bool(self._carry.done) or len(self.history) >= self.num_steps
+
+    def ask_population(self) -> Any:
+        """The candidates as one tree of NumPy arrays with a leading axis n."""
+        return jax.tree.map(np.asarray, _decoded(self.space, self.state.position))
+
+    def ask(self) -> list[Any]:
+        """The candidates, a list of n parameters with NumPy numbers, choices as indices."""
+        population = self.ask_population()
+        return [jax.tree.map(lambda leaf, i=i: leaf[i], population) for i in range(self.size)]
+
+    @property
+    def size(self) -> int:
+        """Number of candidates n in a step."""
+        return self.state.position.shape[0]
+
+    def tell(self, value: Sequence[float] | np.ndarray) -> None:
+        """Give the values (n,) of what was asked, in its order, and make the step; NaN counts as +inf.
+
+        For an optimizer with several numbers a candidate, (n, k).
+        """
+        value = jnp.asarray(np.asarray([np.asarray(one, float) for one in value]))
+        width = num_values(self._optimizer)
+        expected = (self.size,) if width is None else (self.size, width)
+        if value.shape != expected:
+            raise InputError(
+                f"value has shape {value.shape}, expected {expected}: tell all candidates."
+            )
+        given = self._optimizer, self._key, self._carry, value, self._stop
+        self._carry = _step(*given)
+        self.history.append(float(self._carry.state.best_value))
+
+    def run(
+        self,
+        fn: Callable[[Any], float],
+        *,
+        pool: concurrent.futures.Executor | None = None,
+        timeout: float | None = None,
+        vectorized: bool = False,
+        forgive: tuple[type[BaseException], ...] = (),
+    ) -> Result:
+        """Evaluate and tell until the search is finished.
+
+        Args:
+          fn: objective on the host, ``fn(params) -> float``; with ``vectorized``,
+            ``fn(population) -> (n,)``.
+          pool: workers that share the candidates of a step, e.g. ``ProcessPoolExecutor(8)``; default
+            one after the other, here.
+          timeout: seconds after which a running candidate is given up and told as +inf; needs a pool.
+            Its worker is busy until the function returns all the same, and a candidate that has found
+            no free worker for as long is given up too: let the function bound itself where it can.
+          vectorized: whether ``fn`` takes all candidates at once.
+          forgive: exceptions of ``fn`` that count as +inf; any other ends the search.
+
+        Returns:
+          As :meth:`result`.
+        """
+        if timeout is not None and pool is None:
+            raise InputError(f"timeout={timeout} needs a pool: nothing else can be waited for.")
+        if vectorized and pool is not None:
+            raise InputError("vectorized=True asks for all at once, which no pool can share out.")
+        while not self.finished:
+            if vectorized:
+                self.tell(fn(self.ask_population()))
+            elif pool is None:
+                self.tell([_tried(fn, params, forgive) for params in self.ask()])
+            else:
+                values, late = _shared_out(fn, self.ask(), pool, timeout, forgive)
+                self.num_timeouts += late
+                self.tell(self._filled(values))
+        return self.result()
+
+    def _filled(self, values):
+        width = num_values(self._optimizer)
+        lost = np.inf if width is None else np.full(width, np.inf)
+        return [lost if value is None else value for value in values]
+
+    def result(self) -> Result:
+        """What ``minimize`` would return by now; the history holds the steps told so far."""
+        state, steps = self.state, jnp.asarray(len(self.history), jnp.int32)
+        code = self._carry.code if bool(self._carry.done) else STEPS_DONE
+        code = jnp.where(state.best_value < jnp.inf, code, NO_FINITE_VALUE)
+        return Result(
+            params=self.space.decode(state.best_position),
+            value=state.best_value,
+            position=state.best_position,
+            status=Status(code.astype(jnp.int32)),
+            num_steps=steps,
+            num_evaluations=steps * self.size,
+            history=jnp.asarray(self.history),
+            state=state,
+        )
+
+
+@jax.jit
+def _decoded(space, position):
+    return jax.vmap(space.decode)(position)
+
+
+@jax.jit
+def _step(optimizer, key, carry, value, stop):
+    old = carry.state
+    value = comparable(value, old.position.dtype)
+    state, info = optimizer.update(fold(key, old.count), old, value)
+    since = jnp.where(info.improved, 0, carry.since + 1)
+    carry = carry._replace(state=state, since=since, num_steps=carry.num_steps + 1)
+    if stop is None:
+        return carry
+    progress = Progress(state.count, state.best_value, since, info.diversity)
+    here, reason, memory = ask(stop, progress, carry.memory)
+    code = jnp.where(here & ~carry.done, reason, carry.code)
+    return carry._replace(memory=memory, done=carry.done | here, code=code)
+
+
+def _tried(fn, params, forgive):
+    try:
+        return fn(params)
+    except forgive:
+        return np.inf
+
+
+def _shared_out(fn, candidates, pool, timeout, forgive):
+    """Values in order, None where a candidate was given up, and how many these are."""
+    futures = [pool.submit(_tried, fn, params, forgive) for params in candidates]
+    try:
+        late = _waited(futures, timeout)
+        values = [None if one in late else one.result() for one in futures]
+    finally:
+        for one in futures:
+            one.cancel()
+    return values, len(late)
+
+
+def _waited(futures, timeout):
+    """Wait for all; the set of those that ran, or waited while nothing moved, for too long."""
+    if timeout is None:
+        concurrent.futures.wait(futures, return_when=concurrent.futures.FIRST_EXCEPTION)
+        return set()
+    waiting, late, began = set(futures), set(), {}
+    moved = time.monotonic()
+    while waiting:
+        done, waiting = concurrent.futures.wait(waiting, timeout=LOOK)
+        now = time.monotonic()
+        started = {one for one in waiting if one.running()} - began.keys()
+        began |= dict.fromkeys(started, now)
+        moved = now if done or started else moved
+        # Where all workers are held by what was given up, what queues behind them moves no more.
+        stuck = now - moved >= timeout
+        over = {one for one in waiting if now - began.get(one, now) >= timeout or stuck}
+        late |= over
+        waiting -= over
+    return late

@@ -1,0 +1,91 @@
+"""One default: which strategy to take, from what is known before a search.
+
+Known when a search begins are the number of dimensions d, and possibly how many evaluations there may be,
+how many candidates are evaluated side by side, and whether values are noisy. The rules, first that holds:
+
+    d above 200                                      lm_ma_es: a matrix of d^2 numbers is not learned
+    fewer than 3 d^2 evaluations, d at least 10      sep_cma_es: too few to learn correlations
+    noisy                                            ipop_cma_es from a population four times the default
+    else                                             bipop_cma_es: nothing is known, so a bit of everything
+
+``python -m benchmarks.bbob`` shows what they rest on. The state is that of the strategy taken.
+"""
+
+from typing import Any
+
+import jax
+
+from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.optimizers.cma_es import default_population
+from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
+from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es
+from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es
+from jaxswarm.swarm.pytree import pytree, static
+from jaxswarm.swarm.random import check_source
+
+__all__ = ["Auto", "auto"]
+
+LARGE = 200
+"""Dimensions above which an eigendecomposition costs more than most objectives."""
+LEARNING = 3
+"""Evaluations over d^2 below which CMA-ES has not learned more than scales."""
+FEW = 10
+"""Dimensions below which learning correlations takes no time worth saving."""
+AGAINST_NOISE = 4
+"""Times the default population: the mean over more candidates is what averages noise out."""
+
+
+@pytree
+class Auto:
+    """See :func:`auto`."""
+
+    num_particles: int | None = static()
+    num_evaluations: int | None = static()
+    noisy: bool = static()
+    random: str = static()
+
+    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> Any:
+        """The first state of the strategy for so many dimensions."""
+        return self.choose(num_dims).init(key, num_dims, dtype)
+
+    def update(self, key: jax.Array, state: Any, value: jax.Array):
+        """The update of the strategy for so many dimensions."""
+        return self.choose(state.position.shape[1]).update(key, state, value)
+
+    def choose(self, num_dims: int) -> Any:
+        """Return the optimizer that is used in ``num_dims`` dimensions."""
+        n, random = self.num_particles, self.random
+        budget = self.num_evaluations
+        if num_dims > LARGE:
+            return lm_ma_es(n, random=random)
+        if budget is not None and num_dims >= FEW and budget < LEARNING * num_dims**2:
+            return sep_cma_es(n, random=random)
+        if self.noisy:
+            return ipop_cma_es(n or AGAINST_NOISE * default_population(num_dims), random=random)
+        return bipop_cma_es(n, random=random)
+
+
+def auto(
+    num_particles: int | None = None,
+    *,
+    num_evaluations: int | None = None,
+    noisy: bool = False,
+    random: str = "hash",
+) -> Auto:
+    """Choose a strategy from what is known: dimension, budget, parallel width, noise.
+
+    Args:
+      num_particles: candidates evaluated side by side in every step, at least 4; default what suits
+        the strategy.
+      num_evaluations: evaluations there will be; default unknown, taken for many.
+      noisy: whether the same candidate may get different values.
+      random: ``"hash"`` or ``"threefry"``.
+
+    >>> type(auto().choose(20)).__name__, type(auto().choose(1000)).__name__
+    ('CMARestarts', 'LMMAES')
+    """
+    if num_particles is not None:
+        num_particles = at_least("num_particles", num_particles, 4, "half of them are parents")
+    if num_evaluations is not None:
+        num_evaluations = at_least("num_evaluations", num_evaluations, 1, "nothing could be tried")
+    return Auto(num_particles, num_evaluations, bool(noisy), check_source(random))

@@ -1,0 +1,142 @@
+r"""When a CMA-ES has nothing more to find: the criteria of the tutorial's appendix B.3.
+
+    tol_x          standard deviations of all coordinates and sigma p_c below tol_x sigma_0
+    tol_fun        the best values of the last 10 + ceil(30 d / n) generations are all equal, or they
+                   and all values of the present one lie within tol_fun
+    stagnation     of the best and of the median values of the last 20 % of all generations, at least
+                   120 + 30 d / n, neither has a better median in the latest than in the first 30 %
+    condition      largest over smallest eigenvalue of C above 1e14 (1 / (2 eps) if that is less)
+    no effect      0.1 standard deviations along an axis, or 0.2 along a coordinate, are lost in the
+                   rounding of the mean
+    diverged       the longest axis has grown 1e4 times
+
+The first that holds is kept. The search may go on: ``restart`` begins anew, a stop rule ends it.
+Histories have a fixed length. Of a search longer than five times the shortest window only one in
+some generations is entered, so that they reach back over about 20 % of it.
+
+Reference:
+    N. Hansen, "The CMA evolution strategy: a tutorial", 2016, arXiv 1604.00772, B.3.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.swarm.optimizers.cma_distribution import Distribution, deviations
+
+__all__ = ["REASONS", "Watch", "unwatched", "watch"]
+
+REASONS = (
+    "searching",
+    "the distribution is as small as tol_x",
+    "values differ by less than tol_fun",
+    "best and median values stagnate",
+    "condition number of the covariance too high",
+    "a step along an axis is lost in rounding",
+    "a step along a coordinate is lost in rounding",
+    "the distribution has grown without bound",
+)
+"""Text of each code of :class:`Watch`."""
+
+CONDITION = 1e14
+GROWTH = 1e4
+SHARE = 0.3
+"""First and latest part of a history that are compared."""
+WINDOW_OF = 5
+"""A window is a fifth of all generations."""
+
+
+class Watch(NamedTuple):
+    """What the criteria look back on, and the first that held.
+
+    Attributes:
+      recent_value: (r,) best values of the last generations, in a ring.
+      best_value, median_value: (w,) of entered generations, in a ring.
+      entered: () int32, entries made.
+      code: () int32, index into ``REASONS``, 0 as long as none holds.
+    """
+
+    recent_value: jax.Array
+    best_value: jax.Array
+    median_value: jax.Array
+    entered: jax.Array
+    code: jax.Array
+
+
+def unwatched(n: int, d: int, dtype: Any) -> Watch:
+    """Return empty histories for populations of n or more."""
+    window = 120 + math.ceil(30 * d / n)
+    zero = jnp.zeros((), jnp.int32)
+    blank = jnp.full((window,), jnp.inf, dtype)
+    return Watch(jnp.full((10 + math.ceil(30 * d / n),), jnp.inf, dtype), blank, blank, zero, zero)
+
+
+def watch(
+    old: Watch, now: Distribution, value: jax.Array, n: Any, sigma: Any, tol_x: Any, tol_fun: Any
+) -> Watch:
+    """Enter a generation and ask every criterion.
+
+    Args:
+      old: histories before it.
+      now: the distribution after its update.
+      value: (rows,) values in rising order, of which the first n count.
+      n: candidates of a generation, possibly traced.
+      sigma: first step size.
+      tol_x, tol_fun: see the head of this file.
+    """
+    generation = now.generation
+    best, median, worst = value[0], value[n // 2], value[n - 1]
+    recent = old.recent_value.at[(generation - 1) % old.recent_value.size].set(best)
+    window = old.best_value.size
+    due = generation % jnp.maximum(1, generation // (WINDOW_OF * window)) == 0
+    place = jnp.where(due, old.entered % window, window)
+    history = [
+        ring.at[place].set(v, mode="drop")
+        for ring, v in ((old.best_value, best), (old.median_value, median))
+    ]
+    entered = old.entered + due
+
+    highest, lowest = recent.max(), recent.min()
+    flat = (highest == lowest) | (jnp.maximum(highest, worst) - lowest <= tol_fun)
+    stale = due & (entered >= window) & _no_better(jnp.stack(history), entered)
+    here = jnp.stack(
+        [
+            _small(now, tol_x * sigma),
+            flat & (generation >= recent.size),
+            stale,
+            _ill(now),
+            _lost_axis(now),
+            jnp.any(now.mean == now.mean + 0.2 * deviations(now)),
+            now.sigma * now.spread.max() > GROWTH * sigma,
+        ]
+    )
+    code = jnp.where(here.any(), 1 + jnp.argmax(here), 0).astype(jnp.int32)
+    return Watch(recent, *history, entered, jnp.where(old.code > 0, old.code, code))
+
+
+def _small(now, limit):
+    path = now.sigma * jnp.abs(now.path_covariance)
+    return jnp.all((deviations(now) < limit) & (path < limit))
+
+
+def _ill(now):
+    limit = jnp.minimum(CONDITION, 0.5 / jnp.finfo(now.spread.dtype).eps)
+    return (now.spread.max() / now.spread.min()) ** 2 > limit
+
+
+def _lost_axis(now):
+    axis = now.generation % now.mean.size
+    step = 0.1 * now.sigma * now.spread[axis] * now.basis[:, axis]
+    return jnp.all(now.mean == now.mean + step)
+
+
+def _no_better(history, entered):
+    """Whether the latest share of both histories (2, w) has no lower median than the first."""
+    window = history.shape[1]
+    count = int(SHARE * window)
+    oldest = jnp.arange(count)
+    places = jnp.stack([oldest, window - 1 - oldest]) + entered
+    first, latest = jnp.moveaxis(jnp.sort(history[:, places % window])[..., count // 2], 1, 0)
+    return jnp.all(latest >= first)

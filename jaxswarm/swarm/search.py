@@ -1,0 +1,141 @@
+"""The compiled program of a search, from a carry to a result; ``minimize`` and its kin call it."""
+
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from jaxswarm.errors import InputError
+from jaxswarm.swarm.loop import Loop
+from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
+from jaxswarm.swarm.pytree import as_part
+from jaxswarm.swarm.repeating import Carry, first, held, repeat_all, repeat_until
+from jaxswarm.swarm.result import Result, Status
+from jaxswarm.swarm.schedules import for_run
+from jaxswarm.swarm.space import Space
+from jaxswarm.swarm.start import Start, begun, points_of
+from jaxswarm.swarm.stopping import NO_FINITE_VALUE
+
+__all__ = [
+    "best_value",
+    "going_on",
+    "optimizer_for",
+    "rule",
+    "search",
+    "start_for",
+    "the_loop",
+]
+
+
+def best_value(state: Any, info: Info) -> jax.Array:
+    """Record the best value so far: what ``minimize`` keeps of each step by default."""
+    return info.value_best
+
+
+@jax.jit
+def search(
+    loop: Loop, optimizer, space, key, args, stop, start, carry: Carry | None
+) -> tuple[Result, Carry]:
+    """Make the steps of ``loop`` from a carry, or from the beginning where it is None.
+
+    Args:
+      start: None, or ``(points (k, d), spread)``; see ``begin``.
+      carry: of a search that goes on; its history is the caller's to join.
+    """
+    if carry is None:
+        carry = first(loop.map(lambda k: begun(optimizer, k, space, start))(key), stop)
+    _check_state(carry.state, space, loop.runs)
+    before = carry.num_steps
+    step = partial(loop.advance, optimizer, space, key, args)
+    run = repeat_all if stop is None else partial(repeat_until, stop)
+    carry, history = run(loop, step, carry)
+    if stop is not None:
+        history = held(history, carry.num_steps - before, 1 if loop.runs else 0)
+
+    state = carry.state
+    code = jnp.where(state.best_value < jnp.inf, carry.code, NO_FINITE_VALUE)
+    result = Result(
+        params=loop.map(space.decode)(state.best_position),
+        value=state.best_value,
+        position=state.best_position,
+        status=Status(code.astype(jnp.int32)),
+        num_steps=carry.num_steps,
+        num_evaluations=carry.num_steps * state.position.shape[-2],
+        history=history,
+        state=state,
+    )
+    return result, carry
+
+
+def the_loop(
+    fn,
+    space,
+    num_steps,
+    *,
+    record=None,
+    vectorized=False,
+    progress=None,
+    progress_every=1,
+    runs=False,
+    noisy=False,
+    args_axes=None,
+) -> Loop:
+    """Check and collect what a search depends on besides numbers."""
+    if not callable(fn):
+        raise InputError(f"fn={fn!r} must be a function of (params, args).")
+    if not isinstance(space, Space):
+        raise InputError(f"space={space!r} must be a Space, e.g. Space(x=(-5.0, 5.0)).")
+    return Loop(
+        fn=as_part(fn),
+        record=as_part(record or best_value),
+        num_steps=at_least("num_steps", num_steps, 1, "a search needs a step"),
+        vectorized=bool(vectorized),
+        progress=progress,
+        progress_every=at_least(
+            "progress_every", progress_every, 1, "progress is told now and then"
+        ),
+        runs=runs,
+        noisy=bool(noisy),
+        args_axes=args_axes,
+    )
+
+
+def optimizer_for(optimizer, num_steps, state=None):
+    """The optimizer with schedules that end with this call, whatever was done before it."""
+    done = 0.0 if state is None else jnp.max(state.count).astype(float)
+    return for_run(as_optimizer(optimizer), done + num_steps)
+
+
+def rule(stop):
+    """The stop rule as a part of the program."""
+    if stop is not None and not callable(stop):
+        raise InputError(
+            f"stop={stop!r} must be a rule such as target(1e-6), stalled(50) or any_of(...)."
+        )
+    return None if stop is None else as_part(stop)
+
+
+def going_on(state, stop):
+    """The carry of a search that goes on from a state; None for one that begins."""
+    return None if state is None else first(state, stop)
+
+
+def start_for(space, start, state=None):
+    """Points and spread of a start, checked on the host; None without one."""
+    if start is None:
+        return None
+    if state is not None:
+        raise InputError("start and state are both given: a search that goes on has begun.")
+    if isinstance(start, Start):
+        return points_of(space, start.params), start.spread
+    return points_of(space, start), None
+
+
+def _check_state(state, space, runs):
+    rank = 3 if runs else 2
+    if state.position.ndim != rank or state.position.shape[-1] != space.size:
+        raise InputError(
+            f"state.position has shape {state.position.shape}, the space has {space.size} "
+            "coordinates: go on only with a state of the same optimizer and space."
+        )

@@ -1,0 +1,106 @@
+"""Constraints on problems of the CEC 2006 collection, whose optima are published."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxswarm.errors import InputError
+from jaxswarm.swarm import (
+    Space,
+    augmented_lagrangian,
+    cma_es,
+    constrained,
+    de,
+    epsilon_level,
+    feasibility_rules,
+    minimize,
+    minimize_runs,
+    pso,
+    restart,
+)
+from jaxswarm.swarm.handling import feasible_first, total
+
+KEY = jax.random.key(0)
+
+
+def g06(x, _):
+    """J. J. Liang et al., "Problem definitions ... CEC 2006": -6961.81388 at (14.095, 0.84296)."""
+    inner = -((x[0] - 5.0) ** 2) - (x[1] - 5.0) ** 2 + 100.0
+    outer = (x[0] - 6.0) ** 2 + (x[1] - 5.0) ** 2 - 82.81
+    return (x[0] - 10.0) ** 3 + (x[1] - 20.0) ** 3, jnp.array([inner, outer]) / 100.0
+
+
+def g11(x, _):
+    """The same: 0.75 at (+-sqrt(1/2), 1/2), one equality."""
+    return x[0] ** 2 + (x[1] - 1.0) ** 2, jnp.array([x[1] - x[0] ** 2])
+
+
+G06 = Space.vector([13.0, 0.0], [100.0, 100.0])
+G11 = Space.vector([-1.0, -1.0], [1.0, 1.0])
+HANDLINGS = (feasibility_rules(), epsilon_level(), augmented_lagrangian())
+
+
+@pytest.mark.parametrize(
+    "handling, inner",
+    [(HANDLINGS[0], de(40)), (HANDLINGS[1], de(40)), (HANDLINGS[2], cma_es(24))],
+    ids=lambda part: type(part).__name__,
+)
+def test_two_inequalities_that_leave_a_sliver(handling, inner):
+    found = minimize(g06, constrained(inner, 2, handling=handling), G06, KEY, num_steps=300)
+    assert float(found.state.violation) == 0.0
+    value, constraints = g06(found.params, None)
+    assert bool((constraints <= 0.0).all()) and float(value) == float(found.value)
+    assert -6961.8139 <= float(found.value) < -6961.0
+
+
+@pytest.mark.parametrize("handling", HANDLINGS[1:], ids=lambda part: type(part).__name__)
+@pytest.mark.parametrize("inner", [de(40), cma_es(16)], ids=["de", "cma_es"])
+def test_an_equality(handling, inner):
+    optimizer = constrained(inner, 1, handling=handling, num_equalities=1)
+    found = minimize(g11, optimizer, G11, KEY, num_steps=300)
+    assert abs(float(g11(found.params, None)[1][0])) <= 1e-4
+    assert 0.7498 < float(found.value) < 0.7502
+
+
+def test_order_and_sum_of_violations():
+    value = jnp.array([3.0, 1e9, -1e9, -5.0])
+    violation = jnp.array([0.0, 0.0, 1e-9, 2.0])
+    assert jnp.argsort(feasible_first(value, violation)).tolist() == [0, 1, 2, 3]
+    single = feasible_first(*(jnp.asarray(a, jnp.float32) for a in (value, 1e4 * violation)))
+    assert bool(jnp.isfinite(single).all())
+    broken = total(jnp.array([[0.5, -1.0, 0.2], [-0.5, 0.25, -0.01]]), 1, 0.05)
+    np.testing.assert_allclose(broken, [0.65, 0.25])
+
+
+def test_a_changing_level_judges_memories_anew():
+    """What passed under a high level must not lead when the level has fallen."""
+    optimizer = constrained(pso(12), 1, handling=epsilon_level(10), num_equalities=1)
+    found = minimize(g11, optimizer, G11, KEY, num_steps=30)
+    inner, numbers = found.state.inner, found.state.numbers
+    values = jnp.stack([jnp.append(*g11(x, None)) for x in G11.lower + 2 * inner.memory_position])
+    np.testing.assert_allclose(numbers, values, rtol=1e-9)
+    broken = total(numbers[:, 1:], 1, 1e-4)
+    assert float(found.state.handling[0]) == 0.0
+    np.testing.assert_allclose(inner.memory_value, feasible_first(numbers[:, 0], broken))
+
+
+def test_runs_vectorized_and_wrapped():
+    def whole(x, _):
+        return (x**2).sum(axis=1), 1.0 - x.sum(axis=1, keepdims=True)
+
+    keys = jax.random.split(KEY, 3)
+    space = Space.vector([-3.0] * 2, [3.0] * 2)
+    optimizer = restart(constrained(pso(10), 1))
+    found = minimize_runs(whole, optimizer, space, keys, num_steps=80)
+    np.testing.assert_allclose(found.value, 0.5, rtol=1e-2)
+
+
+def test_what_does_not_fit_is_refused():
+    options = dict(space=G11, key=KEY, num_steps=2)
+    with pytest.raises(InputError, match="one row of 3 numbers a candidate"):
+        minimize(g11, constrained(pso(4), 2), **options)
+    with pytest.raises(InputError, match="put other wrappers around"):
+        minimize(g11, constrained(restart(pso(4)), 1, handling=epsilon_level()), **options)
+    with pytest.raises(InputError, match="num_equalities=2 is more than num_constraints=1"):
+        constrained(pso(4), 1, num_equalities=2)

@@ -1,0 +1,165 @@
+"""What an optimizer or a space may be given, and what is refused at once, with the remedy."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxswarm.errors import InputError
+from jaxswarm.swarm import (
+    OPTIMIZERS,
+    Space,
+    de,
+    elitist_learning,
+    freeze,
+    islands,
+    minimize,
+    polish,
+    pso,
+    restart,
+    spso2011,
+    target,
+)
+from jaxswarm.swarm.optimizers.base import as_optimizer
+from jaxswarm.swarm.polish import _candidates, _distinct
+
+KEY = jax.random.key(0)
+SPACE = Space.vector([-5.0] * 2, [5.0] * 2)
+SWARM = pso(6)
+
+
+class Pair(NamedTuple):
+    init: Any
+    update: Any
+
+
+class Methods:
+    def init(self, key, num_dims, dtype=None):
+        return SWARM.init(key, num_dims, dtype)
+
+    def update(self, key, state, value):
+        return SWARM.update(key, state, value)
+
+
+def sphere(x, center):
+    return jnp.sum((x - center) ** 2)
+
+
+def search(optimizer, **options):
+    return minimize(sphere, optimizer, SPACE, KEY, 1.0, num_steps=4, **options)
+
+
+@pytest.mark.parametrize("optimizer", [Pair(SWARM.init, SWARM.update), Methods()])
+def test_functions_and_objects_are_optimizers(optimizer):
+    np.testing.assert_array_equal(search(optimizer).history, search(SWARM).history)
+    assert restart(optimizer).init(KEY, 2).position.shape == (6, 2)
+
+
+@pytest.mark.parametrize(
+    "build, message",
+    [
+        (lambda: search(pso), r"optimizer=pso is a factory.*call it, pso\(\)"),
+        (lambda: restart(pso), "factory"),
+        (lambda: elitist_learning(de), "factory"),
+        (lambda: freeze(de, [True, False], [0.5, 0.5]), "factory"),
+        (lambda: islands([pso(6), de(6)]), "list of 2: give a single optimizer; islands"),
+        (lambda: search(3.0), "no init and update"),
+        (lambda: search(Pair(SWARM.init, lambda k, s, v: (s, None))), "info=None.*value_best"),
+        (lambda: minimize(sphere, SWARM, [(0, 1)], KEY, num_steps=2), "must be a Space"),
+        (lambda: Space.vector([0.0] * 3, [1.0] * 3, names=["a"]), "names has 1 entries, lower 3"),
+        (lambda: Space.vector([0.0] * 2, [1.0] * 2, scale=["linear"]), "scale has 1 entries"),
+        (lambda: Space.vector([0.0] * 2, [1.0] * 2, units=["m"] * 3), "units has 3 entries"),
+        (lambda: Space.vector([0.0] * 2, [1.0] * 3), "shape"),
+        (lambda: Space(a=(0.0, 1.0)).encode({"b": 0.5}), r"\['a'\] missing, \['b'\] unknown"),
+        (lambda: SPACE.encode(jnp.ones(3)), "params hold 3 numbers"),
+        (lambda: SPACE.encode(0.5), "params hold 1 numbers"),
+    ],
+)
+def test_refused_at_once(build, message):
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+@pytest.mark.parametrize("shape", [(), (3,)])
+def test_another_number_of_values_is_refused(name, shape):
+    optimizer = OPTIMIZERS[name].factory(8)
+    state = jax.eval_shape(lambda key: optimizer.init(key, 2), KEY)
+    with pytest.raises(InputError, match="one value for each row"):
+        jax.eval_shape(optimizer.update, KEY, state, jax.ShapeDtypeStruct(shape, float))
+
+
+def test_the_prototype_of_a_state_needs_no_numbers():
+    state = jax.eval_shape(lambda key: SWARM.init(key, 3), KEY)
+    assert state.position.shape == (6, 3)
+
+
+def test_bounds_are_mapped_and_differentiated():
+    def best(width):
+        space = Space(a=(-width, width))
+        return minimize(lambda p, _: (p["a"] - 3.0) ** 2, SWARM, space, KEY, num_steps=9).value
+
+    widths = jnp.array([1.0, 2.0])
+    np.testing.assert_allclose(jax.vmap(best)(widths), [4.0, 1.0], rtol=1e-2)
+    assert float(jax.grad(best)(1.0)) == pytest.approx(-4.0, rel=1e-2)
+
+    def flat(width):
+        space = Space.vector(-width, width)
+        return minimize(sphere, SWARM, space, KEY, 0.0, num_steps=3).params
+
+    assert jax.vmap(flat)(jnp.ones((2, 3))).shape == (2, 3)
+
+
+def test_gradients_through_a_ball_rule_are_finite():
+    def best(inertia):
+        return minimize(sphere, spso2011(6, inertia=inertia), SPACE, KEY, 1.0, num_steps=6).value
+
+    slope, difference = float(jax.grad(best)(0.7)), float(best(0.7 + 1e-6) - best(0.7 - 1e-6))
+    assert slope == pytest.approx(difference / 2e-6, rel=1e-4)
+
+
+def test_reverse_mode_with_a_stop_rule_is_told_and_forward_mode_works():
+    def best(center, stop):
+        return minimize(sphere, SWARM, SPACE, KEY, center, num_steps=4, stop=stop).value
+
+    for through in (jax.grad(best), jax.grad(jax.jit(best))):
+        with pytest.raises(InputError, match="no reverse mode.*Leave stop out"):
+            through(1.0, target(-1.0))
+    with pytest.raises(InputError, match="no reverse mode"):
+        jax.grad(lambda centers: jax.vmap(best, (0, None))(centers, target(-1.0)).sum())(
+            jnp.ones(2)
+        )
+    forward = jax.jacfwd(best)(1.0, target(-1.0))
+    assert float(forward) == pytest.approx(float(jax.jacfwd(best)(1.0, None)))
+
+
+def test_polish_starts_at_points_that_differ():
+    members = jnp.array([[0.5, 0.51], [0.5, 0.51], [0.5, 0.51], [0.2, 0.3], [0.9, 0.9]])
+    state = de(5).init(KEY, 2)._replace(members=members, best_position=members[0])
+    points = _candidates(state)
+    starts = _distinct(points, jnp.sum((points - 0.5) ** 2, axis=1), 4)
+    np.testing.assert_allclose(starts, [[0.5, 0.51], [0.2, 0.3], [0.9, 0.9], [0.5, 0.51]])
+    wrapped = restart(de(5)).init(KEY, 2)
+    assert _candidates(wrapped._replace(inner=state)).shape == (6, 2)
+    # Two valleys, the deeper one where only a worse member lies.
+    two = lambda x, _: jnp.minimum(jnp.sum(x**2) + 1.0, 5.0 * jnp.sum((x - 3.5) ** 2))  # noqa: E731
+    assert float(polish(two, SPACE, state, num_steps=20, top=3).value) < 0.5
+    assert float(polish(two, SPACE, state, num_steps=20, top=1).value) >= 1.0
+
+
+def test_a_result_reads_as_one_line():
+    long = Space.vector([-1.0] * 40, [1.0] * 40)
+    wide = repr(minimize(sphere, SWARM, long, KEY, 0.0, num_steps=1))
+    assert "\n" not in wide and len(wide) < 400
+    text = repr(search(SWARM))
+    assert len(text) < 300 and "value=" in text and "all steps done" in text
+    assert "history" not in text and "PSOState" in text
+    runs = jax.vmap(lambda key: minimize(sphere, SWARM, SPACE, key, 0.0, num_steps=2))
+    assert "3 runs" in repr(runs(jax.random.split(KEY, 3)))
+    assert "Result" in repr(jax.tree.map(jnp.shape, search(SWARM)))
+
+
+def test_as_optimizer_keeps_what_is_one():
+    assert as_optimizer(SWARM) == SWARM
