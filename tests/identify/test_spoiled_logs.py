@@ -75,13 +75,13 @@ REFUSED = {
     "time twice as fast": ("time_scale", lambda log: replace(log, t=0.5 * log.t, dq=None)),
     "torque of joint 1 late by 20 ms": (
         "late_torque", lambda log: replace(log, tau=column(log.tau, 0, lambda x: late(log.t, x)))),
+    "kN m": ("torque_unit", lambda log: replace(log, tau=1e-3 * log.tau)),
     "mN m": ("torque_unit", lambda log: replace(log, tau=1e3 * log.tau)),
     "three percent of spikes": ("spikes", lambda log: with_spikes(log, "tau", 150)),
     "lost samples": ("lost_samples", with_loss),
     "clipped torque": ("saturation", clipped),
 }  # fmt: skip
 TOLD = {
-    "kN m": ("torque_unit", lambda log: replace(log, tau=1e-3 * log.tau)),
     "torque spikes": ("spikes", lambda log: with_spikes(log, "tau", 5)),
     "position spikes": ("spikes", lambda log: with_spikes(log, "q", 5)),
     "stuck encoder": ("stuck", with_stop),
@@ -121,6 +121,12 @@ def test_what_can_be_mended_or_judged_is_told(clean, arm, spoiling):
     log = spoil(clean)
     told, _ = checked(log, arm, Filtering())
     assert {note.split(":")[0] for note in new_notes(log, told)} - {"Split at 1 gap"} == {check}
+
+
+def test_torques_light_for_an_arm_of_unknown_masses_are_told(clean, arm):
+    bare = arm.replace(parameters=np.zeros((3, 10)))
+    told, _ = checked(replace(clean, tau=1e-3 * clean.tau), bare, Filtering())
+    assert any("--columns tau:kNm" in note for note in told.notes)
 
 
 def test_bridged_spikes_leave_the_log_as_it_was(clean, arm):

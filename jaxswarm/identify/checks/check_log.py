@@ -78,7 +78,10 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     if not enough(robot, samples):
         return dead_encoders(robot, samples)
     rough = Rough(robot, samples)
-    found = [wrong_channels(robot, rough), wrong_unit(robot, samples), unrelated(rough)]
+    channels = wrong_channels(robot, rough)
+    # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
+    unit = None if channels else wrong_unit(robot, samples)
+    found = [channels, unit, unrelated(rough)]
     if not any(found):
         found.append(late_torque(robot, rough))
     return [one for one in found if one is not None]
