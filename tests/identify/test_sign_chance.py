@@ -43,3 +43,12 @@ def test_a_joint_that_friction_drives_has_the_wrong_sign(seed):
         rx60(), Rough(rx60(), replace(one, tau=wrong * one.tau, tau_rate=wrong * one.tau_rate))
     )
     assert found.check == "torque_sign" and "joint1" in found.what
+
+
+def test_scales_are_not_asked_of_a_fit_of_few_rows():
+    few, many = (Rough(rx60(), samples(0.3, 0.5, 0, rows=rows)) for rows in (60, 300))
+    assert few.rows_per_parameter < 3.0 < many.rows_per_parameter
+    for rough in (few, many):
+        half = Rough(rx60(), replace(rough.samples, tau=rough.samples.tau * [1.0, 0.5, 1.0]))
+        found = wrong_channels(rx60(), half)
+        assert (found is not None) == (rough is many)

@@ -128,6 +128,11 @@ class Rough:
             self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
         self._rows = len(laws)
 
+    @property
+    def rows_per_parameter(self) -> float:
+        """Rows over what is fitted to them, dependent columns counted once."""
+        return self._rows / self._solved(self.spread)[0].shape[1]
+
     def fit(self, mixtures: Sequence[np.ndarray], sigma: np.ndarray) -> list[Tried]:
         """Fit several mixtures of the torques at once, with the same weights.
 
