@@ -97,7 +97,8 @@ WORDS = re.compile(
 
 @pytest.mark.parametrize("path", FILES, ids=name)
 def test_one_word_for_one_thing(path):
-    assert not WORDS.findall(path.read_text(encoding="utf-8"))
+    text = path.read_text(encoding="utf-8").replace("touch-action", "")  # a property of CSS
+    assert not WORDS.findall(text)
 
 
 @pytest.mark.parametrize("wing", sorted(ARROWS))

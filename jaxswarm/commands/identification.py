@@ -86,13 +86,8 @@ def register(app: typer.Typer) -> None:
             optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
             estimator, physical, prior, prior_weight, tuple(accept or ()),
         )  # fmt: skip
-        inputs = (
-            *logs,
-            validation,
-            None if prior is None else Path(prior),
-            Path(robot),
-            effects_from,
-        )
+        near = None if prior is None else Path(prior)
+        inputs = (*logs, validation, near, Path(robot), effects_from)
         with work(out, inputs, _IDENTIFIED) as status:
             if effects_from:
                 register_from(effects_from)

@@ -4,6 +4,15 @@ from collections.abc import Iterable
 
 from jaxswarm.effects.base import REGISTRY
 
+# What MJCF calls a joint's attributes, as elements of SDF: of its dynamics, or Drake's own beside them.
+SDF_DYNAMICS = {
+    "damping": "damping",
+    "frictionloss": "friction",
+    "stiffness": "spring_stiffness",
+    "springref": "spring_reference",
+}
+SDF_OF_DRAKE = {"armature": "drake:rotor_inertia"}
+
 
 def with_effects(notes: Iterable[str], format: str = "mjcf") -> list[str]:
     """Notes on a robot file, with the effect to declare where one holds what was left out.

@@ -3,7 +3,7 @@
 The objective returns ``(value, constraints)`` for a candidate: a scalar and an array (m,) of
 inequalities c <= 0, the last ``num_equalities`` of them equalities c = 0. Of every candidate that the
 optimizer remembers all numbers are kept, so that a way to compare which changes (a level that falls,
-multipliers that learn) judges old and new candidates alike.
+multipliers that learn) compares old and new candidates alike.
 """
 
 from typing import Any, NamedTuple
@@ -65,7 +65,7 @@ class Constrained:
         inner = self.inner.init(fold(key, 1), num_dims, dtype=dtype)
         if self.handling.adapts and hasattr(inner, "inner"):
             raise InputError(
-                f"{type(self.handling).__name__} judges what is remembered anew, which a wrapper hides: "
+                f"{type(self.handling).__name__} values what is remembered anew, which a wrapper hides: "
                 "put other wrappers around constrained(...), not inside."
             )
         dtype = inner.position.dtype
@@ -100,7 +100,7 @@ class Constrained:
         value = value.astype(state.position.dtype)
         numbers = jnp.where(jnp.isnan(value), jnp.inf, value)
         state, improved = self._remember_best(state, numbers)
-        inner = self._judged_anew(state)
+        inner = self._valued_anew(state)
         single, violation = self._single(state.handling, numbers)
         inner = replace(inner, position=state.position)
         inner, info = self.inner.update(fold(key, 1), inner, single)
@@ -142,7 +142,7 @@ class Constrained:
         names = ("best_position", "best_value", "best_numbers", "violation")
         return state._replace(**dict(zip(names, best, strict=True))), improved
 
-    def _judged_anew(self, state):
+    def _valued_anew(self, state):
         """The wrapped state with the values of its memories, and its best, as they compare now."""
         inner = state.inner
         if hasattr(inner, "MEMORY"):

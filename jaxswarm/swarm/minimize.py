@@ -57,25 +57,21 @@ def minimize(
         population: ``params`` has a leading axis n and the result is (n,). NaN counts as +inf. A
         function that is the same object as in an earlier call is not compiled again, so pass data
         as ``args``.
-      optimizer: from a factory such as ``pso()``, or anything with ``init`` and ``update``. Schedules
-        without a length of their own end with this call.
+      optimizer: such as ``pso()``; schedules without a length of their own end with this call.
       space: names and bounds; its dtype is the dtype of the search.
       key: JAX key; the same key gives the same search.
       args: data handed to ``fn``, any pytree of arrays.
       num_steps: number of updates, an upper limit if there is a stop rule.
-      start: where to begin: parameters as ``space.decode`` returns them, a population of these with
-        a leading axis, or ``around(params, spread)``. What is given is evaluated in the first step,
-        and the mean of ``cma_es`` begins there; the other candidates are drawn as ever.
+      start: where to begin: parameters as ``space.decode`` returns them, a population of these, or
+        ``around(params, spread)``: evaluated first, and where the mean of ``cma_es`` begins.
       stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``. A search with one has
         no reverse mode (``jax.grad``); forward mode goes through.
       record: ``(state, info) -> pytree`` kept for every step; default the best value so far.
       vectorized: whether ``fn`` takes the whole population.
-      noisy: whether the objective is random: it is called ``fn(key, params, args)`` with a key of
-        its own for every step and candidate (with ``vectorized`` for every step). See
-        :mod:`jaxswarm.swarm.noise` for what the best of such values is worth.
+      noisy: whether the objective is random, ``fn(key, params, args)`` with a key for every step and
+        candidate (with ``vectorized`` for every step); see :mod:`jaxswarm.swarm.noise`.
       state: where to go on from, e.g. ``result.state`` of an earlier call with the same key.
-      progress: called on the host with (updates done, best value) every ``progress_every`` updates;
-        absent from the compiled program if None.
+      progress: called on the host with (updates done, best value); None leaves no trace.
       progress_every: updates between two calls of ``progress``.
 
     Returns:
@@ -92,9 +88,8 @@ def minimize(
     >>> round(float(result.params["x"]), 4), result.status.message, int(result.num_evaluations)
     (2.0, 'all steps done', 2000)
     """
-    options = dict(record=record, vectorized=vectorized, noisy=noisy)
-    telling = dict(progress=progress, progress_every=progress_every)
-    loop = the_loop(fn, space, num_steps, **options, **telling)
+    telling = dict(record=record, progress=progress, progress_every=progress_every)
+    loop = the_loop(fn, space, num_steps, vectorized=vectorized, noisy=noisy, **telling)
     optimizer = optimizer_for(optimizer, num_steps, state)
     stop, begin = rule(stop), start_for(space, start, state)
     return search(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]

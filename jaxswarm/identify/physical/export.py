@@ -14,6 +14,7 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
+from jaxswarm.effects.advice import SDF_DYNAMICS, SDF_OF_DRAKE
 from jaxswarm.identify.physical.consistency import check_physical
 from jaxswarm.identify.physical.export_parts import (
     numbers_text,
@@ -108,15 +109,6 @@ def export_mjcf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
     return write_with_side_file(root, Path(path), robot, left, {})
 
 
-# What MJCF calls a joint's attributes, as elements of SDF; the others are Drake's own.
-_SDF_DYNAMICS = {
-    "damping": "damping",
-    "frictionloss": "friction",
-    "stiffness": "spring_stiffness",
-    "springref": "spring_reference",
-}
-
-
 def export_sdf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> Path:
     """Write a robot and its effects as SDF for Gazebo and Drake, and a side file ``PATH.json``.
 
@@ -149,10 +141,10 @@ def export_sdf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> P
         xml.SubElement(axis, "xyz").text = numbers_text(robot.axis[i])
         dynamics = xml.SubElement(axis, "dynamics")
         for name, value in held.get(i, {}).items():
-            if name in _SDF_DYNAMICS:
-                xml.SubElement(dynamics, _SDF_DYNAMICS[name]).text = numbers_text([value])
+            if name in SDF_DYNAMICS:
+                xml.SubElement(dynamics, SDF_DYNAMICS[name]).text = numbers_text([value])
             else:
-                xml.SubElement(element, "drake:rotor_inertia").text = numbers_text([value])
+                xml.SubElement(element, SDF_OF_DRAKE[name]).text = numbers_text([value])
                 xml.SubElement(element, "drake:gear_ratio").text = "1"
     beside = {"gravity": np.asarray(robot.gravity).tolist()}
     return write_with_side_file(root, Path(path), robot, left, beside)

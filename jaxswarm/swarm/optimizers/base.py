@@ -37,7 +37,7 @@ class State(Protocol):
 
     A state class may name in ``CARRIED_FLAT`` those of its (n, d) fields that a loop had better carry
     as (n d,): see :mod:`jaxswarm.swarm.loop`. One that keeps candidates with their values from step to
-    step names the fields of both in ``MEMORY``, so that others can read them and judge them anew.
+    step names the fields of both in ``MEMORY``, so that others can read them and value them anew.
     """
 
     position: jax.Array  # (n, d) candidates to evaluate next, in [0, 1]

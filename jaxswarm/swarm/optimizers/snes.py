@@ -99,7 +99,7 @@ def utilities(n: int) -> np.ndarray:
     """Return u (n,), the best first; they sum to zero.
 
     >>> utilities(4).round(3).tolist()
-    [0.481, 0.019, -0.25, -0.25]
+    [0.48, 0.02, -0.25, -0.25]
     """
     raw = np.maximum(0.0, np.log(n / 2.0 + 1.0) - np.log(np.arange(1, n + 1)))
     return raw / raw.sum() - 1.0 / n
