@@ -6,8 +6,9 @@ import jax
 import numpy as np
 import pytest
 
-from jaxswarm.identify.checks.channels import wrong_channels
-from jaxswarm.identify.checks.rough import Rough, Samples
+from jaxswarm.identify.checks.channels import _believed, wrong_channels
+from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.rough import Rough, Samples, Tried
 from jaxswarm.robot import inverse_dynamics, rx60
 
 
@@ -52,3 +53,12 @@ def test_scales_are_not_asked_of_a_fit_of_few_rows():
         half = Rough(rx60(), replace(rough.samples, tau=rough.samples.tau * [1.0, 0.5, 1.0]))
         found = wrong_channels(rx60(), half)
         assert (found is not None) == (rough is many)
+
+
+def test_a_scale_that_leaves_much_of_its_own_torque_is_not_believed():
+    """On a clean log of an arm of seven joints a badly explained one let the others bend."""
+    half = Guess("torque_scale", "half", (2,), np.diag([1.0, 1.0, 0.5]))
+    brake = np.ones(3)
+    logged = Tried(np.array([0.06, 0.11, 0.22]), brake)
+    assert not _believed(half, Tried(np.array([0.06, 0.05, 0.17]), brake), logged)
+    assert _believed(half, Tried(np.array([0.06, 0.05, 0.1]), brake), logged)
