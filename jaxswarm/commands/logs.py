@@ -5,13 +5,13 @@ options say, :class:`jaxswarm.logs.LogChoice`.
 """
 
 import functools
-import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from jaxswarm.commands.options import widened
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 
@@ -66,14 +66,6 @@ def with_log_options(*parameters: str) -> Callable[[Callable[..., Any]], Callabl
                         arguments[name] = [LogChoice(path, reading) for path in paths]
             return command(**arguments)
 
-        signature = inspect.signature(command)
-        kind = inspect.Parameter.KEYWORD_ONLY
-        added = [
-            inspect.Parameter(name, kind, default=None, annotation=option)
-            for name, option in _OPTIONS.items()
-        ]
-        own = [p.replace(kind=kind) for p in signature.parameters.values()]
-        run.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
-        return run
+        return widened(run, command, _OPTIONS)
 
     return decorate

@@ -1,9 +1,11 @@
 """Options that several commands share, and how a result is shown."""
 
+import inspect
 import os
+from collections.abc import Callable, Mapping
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -97,3 +99,18 @@ def numbers(text: str | None, name: str) -> list[float] | None:
         return [float(part) for part in text.split(",")]
     except ValueError:
         raise InputError(f"{name} {text}: give one number, or one a joint as 100,80,20") from None
+
+
+def widened(
+    run: Callable[..., Any], command: Callable[..., Any], options: Mapping[str, Any]
+) -> Any:
+    """``run`` with the parameters of ``command``, by keyword, and the options behind them, none given."""
+    signature = inspect.signature(command)
+    kind = inspect.Parameter.KEYWORD_ONLY
+    added = [
+        inspect.Parameter(name, kind, default=None, annotation=option)
+        for name, option in options.items()
+    ]
+    own = [p.replace(kind=kind) for p in signature.parameters.values()]
+    run.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
+    return run

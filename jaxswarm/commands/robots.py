@@ -5,7 +5,6 @@ is the name together with the options.
 """
 
 import functools
-import inspect
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from jaxswarm import console
-from jaxswarm.commands.options import Json
+from jaxswarm.commands.options import Json, widened
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 
@@ -71,15 +70,7 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
             print(f"note: {choice}: {note}", file=sys.stderr)
         return result
 
-    signature = inspect.signature(command)
-    kind = inspect.Parameter.KEYWORD_ONLY
-    added = [
-        inspect.Parameter(name, kind, default=None, annotation=option)
-        for name, option in _OPTIONS.items()
-    ]
-    own = [p.replace(kind=kind) for p in signature.parameters.values()]
-    run.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
-    return run
+    return widened(run, command, _OPTIONS)
 
 
 def register(app: typer.Typer) -> None:

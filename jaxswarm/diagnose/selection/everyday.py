@@ -49,10 +49,10 @@ def add_everyday(
     Args:
         current: The model.
         crossfit: All folds of it.
-        scores: Of the candidates that are everyday, or of more.
+        scores: Of the candidates that are everyday.
         rules: Thresholds; a joint's squared error has to fall by their share.
     """
-    everyday = [s for s in scores if s.candidate.term.law.everyday]
+    everyday = list(scores)
     noise, before = noise_of(current), _held_out(crossfit)
     while everyday:
         terms = tuple(s.candidate.term for s in everyday)

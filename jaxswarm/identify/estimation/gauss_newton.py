@@ -5,7 +5,7 @@ Problems 19 (2003)): the tangents :math:`\partial W(\nu)/\partial\nu\;\theta` ar
 and solving for both gives the step, and in the end the standard errors of all parameters together.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -40,12 +40,17 @@ _ROUNDS, _STEPS = 6, 8
 
 @dataclass(frozen=True)
 class Problem:
-    """What stays the same while a model is fitted."""
+    """What stays the same while a model is fitted.
+
+    Attributes:
+        inertias: Rows of :func:`link_inertias` by the terms' identities: every fit asks for the same.
+    """
 
     robot: Robot
     motions: tuple[Motion, ...]
     rigids: tuple[Rigid, ...]
     bounded: bool
+    inertias: dict = field(default_factory=dict, repr=False, compare=False)
 
     def build(self, place: Place, pi) -> Regression:
         """The rows at a place."""
@@ -54,7 +59,10 @@ class Problem:
     def solve(self, terms: tuple[Term, ...], regression: Regression) -> Fit:
         """The linear parameters."""
         bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
-        above = link_inertias(self.robot, terms, self.motions)
+        known = tuple(t.identity for t in terms)
+        if known not in self.inertias:
+            self.inertias[known] = link_inertias(self.robot, terms, self.motions)
+        above = self.inertias[known]
         if above is not None:
             others = len(regression.names) - above.shape[1]
             above = np.pad(above, ((0, 0), (0, others)))
