@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify.estimation.base_parameters import find_base
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.robot import emps, rx60, rx60_paper_parameters, standard_parameter_names, ur10e
+from jaxswarm.robot.logged import rigid_columns
 
 PAPER = ["Izz1"] + [f"{s}{k}" for k in (2, 3) for s in ("Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")]
 

@@ -10,11 +10,12 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.body import body_along, moves_links, tilted
-from jaxswarm.identify.forward.columns import rigid_columns, term_columns
+from jaxswarm.identify.forward.columns import term_columns
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 from jaxswarm.identify.forward.torque_along import torque_along
+from jaxswarm.robot.logged import rigid_columns
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9

@@ -14,12 +14,12 @@ from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
 from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.measuring_chain import report_own
 from jaxswarm.identify.forward.placement import placement_columns
+from jaxswarm.robot.logged import rigid_columns
 
 
 def measurement_candidate(lin: Linearization, term: Term) -> Candidate:

@@ -7,8 +7,8 @@ import numpy as np
 from scipy import optimize
 
 from jaxswarm.identify.estimation.least_squares import triangular_factor
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 # Rows that a sign or a swapped channel needs by far; more only cost time.

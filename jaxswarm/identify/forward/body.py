@@ -14,12 +14,12 @@ from jaxswarm.identify.forward.columns import (
     Rigid,
     load_along,
     low_columns,
-    rigid_columns,
-    rigid_torque,
+    torque_of,
 )
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 
@@ -76,7 +76,7 @@ class Body:
         """Torque (T, n) for rigid parameters (10 n,), its own or others."""
         if self.rigid is not None:
             return self.rigid.torque(pi)
-        return rigid_torque(self.arm, *self.moved, pi)
+        return torque_of(self.arm, *self.moved, pi)
 
     def load(self) -> Load:
         """Load torque of its own parameters."""
