@@ -12,7 +12,7 @@ from functools import partial
 
 import jax
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
@@ -32,7 +32,7 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
     lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate)
     lag = (np.asarray(x)[: len(motion.t)] for x in lag)
     size = max(1, round(blur_of(term) * motion.rate))
-    return tuple(ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
+    return tuple(scipy.ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
 
 
 def blur_of(term: Term) -> float:
