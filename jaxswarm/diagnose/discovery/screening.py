@@ -11,6 +11,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy
 
 from jaxswarm.diagnose.discovery.grammar import MOST_CONSTANTS
 from jaxswarm.diagnose.discovery.machine import LENGTHS, Codes, encode, length_for, run
