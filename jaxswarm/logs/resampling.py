@@ -4,6 +4,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.sampling import usual_period
@@ -54,8 +55,7 @@ def thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
     """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
     if stride == 1:
         return np.asarray(x, dtype=float)
-    sections = scipy.signal.butter(6, 0.4 * rate / stride, fs=rate, output="sos")
-    return scipy.signal.sosfiltfilt(sections, x, axis=0)[::stride]
+    return butterworth(x, rate, 0.4 * rate / stride, 6)[::stride]
 
 
 def stride_for(log: Log, samples: int, rate: float, highest: float) -> int:
