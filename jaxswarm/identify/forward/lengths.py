@@ -26,8 +26,7 @@ def filled(series: Any, axis: int = 0) -> Any:
 
     def fill(x: np.ndarray) -> np.ndarray:
         x = np.asarray(x)
-        widths = [(0, 0)] * x.ndim
-        widths[axis] = (0, -x.shape[axis] % CHUNK)
-        return np.pad(x, widths, mode="edge")
+        held = np.repeat(np.take(x, [-1], axis), -x.shape[axis] % CHUNK, axis)
+        return np.concatenate([x, held], axis)
 
     return jax.tree.map(fill, series)
