@@ -31,7 +31,8 @@ class Linearization:
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = tilted(model.robot, model.terms)
-        self.loads, self.outputs, self.moved = [], [], []
+        self.loads, self.outputs, self.moved, self.true = [], [], [], []
+        self.own_slopes: dict[tuple[int, int], np.ndarray] = {}
         for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
             own = model.during(k)
             body = body_along(model.robot, model.terms, motion, self.pi, rigid)
@@ -40,6 +41,7 @@ class Linearization:
                 torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
             )
             self.moved.append(body.moved)
+            self.true.append(body.motion)
 
     def carried(self, k: int) -> np.ndarray:
         """Rigid columns (T, n, 10 n) of a log, in the gravity and motion of the model's links."""
@@ -133,7 +135,7 @@ class Linearization:
         terms = self.found.model.terms
 
         def build(k):
-            own = term.acts_in(k) * term_columns(term, motions[k], width, self.loads[k])
+            own = term.acts_in(k) * term_columns(term, self.true[k], width, self.loads[k])
             return report_own(terms, motions[k], own, term.joint)
 
         if term.law.uses_load:
