@@ -65,8 +65,8 @@ def minimize(
       num_steps: number of updates, an upper limit if there is a stop rule.
       start: where to begin: parameters as ``space.decode`` returns them, a population of these, or
         ``around(params, spread)``: evaluated first, and where the mean of ``cma_es`` begins.
-      stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``. A search with one has
-        no reverse mode (``jax.grad``); forward mode goes through.
+      stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``, ``search_ended()``. A
+        search with one has no reverse mode (``jax.grad``); forward mode goes through.
       record: ``(state, info) -> pytree`` kept for every step; default the best value so far.
       vectorized: whether ``fn`` takes the whole population.
       noisy: whether the objective is random, ``fn(key, params, args)`` with a key for every step and
