@@ -51,7 +51,7 @@ SWARM_LEVEL = {
     **dict.fromkeys(("space", "bounds", "scales", "forward"), "leaves"),
     **dict.fromkeys(("schedules", "random", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
-    **dict.fromkeys(("minimize", "search", "repeating", "loop"), "minimize"),
+    **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
     **dict.fromkeys(("start", "stopping", "result"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding", "contract"), "tools"),
     **dict.fromkeys(("driver", "noise", "handling", "constraints"), "tools"),

@@ -25,7 +25,7 @@ from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.search import going_on, optimizer_for, rule, start_for
 from jaxswarm.swarm.space import Space
 from jaxswarm.swarm.start import begun
-from jaxswarm.swarm.stopping import NO_FINITE_VALUE, STEPS_DONE, Progress, ask
+from jaxswarm.swarm.stopping import NO_FINITE_VALUE, STEPS_DONE, ask, progress_of
 
 __all__ = ["Driver"]
 
@@ -195,7 +195,7 @@ def _step(optimizer, key, carry, value, stop):
     carry = carry._replace(state=state, since=since, num_steps=carry.num_steps + 1)
     if stop is None:
         return carry
-    progress = Progress(state.count, state.best_value, since, info.diversity)
+    progress = progress_of(state, since, info.diversity)
     here, reason, memory = ask(stop, progress, carry.memory)
     code = jnp.where(here & ~carry.done, reason, carry.code)
     return carry._replace(memory=memory, done=carry.done | here, code=code)

@@ -14,7 +14,7 @@ import numpy as np
 from jax.experimental import io_callback
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.optimizers.base import at_least, finished
 from jaxswarm.swarm.pytree import as_part, pytree
 from jaxswarm.swarm.schedules import coefficient
 
@@ -23,13 +23,24 @@ __all__ = [
     "Progress",
     "any_of",
     "collapsed",
+    "progress_of",
     "renewed",
+    "search_ended",
     "stalled",
     "target",
     "time_limit",
 ]
 
-STEPS_DONE, TARGET_REACHED, STALLED, NO_FINITE_VALUE, COLLAPSED, CUSTOM, TIME_UP = range(7)
+(
+    STEPS_DONE,
+    TARGET_REACHED,
+    STALLED,
+    NO_FINITE_VALUE,
+    COLLAPSED,
+    CUSTOM,
+    TIME_UP,
+    SEARCH_ENDED,
+) = range(8)
 
 MESSAGES = (
     "all steps done",
@@ -39,6 +50,7 @@ MESSAGES = (
     "population collapsed to a point",
     "stopped by the given rule",
     "time limit reached",
+    "the optimizer has ended by criteria of its own",
 )
 """Text of each status code."""
 
@@ -51,12 +63,21 @@ class Progress(NamedTuple):
       value: best value so far.
       since: updates since the best value last fell.
       diversity: spread of the candidates just evaluated, see ``Info``.
+      finished: whether the optimizer has ended by criteria of its own; never of one that has none.
     """
 
     count: jax.Array
     value: jax.Array
     since: jax.Array
     diversity: jax.Array
+    finished: jax.Array | bool = False
+
+
+def progress_of(state: Any, since: jax.Array, diversity: jax.Array) -> Progress:
+    """What a rule sees of a search whose optimizer has this state."""
+    own = finished(state)
+    own = jnp.asarray(False) if own is None else own
+    return Progress(state.count, state.best_value, since, diversity, own)
 
 
 def target(value: float) -> "Target":
@@ -84,6 +105,14 @@ def stalled(patience: int, *, tolerance: float = 0.0, relative: float = 0.0) -> 
 def collapsed(diversity: float) -> "Collapsed":
     """Stop when the candidates lie closer together than ``diversity`` (unit cube, RMS)."""
     return Collapsed(coefficient("diversity", diversity, lower=0.0))
+
+
+def search_ended() -> "SearchEnded":
+    """Stop when the optimizer has ended by criteria of its own, as ``cma_es`` does.
+
+    Without this rule such a search goes on being stepped, which finds hardly more.
+    """
+    return SearchEnded()
 
 
 def time_limit(seconds: float) -> "TimeLimit":
@@ -152,6 +181,14 @@ class Collapsed:
 
     def __call__(self, progress: Progress):
         return progress.diversity <= self.diversity, COLLAPSED
+
+
+@pytree
+class SearchEnded:
+    """See :func:`search_ended`."""
+
+    def __call__(self, progress: Progress):
+        return progress.finished, SEARCH_ENDED
 
 
 BEGUN = time.monotonic()
