@@ -52,7 +52,7 @@ SWARM_LEVEL = {
     **dict.fromkeys(("schedules", "random", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
-    **dict.fromkeys(("start", "stopping", "result"), "minimize"),
+    **dict.fromkeys(("start", "standing", "stopping", "result"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding", "contract"), "tools"),
     **dict.fromkeys(("driver", "noise", "handling", "constraints"), "tools"),
     **dict.fromkeys(("pareto", "objectives", "nsga2", "mopso", "plots", "own"), "tools"),

@@ -80,8 +80,8 @@ from jaxswarm.swarm.sharding import minimize_sharded as minimize_sharded
 from jaxswarm.swarm.space import Bound as Bound
 from jaxswarm.swarm.space import Choice as Choice
 from jaxswarm.swarm.space import Space as Space
+from jaxswarm.swarm.standing import Progress as Progress
 from jaxswarm.swarm.start import around as around
-from jaxswarm.swarm.stopping import Progress as Progress
 from jaxswarm.swarm.stopping import any_of as any_of
 from jaxswarm.swarm.stopping import collapsed as collapsed
 from jaxswarm.swarm.stopping import search_ended as search_ended

@@ -24,8 +24,9 @@ from jaxswarm.swarm.repeating import first
 from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.search import going_on, optimizer_for, rule, start_for
 from jaxswarm.swarm.space import Space
+from jaxswarm.swarm.standing import NO_FINITE_VALUE, STEPS_DONE, progress_of
 from jaxswarm.swarm.start import begun
-from jaxswarm.swarm.stopping import NO_FINITE_VALUE, STEPS_DONE, ask, progress_of
+from jaxswarm.swarm.stopping import ask
 
 __all__ = ["Driver"]
 

@@ -13,7 +13,8 @@ import jax.numpy as jnp
 
 from jaxswarm.swarm.forward import forward_only
 from jaxswarm.swarm.pytree import replace
-from jaxswarm.swarm.stopping import STEPS_DONE, ask, begin, progress_of
+from jaxswarm.swarm.standing import STEPS_DONE, progress_of
+from jaxswarm.swarm.stopping import ask, begin
 
 __all__ = ["Carry", "first", "held", "repeat_all", "repeat_until"]
 

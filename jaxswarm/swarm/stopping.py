@@ -6,7 +6,7 @@ memory)``. Rules are pytrees whose numbers are leaves, so a threshold changes wi
 """
 
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -14,70 +14,28 @@ import numpy as np
 from jax.experimental import io_callback
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import at_least, finished
+from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.pytree import as_part, pytree
 from jaxswarm.swarm.schedules import coefficient
+from jaxswarm.swarm.standing import (
+    COLLAPSED,
+    SEARCH_ENDED,
+    STALLED,
+    STEPS_DONE,
+    TARGET_REACHED,
+    TIME_UP,
+    Progress,
+)
 
 __all__ = [
-    "MESSAGES",
-    "Progress",
     "any_of",
     "collapsed",
-    "progress_of",
     "renewed",
     "search_ended",
     "stalled",
     "target",
     "time_limit",
 ]
-
-(
-    STEPS_DONE,
-    TARGET_REACHED,
-    STALLED,
-    NO_FINITE_VALUE,
-    COLLAPSED,
-    CUSTOM,
-    TIME_UP,
-    SEARCH_ENDED,
-) = range(8)
-
-MESSAGES = (
-    "all steps done",
-    "target value reached",
-    "best value stalled",
-    "no candidate ever had a finite value: check the objective and the bounds",
-    "population collapsed to a point",
-    "stopped by the given rule",
-    "time limit reached",
-    "the optimizer has ended by criteria of its own",
-)
-"""Text of each status code."""
-
-
-class Progress(NamedTuple):
-    """What a stop rule sees after an update; all scalars.
-
-    Attributes:
-      count: updates done.
-      value: best value so far.
-      since: updates since the best value last fell.
-      diversity: spread of the candidates just evaluated, see ``Info``.
-      finished: whether the optimizer has ended by criteria of its own; never of one that has none.
-    """
-
-    count: jax.Array
-    value: jax.Array
-    since: jax.Array
-    diversity: jax.Array
-    finished: jax.Array | bool = False
-
-
-def progress_of(state: Any, since: jax.Array, diversity: jax.Array) -> Progress:
-    """What a rule sees of a search whose optimizer has this state."""
-    own = finished(state)
-    own = jnp.asarray(False) if own is None else own
-    return Progress(state.count, state.best_value, since, diversity, own)
 
 
 def target(value: float) -> "Target":

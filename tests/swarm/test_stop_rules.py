@@ -19,7 +19,8 @@ from jaxswarm.swarm import (
     target,
     time_limit,
 )
-from jaxswarm.swarm.stopping import Progress, ask, begin, renewed
+from jaxswarm.swarm.standing import Progress
+from jaxswarm.swarm.stopping import ask, begin, renewed
 
 KEY = jax.random.key(0)
 SPACE = Space.vector([-5.0] * 2, [5.0] * 2)
