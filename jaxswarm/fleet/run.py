@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs, plots
@@ -22,6 +23,8 @@ from jaxswarm.fleet.sources import Source, find_logs
 from jaxswarm.fleet.store import Store, fingerprint
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.run import refuse_undeclarable
+from jaxswarm.logs import LogChoice
+from jaxswarm.logs.reading import reading_of
 from jaxswarm.robot import RobotChoice, load_robot
 from jaxswarm.tables import Result, Table
 
@@ -32,7 +35,7 @@ _SHOWN = 20
 
 
 def diagnose_fleet(
-    logs: str,
+    logs: str | LogChoice,
     robot: str | Path | RobotChoice,
     out: Path,
     *,
@@ -51,7 +54,8 @@ def diagnose_fleet(
     """Diagnose every log of a fleet and say which arm needs a look.
 
     Args:
-        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`.
+        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`, or one with what the
+            logs do not say about themselves.
         robot: The kind of the arms.
         out: Folder for ``fleet.parquet``, ``fleet.html`` and ``logs/``; what is in it is not done again.
         declare: What is known to be on every arm.
@@ -72,7 +76,8 @@ def diagnose_fleet(
     if against is not None and against not in AGAINST:
         raise InputError(f"--against {against}: give fleet, to compare every arm with the others")
     settings = _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
-    sources = _sources(logs, read_pattern(arm_pattern), out, progress)
+    settings = replace(settings, reading=reading_of(logs))
+    sources = _sources(str(logs), read_pattern(arm_pattern), out, progress)
     store = Store(out / RESULTS, fingerprint(settings))
     failed = _work(store, sources, settings, cluster or Cluster(), progress)
 
