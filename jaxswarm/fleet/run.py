@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs, plots
@@ -54,8 +53,7 @@ def diagnose_fleet(
     """Diagnose every log of a fleet and say which arm needs a look.
 
     Args:
-        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`, or one with what the
-            logs do not say about themselves.
+        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`; or how to read it too.
         robot: The kind of the arms.
         out: Folder for ``fleet.parquet``, ``fleet.html`` and ``logs/``; what is in it is not done again.
         declare: What is known to be on every arm.
@@ -75,8 +73,8 @@ def diagnose_fleet(
     require()
     if against is not None and against not in AGAINST:
         raise InputError(f"--against {against}: give fleet, to compare every arm with the others")
-    settings = _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
-    settings = replace(settings, reading=reading_of(logs))
+    question = (robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
+    settings = _settings(*question, reading_of(logs))
     sources = _sources(str(logs), read_pattern(arm_pattern), out, progress)
     store = Store(out / RESULTS, fingerprint(settings))
     failed = _work(store, sources, settings, cluster or Cluster(), progress)
@@ -91,8 +89,7 @@ def diagnose_fleet(
     page = render(settings.robot.name, fleet, arms, found, moved, _pictures(fleet, arms, moved))
     outputs.write_results(out, {TABLE: _table_writer(results, found or ()), PAGE: page})
     content = {
-        "robot": settings.robot.name,
-        "logs": len(sources),
+        **{"robot": settings.robot.name, "logs": len(sources)},
         **_content(fleet, arms, found or (), moved),
         "table": str(out / TABLE),
         "page": str(out / PAGE),
@@ -121,7 +118,7 @@ def _content(fleet: Fleet, arms: Sequence[Arm], found: Sequence, moved: Sequence
 
 
 def _settings(
-    robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget
+    robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget, reading
 ) -> Settings:
     """What is asked of every log; what is wrong with it is told before the first."""
     arm = load_robot(robot)
@@ -130,7 +127,7 @@ def _settings(
         raise InputError("--model holds the cutoffs: leave out --motion-cutoff and --torque-cutoff")
     refuse_undeclarable(parse_terms(declare or "none", arm.joints))
     return Settings(
-        arm, declare, earlier, seed, motion_cutoff, torque_cutoff, tuple(accept), budget
+        arm, declare, earlier, seed, motion_cutoff, torque_cutoff, tuple(accept), budget, reading
     )
 
 

@@ -12,13 +12,14 @@ from jaxswarm.identify.excitation.constraints import Constraints, closest, dense
 from jaxswarm.identify.excitation.fourier import Fourier
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.forward.model import Model
+from jaxswarm.robot.build import description_of
 from jaxswarm.robot.capsules import Capsules, capsules_of, distances, pairs_of_links
 from jaxswarm.robot.joints import Description
 from jaxswarm.robot.model import Robot
 
-# Poses at random within the limits that say which links touch wherever the arm is.
+# Poses at random within the limits that say which links overlap wherever the arm is.
 _POSES = 400
-# A pair that keeps its distance in fewer of them touches by its shapes, not by its motion: a wrist whose
+# A pair that keeps its distance in fewer of them overlaps by its shapes, not by its motion: a wrist whose
 # axes meet, or covers that overlap at a joint.
 _SELDOM = 0.05
 
@@ -37,7 +38,7 @@ def refuse_joints(robot: Robot, given: Model | None) -> None:
 
 
 def constraints_of(
-    robot: Robot, description: Description, limits: Limits, given: Model | None
+    robot: Robot, description: Description | None, limits: Limits, given: Model | None
 ) -> tuple[Constraints | None, list[str]]:
     """What a motion has to keep beside positions, speeds and accelerations, and what is told of it.
 
@@ -47,6 +48,7 @@ def constraints_of(
         InputError: If the limits ask for what cannot be computed.
     """
     notes: list[str] = []
+    description = description or description_of(robot)
     body = robot if given is None else given.robot
     effort = _effort(body, description, limits, notes)
     terms: list = []
@@ -95,7 +97,7 @@ def _shapes(
     if limits.distance is None and limits.radius is None:
         if not any(joint.shapes for joint in description.joints):
             notes.append(
-                "links may touch each other: give radius in the limits file to keep them apart"
+                "links may hit each other: give radius in the limits file to keep them apart"
             )
             return None, None
     capsules = capsules_of(description, limits.radius)
@@ -106,13 +108,11 @@ def _shapes(
         )
     if capsules.without:
         names = ", ".join(link_name(robot, link) for link in capsules.without)
-        notes.append(
-            f"no shape, so that it may be touched: {names}; give radius in the limits file"
-        )
+        notes.append(f"no shape, so that it may be hit: {names}; give radius in the limits file")
     pairs = pairs_of_links(robot, capsules)
     pairs, always = _apart_somewhere(robot, capsules, pairs, limits)
     if always:
-        notes.append(f"touch wherever the arm is, so not kept apart: {'; '.join(always)}")
+        notes.append(f"overlap wherever the arm is, so not kept apart: {'; '.join(always)}")
     return (capsules, pairs) if len(pairs) else (None, None)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,6 @@ from jaxswarm.identify.excitation.separation import separate as find_apart
 from jaxswarm.identify.excite_constraints import constraints_of, refuse_joints, told_constraints
 from jaxswarm.identify.excite_question import question_of
 from jaxswarm.identify.forward.model import Model
-from jaxswarm.robot.build import description_of
 from jaxswarm.robot.joints import Description
 from jaxswarm.robot.model import Robot
 
@@ -94,24 +94,18 @@ def plan_motion(
     asked, terms, left_out = question_of(robot, effects, separate, given)
     refuse_terms(terms, robot.joints, given is not None)
     periods, samples = schedule(limits, duration)
-    known = description or description_of(robot)
-    keep, notes = constraints_of(robot, known, limits, given)
+    keep, notes = constraints_of(robot, description, limits, given)
     check()
     fundamental = limits.rate / samples
     limits = replace(limits, fundamental=fundamental, smaller=keep is not None)
     pi = None if given is None else np.asarray(given.robot.parameters).ravel()
-    found = excite(
-        robot, terms, limits, fundamental, seed=seed, pi=pi, constraints=keep, progress=progress
-    )
+    how: dict[str, Any] = {"seed": seed, "constraints": keep, "progress": progress}
+    found = excite(robot, terms, limits, fundamental, pi=pi, **how)
     trajectory, condition, extra = found.trajectory, found.condition, {}
-    if asked is None and left_out:
-        notes.append(
-            f"not planned for, as it does not follow from the motion: {', '.join(left_out)}"
-        )
-    if asked is not None:
-        apart = find_apart(
-            robot, asked, limits, found, seed=seed, constraints=keep, progress=progress
-        )
+    if asked is None:
+        notes += [f"not planned for, as it does not follow from the motion: {x}" for x in left_out]
+    else:
+        apart = find_apart(robot, asked, limits, found, **how)
         trajectory = apart.trajectory
         condition = _condition_on(trajectory, robot, terms, limits, found, pi)
         extra = {"separation": _told(apart, asked.pair, left_out, robot.joints)}

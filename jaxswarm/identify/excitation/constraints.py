@@ -71,18 +71,32 @@ class Constraints:
         return jnp.stack(parts).max()
 
 
-def kept(
-    trajectory: Fourier,
-    constraints: Constraints,
-    limits: Limits,
-    excess: Callable[[Fourier], float] | None = None,
-) -> Fourier:
+def excess_along(
+    constraints: Constraints | None, limits: Limits, motion: tuple, period: float
+) -> jax.Array:
+    """How far a motion of arrays (n, K) is beyond what it has to keep; of nothing, it always keeps all."""
+    nothing = jnp.asarray(-jnp.inf)
+    return nothing if constraints is None else constraints.excess(limits, motion, period)
+
+
+def penalized(value, excess):
+    """A value where a motion keeps everything, else one worse than any by how far it is beyond.
+
+    >>> penalized(np.array([2.0, 1.0]), np.array([-0.5, 0.25])).tolist()
+    [2.0, 1000.25]
+    """
+    return jnp.where(excess > 0.0, PENALTY + excess, value)
+
+
+def kept(trajectory: Fourier, constraints: Constraints | None, limits: Limits) -> Fourier:
     """The motion itself where it keeps everything, else the largest one of its shape that does.
 
     Raises:
         InputError: If not even the place in the middle of the motion keeps everything.
     """
-    excess = excess or excess_of(constraints, limits)
+    if constraints is None:
+        return trajectory
+    excess = excess_of(constraints, limits)
     if excess(trajectory) <= 0.0:
         return trajectory
     if excess(trajectory.smaller(0.0)) > 0.0:

@@ -64,6 +64,11 @@ def num_coordinates(limits: Limits) -> int:
     return len(limits.lower) * (2 * limits.harmonics + (2 if limits.smaller else 1))
 
 
+def widest(x: np.ndarray, limits: Limits, fundamental: float, samples: int) -> Fourier:
+    """The largest motion of a given shape, see :func:`within_limits`."""
+    return Fourier(*map(np.asarray, within_limits(x, limits, fundamental, samples)), fundamental)
+
+
 def within_limits(
     x: jax.Array, limits: Limits, fundamental: float, samples: int
 ) -> tuple[jax.Array, jax.Array, jax.Array]:

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
@@ -31,8 +30,13 @@ from jaxswarm.identify.excitation.columns import (
     planned_columns,
     refuse_terms,
 )
-from jaxswarm.identify.excitation.constraints import PENALTY, Constraints, kept
-from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.constraints import (
+    Constraints,
+    excess_along,
+    kept,
+    penalized,
+)
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, widest
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.robot.model import Robot
@@ -100,10 +104,8 @@ def excite(
     progress("random motions")
     # Known numbers make a far smaller program than traced ones.
     arm = jax.tree.map(np.asarray, robot)
-    size = num_coordinates(limits)
+    size, fine, period = num_coordinates(limits), FINE * limits.harmonics, 1.0 / fundamental
     build = partial(planned, limits=limits, fundamental=fundamental)
-    fine = FINE * limits.harmonics
-    period = 1.0 / fundamental
 
     @jax.jit
     def along(motion: tuple) -> jax.Array:
@@ -115,23 +117,14 @@ def excite(
     base = find_base(stacked, column_names(robot, terms), tolerance=1e-7)
     chosen = base.kept
 
-    def log_conditions(population: jax.Array, _: None) -> jax.Array:
-        def one(x: jax.Array) -> jax.Array:
-            moved = build(x, samples=_COARSE * limits.harmonics)
-            found = log_condition(planned_columns(arm, terms, limits, *moved, period, pi)[chosen])
-            if constraints is None:
-                return found
-            excess = constraints.excess(limits, moved, period)
-            return jnp.where(excess > 0.0, PENALTY + excess, found)
-
-        return jax.vmap(one)(population)
+    def value(x: jax.Array) -> jax.Array:
+        moved = build(x, samples=_COARSE * limits.harmonics)
+        found = log_condition(planned_columns(arm, terms, limits, *moved, period, pi)[chosen])
+        return penalized(found, excess_along(constraints, limits, moved, period))
 
     progress("searching")
-    best, tried = _searched(log_conditions, size, seed, runs, num_steps)
-    shape = map(np.asarray, within_limits(best, limits, fundamental, fine))
-    trajectory = Fourier(*shape, fundamental)
-    if constraints is not None:
-        trajectory = kept(trajectory, constraints, limits)
+    best, tried = _searched(value, size, seed, runs, num_steps)
+    trajectory = kept(widest(best, limits, fundamental, fine), constraints, limits)
     moved = trajectory.motion(np.arange(fine) * period / fine)
     return Excitation(
         trajectory=trajectory,
@@ -148,7 +141,7 @@ def _searched(
 ) -> tuple[np.ndarray, int]:
     """The best point (size,) of several searches in [-1, 1], and how many points were tried."""
     found = minimize_runs(
-        fn,
+        lambda population, _: jax.vmap(fn)(population),
         cma_es(),
         Space.vector(-np.ones(size), np.ones(size)),
         jax.random.split(jax.random.key(seed), runs),

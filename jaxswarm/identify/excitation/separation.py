@@ -26,8 +26,13 @@ import numpy as np
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.columns import planned, planned_columns, refuse_terms
-from jaxswarm.identify.excitation.constraints import PENALTY, Constraints, kept
-from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.constraints import (
+    Constraints,
+    excess_along,
+    kept,
+    penalized,
+)
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, widest
 from jaxswarm.identify.excitation.host_search import search_on_host
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.excitation.search import Excitation
@@ -162,9 +167,7 @@ def separate(
 
     def made(x: jax.Array) -> tuple:
         motion = build(x, samples=samples)
-        if constraints is None:
-            return blocks(*motion), -jnp.inf
-        return blocks(*motion), constraints.excess(limits, motion, 1.0 / fundamental)
+        return blocks(*motion), excess_along(constraints, limits, motion, 1.0 / fundamental)
 
     many = jax.jit(jax.vmap(made))
 
@@ -172,14 +175,10 @@ def separate(
         # The programs make columns only: projections of a few dozen rows are NumPy's.
         parts, excess = jax.tree.map(np.asarray, many(population))
         each = (jax.tree.map(itemgetter(k), parts) for k in range(len(population)))
-        apart = np.array([-left(one).min() for one in each])
-        return np.where(excess > 0.0, PENALTY + excess, apart)
+        return np.asarray(penalized(np.array([-left(one).min() for one in each]), excess))
 
     best, tried = search_on_host(values, size, seed, runs, num_steps, progress)
-    shape = map(np.asarray, within_limits(best, limits, fundamental, samples))
-    trajectory = Fourier(*shape, fundamental)
-    if constraints is not None:
-        trajectory = kept(trajectory, constraints, limits)
+    trajectory = kept(widest(best, limits, fundamental, samples), constraints, limits)
     before, after = np.asarray(left(usual)), np.asarray(left(along(trajectory)))
     better = after.min() > before.min()
     return Separation(
