@@ -122,7 +122,7 @@ def parameters(effect: dict) -> Grid:
             cells += [number(row.get("before"), 5), *(estimate(change) if change else ("-", "-"))]
         rows.append((*cells, "" if row["unit"] == "1" else row["unit"]))
     head = ("parameter", "value", "95 % interval")
-    more = ("before", "change", "95 % of the change") if changed else ()
+    more = ("before", "change", "its 95 %") if changed else ()
     return Grid((*head, *more, "unit"), rows)
 
 
