@@ -97,7 +97,7 @@ def _table(console: Console, grid: Grid, title: str) -> None:
             table.add_column(head, no_wrap=True, justify="right")
     for k, row in enumerate(grid.rows):
         table.add_row(*row, style="bold" if k in grid.flagged else None)
-    console.print("", table, "", sep="\n")
+    console.print("", table, sep="\n")
 
 
 def _is_number(cell: str) -> bool:
