@@ -10,7 +10,7 @@ import jaxswarm
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.constraints import Constraints, excess_of, kept
-from jaxswarm.identify.excitation.fourier import Fourier
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, shares, within_limits
 from jaxswarm.identify.excitation.limits import Limits, parse_limits
 from jaxswarm.identify.excitation.search import excite
 from jaxswarm.identify.excitation.separation import separate
@@ -172,10 +172,9 @@ def test_a_motion_that_separates_keeps_them_too(arm, short):
 
 def test_shapes_scaled_smaller_stay_within_the_limits():
     limits = Limits(*np.array([[-1.0], [1.0], [2.0], [3.0]]), harmonics=2, smaller=True)
-    from jaxswarm.identify.excitation.fourier import num_coordinates, within_limits
-
     x = np.array([1.0, 0.3, 0.2, 0.0, 0.0, -0.5])
     assert num_coordinates(limits) == 6
+    assert shares(x, limits) == pytest.approx([0.265])
     whole = within_limits(np.array([*x[:5], 1.0]), limits, 0.2, 64)
     part = within_limits(x, limits, 0.2, 64)
     np.testing.assert_allclose(part[1], 0.265 * whole[1], rtol=1e-6)

@@ -64,6 +64,14 @@ def num_coordinates(limits: Limits) -> int:
     return len(limits.lower) * (2 * limits.harmonics + (2 if limits.smaller else 1))
 
 
+def shares(x: jax.Array, limits: Limits) -> jax.Array:
+    """Size of every joint's motion as a share of the largest one its limits allow, (n,)."""
+    rows = jnp.reshape(x, (len(limits.lower), -1))
+    if not limits.smaller:
+        return jnp.ones(len(rows))
+    return _LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + rows[:, -1])
+
+
 def widest(x: np.ndarray, limits: Limits, fundamental: float, samples: int) -> Fourier:
     """The largest motion of a given shape, see :func:`within_limits`."""
     return Fourier(*map(np.asarray, within_limits(x, limits, fundamental, samples)), fundamental)
@@ -111,9 +119,7 @@ def within_limits(
             jnp.abs(ddq).max(axis=1) / limits.acceleration,
         ),
     )  # fmt: skip
-    scale = 1.0 / jnp.maximum(use, 1e-12)
-    if limits.smaller:
-        scale = scale * (_LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + rows[:, 2 * size + 1]))
+    scale = shares(x, limits) / jnp.maximum(use, 1e-12)
     left = room - scale * 0.5 * rise * (high - low)
     middle = 0.5 * (limits.upper + limits.lower) + place * jnp.maximum(left, 0.0)
     offset = middle - scale * 0.5 * (high + low)

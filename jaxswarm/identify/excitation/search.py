@@ -8,7 +8,8 @@ one, the error of a parameter grows with the condition number of W. A swarm mini
 over periodic motions that keep their limits by construction
 (:mod:`jaxswarm.identify.excitation.fourier`), and torques and distances by a penalty
 (:mod:`jaxswarm.identify.excitation.constraints`). Columns are scaled because a condition number
-compares parameters of different units otherwise.
+compares parameters of different units otherwise. Where torques and distances are kept, a motion may be smaller
+than its limits ask; the mean logarithm of its size then counts too.
 
 References: J. Swevers et al., IEEE Trans. Robotics and Automation 13 (1997); M. Gautier, W. Khalil, Int.
 J. Robotics Research 11 (1992); C. Presse, M. Gautier, ICRA 1993 (scaling).
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
@@ -36,7 +38,7 @@ from jaxswarm.identify.excitation.constraints import (
     kept,
     penalized,
 )
-from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, widest
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, shares, widest
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.robot.model import Robot
@@ -120,6 +122,8 @@ def excite(
     def value(x: jax.Array) -> jax.Array:
         moved = build(x, samples=_COARSE * limits.harmonics)
         found = log_condition(planned_columns(arm, terms, limits, *moved, period, pi)[chosen])
+        # Half the motion doubles the error of a parameter, as twice the condition number does.
+        found = found - jnp.log(shares(x, limits)).mean()
         return penalized(found, excess_along(constraints, limits, moved, period))
 
     progress("searching")
