@@ -116,7 +116,7 @@ def excite(
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
     columns = [np.asarray(along(build(x, samples=fine))) for x in starts]
     stacked = np.concatenate([x.T for x in columns[:4]])
-    base = find_base(stacked, column_names(robot, terms), tolerance=1e-7)
+    base = find_base(stacked, column_names(robot, terms))
     chosen = base.kept
 
     def value(x: jax.Array) -> jax.Array:
