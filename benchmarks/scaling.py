@@ -120,6 +120,8 @@ def picture(rows: list[dict]) -> Any:
         own = [row for row in rows if row["quantity"] == name]
         sizes, costs = [row["size"] for row in own], [row["cost"] for row in own]
         axis.loglog(sizes, costs, "o-", color=plots.RESIDUAL)
+        axis.set_xticks(sizes, [str(size) for size in sizes])
+        axis.minorticks_off()
         axis.set_xlabel(f"{name} ({own[0]['what']})")
         axis.set_ylabel("seconds")
         axis.set_title(f"exponent {own[0]['exponent']:.2f}", fontsize=10)

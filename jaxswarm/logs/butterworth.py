@@ -1,7 +1,7 @@
 """Butterworth filters of even order run forth and back, without a shift in time.
 
 As ``scipy.signal.butter`` and ``sosfiltfilt`` have them; the package that holds those takes a third of a second
-to load, a tenth of a short command, for what are two banded triangular systems a section.
+to load, for what are two banded triangular systems a section.
 """
 
 import numpy as np

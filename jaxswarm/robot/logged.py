@@ -20,7 +20,7 @@ _BLOCK = 4096
 
 
 def rigid_columns(
-    robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, first: int = 0
+    robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, *, first: int = 0
 ) -> np.ndarray:
     """Return the torque columns of every sample, the regressors of :func:`jaxswarm.robot.regressor`.
 

@@ -20,6 +20,9 @@ from jaxswarm.logs.motion import Motion
 # Shares of a joint's inertia that its rotor may hold.
 ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
 _MOST_LAG = 1.0
+# Options are filled up to the first or to multiples of the second, so that two programs serve all lattices:
+# an option more costs a tenth of a millisecond, a program a tenth of a second.
+_FEW, _MANY = 24, 72
 
 
 def lag_torque(
@@ -48,9 +51,10 @@ def lag_torque(
     if own:
         joint, rows = 0, slice(sensed.joint, sensed.joint + 1)
     torque, by_q, by_dq, by_ddq = sensed.at(pis, rows)
-    felt = filled(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)))
-    lags = _lags(*felt, k, d, gap, 1.0 / motion.rate, substeps)
-    e, v, a = (np.asarray(x)[: len(motion.t)] for x in lags)
+    count = len(k)
+    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), (k, d, gap))
+    lags = _lags(*felt, *gear, 1.0 / motion.rate, substeps)
+    e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
     e, v, a = (np.where(alive, x, 0.0)[:, None] for x in (e, v, a))
@@ -60,6 +64,19 @@ def lag_torque(
     told = report_own(terms, motion, change[:, 0], sensed.joint) if own else change
     told = told[:, None] if own else report(terms, motion, told)
     return -np.moveaxis(motion.decimator.apply(told), 2, 0)
+
+
+def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
+    """What the joint feels (T, 1 or m) and gears (m,) with samples and options filled up by the last."""
+    count = len(gear[0])
+    few = count <= _FEW
+    more = -count % (_FEW if few else _MANY)
+    felt = filled(felt)
+    if few:  # one program whether the options share what the joint feels or not
+        felt = tuple(np.broadcast_to(x, (len(x), count)) for x in felt)
+    if few or felt[0].shape[1] > 1:
+        felt = tuple(np.pad(x, ((0, 0), (0, more)), mode="edge") for x in felt)
+    return felt, tuple(np.pad(x, (0, more), mode="edge") for x in gear)
 
 
 @partial(jax.jit, static_argnames="substeps")
