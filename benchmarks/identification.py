@@ -29,7 +29,6 @@ from jaxswarm.identify import estimate, parse_terms
 from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.estimation.swarm_fit import swarm_fit
 from jaxswarm.identify.estimation.validate import log_errors
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs import read_log, take
 from jaxswarm.logs.motion import Filtering, prepare
@@ -41,6 +40,7 @@ from jaxswarm.robot import (
     rx60_paper_parameters,
     standard_parameter_names,
 )
+from jaxswarm.robot.logged import rigid_columns
 
 NEEDS = ("data",)
 TAKES = "5 minutes; one of --only a minute"

@@ -21,7 +21,7 @@ import jax
 import numpy as np
 
 from benchmarks.timing import write_lines
-from jaxswarm.identify.forward.columns import rigid_torque
+from jaxswarm.identify.forward.columns import torque_of
 from jaxswarm.identify.synthetic import random_links
 from jaxswarm.robot import load_robot
 
@@ -53,7 +53,7 @@ def write_log(path: Path, robot_name: str, samples: int, rate: float) -> None:
         q += size / frequency**0.5 * np.sin(angle)
         dq += size / frequency**0.5 * w * np.cos(angle)
         ddq -= size / frequency**0.5 * w**2 * np.sin(angle)
-    tau = rigid_torque(robot, q, dq, ddq, pi)
+    tau = torque_of(robot, q, dq, ddq, pi)
     tau += 5.0 * dq + 4.0 * np.tanh(dq / 0.01) + 0.2 * rng.normal(size=q.shape)
     np.savez(path, t=t, q=q + 2e-5 * rng.normal(size=q.shape), tau=tau)
 

@@ -22,4 +22,5 @@ def start() -> None:
     cache = os.environ.get("XDG_CACHE_HOME") or (home and home / ".cache")
     if "JAX_COMPILATION_CACHE_DIR" not in os.environ and cache:
         jax.config.update("jax_compilation_cache_dir", str(Path(cache) / "jaxswarm" / "compiled"))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+    # Every program: even a small one takes ten times longer to compile than to read.
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)

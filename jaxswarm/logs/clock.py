@@ -8,7 +8,7 @@ Whether they do is in the data: of the two readings the one with the smoother mo
 from dataclasses import replace
 
 import numpy as np
-from scipy import interpolate
+import scipy
 
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.smoothing import find_cutoffs
@@ -43,7 +43,7 @@ def with_sample_times(log: Log) -> Log:
         return log
     grid = np.arange(clock[0], clock[-1], step)
     stamped, even = (
-        find_cutoffs(interpolate.CubicSpline(t, log.q)(grid), 1.0 / step).noise
+        find_cutoffs(scipy.interpolate.CubicSpline(t, log.q)(grid), 1.0 / step).noise
         for t in (log.t, clock)
     )
     moving = even > 0.0

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import interpolate
+import scipy
 
 from jaxswarm.logs.smoothing import WHOLE_BAND
 
@@ -28,7 +28,7 @@ def derivatives(x: np.ndarray, rate: float, order: int) -> list[np.ndarray]:
     (True, True)
     """
     clock = np.arange(len(x)) / rate
-    spline = interpolate.make_interp_spline(clock, x, k=5)
+    spline = scipy.interpolate.make_interp_spline(clock, x, k=5)
     return [spline.derivative(k)(clock) for k in range(1, order + 1)]
 
 

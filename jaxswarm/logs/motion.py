@@ -8,7 +8,7 @@ eight times the motion's band, and design the decimator that torque and model co
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import interpolate
+import scipy
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
@@ -185,7 +185,7 @@ def shift_motion(motion: Motion, seconds: float) -> Motion:
     """The motion as it was ``seconds`` earlier, against an unmoved torque; a fraction of a sample."""
 
     def moved(x: np.ndarray) -> np.ndarray:
-        return interpolate.CubicSpline(motion.t, x, axis=0)(motion.t - seconds)
+        return scipy.interpolate.CubicSpline(motion.t, x, axis=0)(motion.t - seconds)
 
     return replace(
         motion,

@@ -1,9 +1,10 @@
 """A log on a uniform clock, and every how many-th of its samples a model needs."""
 
 import numpy as np
-from scipy import interpolate
+import scipy
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.sampling import usual_period
@@ -46,18 +47,15 @@ def resample(t: np.ndarray, x: np.ndarray, clock: np.ndarray, cubic: bool) -> np
     if len(t) == len(clock) and np.abs(t - clock).max() < 1e-3 * (clock[1] - clock[0]):
         return np.asarray(x, dtype=float)
     if cubic and np.isfinite(x).all():
-        return interpolate.CubicSpline(t, x, axis=0)(clock)
-    return interpolate.interp1d(t, x, axis=0)(np.clip(clock, t[0], t[-1]))
+        return scipy.interpolate.CubicSpline(t, x, axis=0)(clock)
+    return scipy.interpolate.interp1d(t, x, axis=0)(np.clip(clock, t[0], t[-1]))
 
 
 def thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
     """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
     if stride == 1:
         return np.asarray(x, dtype=float)
-    from scipy import signal  # loads for half a second what a log at a low rate does not need
-
-    sections = signal.butter(6, 0.4 * rate / stride, fs=rate, output="sos")
-    return signal.sosfiltfilt(sections, x, axis=0)[::stride]
+    return butterworth(x, rate, 0.4 * rate / stride, 6)[::stride]
 
 
 def stride_for(log: Log, samples: int, rate: float, highest: float) -> int:

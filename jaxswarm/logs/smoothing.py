@@ -20,7 +20,7 @@ restricted likelihood, joint by joint (G. Wahba, Annals of Statistics 13 (1985);
 from typing import NamedTuple
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 # Differences of the penalty, and the stencil of the velocity, sixth order in the sampling interval.
 _PENALTY = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -167,8 +167,8 @@ def _solve(
                 j = np.arange(i, 7)
                 bands[6 - (j - i), columns[j]] += strength * a * stencil[j]
             right[columns] += strength * stencil[:, None] * velocity[row] / rate
-    factor = linalg.cholesky_banded(bands, check_finite=False)
-    mean = linalg.cho_solve_banded((factor, False), right, check_finite=False)
+    factor = scipy.linalg.cholesky_banded(bands, check_finite=False)
+    mean = scipy.linalg.cho_solve_banded((factor, False), right, check_finite=False)
     squares = ((x - mean) ** 2).sum(axis=0) + weight * (np.diff(mean, 4, axis=0) ** 2).sum(axis=0)
     if rho > 0.0:
         slope = sum(c * mean[k : length - 6 + k] for k, c in enumerate(_SLOPE))

@@ -22,7 +22,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.experimental.xla_metadata import set_xla_metadata
 
-Entry = Any  # float when known at trace time, else a JAX array
+Entry = Any  # float when known at trace time, else a JAX array, or a NumPy one along a log
 Vector = tuple[Entry, Entry, Entry]
 Matrix = tuple[Vector, Vector, Vector]
 
@@ -185,6 +185,8 @@ def settle(entries: Any) -> Any:
     if not free:
         return entries
     values = [leaves[i] for i in free]
+    if all(isinstance(x, np.ndarray) for x in values):
+        return entries  # NumPy computes where it stands
     if jax.default_backend() == "cpu":
         with set_xla_metadata(inlineable="false"):
             values = _same(*values)

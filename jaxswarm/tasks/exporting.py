@@ -8,7 +8,6 @@ import numpy as np
 
 from jaxswarm import outputs
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.physical.consistency import are_bodies
 from jaxswarm.identify.physical.export import export_mjcf, export_sdf, export_urdf
@@ -19,6 +18,7 @@ from jaxswarm.identify.report.summary import units
 from jaxswarm.logs import Log
 from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import Robot
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_logs, as_model, as_robot, in_double
 from jaxswarm.tasks.words import number

@@ -13,7 +13,7 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model
@@ -138,9 +138,9 @@ def resampled(log: Log, rate: float | None) -> tuple[np.ndarray, tuple, np.ndarr
         raise InputError(
             f"{log.source}: is shorter than one period of {step:.3g} s; raise the rate"
         )
-    path = CubicSpline(own, log.q)
-    dq = path(t, 1) if log.dq is None else CubicSpline(own, log.dq)(t)
-    ddq = path(t, 2) if log.ddq is None else CubicSpline(own, log.ddq)(t)
+    path = scipy.interpolate.CubicSpline(own, log.q)
+    dq = path(t, 1) if log.dq is None else scipy.interpolate.CubicSpline(own, log.dq)(t)
+    ddq = path(t, 2) if log.ddq is None else scipy.interpolate.CubicSpline(own, log.ddq)(t)
     tau = None
     if log.tau is not None:
         tau = np.column_stack([np.interp(t, own, column) for column in log.tau.T])

@@ -1,11 +1,15 @@
 """Wrong positions are named by their law and joint, and not one of their doubles; true ones by none."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
-from elbow import ask, elbow_log, fitted, passing
+from elbow import ask, elbow, elbow_log, fitted, passing
 
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.torque_along import torque_along
 
 LAWS = ("encoder_offset", "encoder_eccentricity", "gear_coupling_error", "base_tilt")
 DOUBLES = ("joint_spring", "cubic_spring", "cable_coupling", "transmission_coupling")
@@ -24,10 +28,32 @@ def test_a_wrong_position_is_named_with_its_values(truth):
     assert best.candidate.term.place == truth.place
     after = refit_with(found, best)
     values = find_term(after, best.candidate.term).values
+    place = [t.place for t in after.model.terms].index(truth.place)
+    size = max(map(abs, truth.values.values()))
     for name, value in truth.values.items():
-        assert values[name] == pytest.approx(value, rel=0.1, abs=2e-3), name
+        error = after.std_errors[place][name]
+        assert error < 0.15 * size, name
+        assert abs(values[name] - value) < 2.5 * error, name
     assert (after.fit.sigma <= 1.05 * found.fit.sigma).all()
 
 
 def test_true_positions_are_left_as_they_are():
     assert not passing(ask(fitted(elbow_log()), *LAWS))
+
+
+def test_friction_follows_the_true_motion_and_not_what_an_encoder_says():
+    """Where a coupling ratio is wrong, the joint may turn while its encoder stands still."""
+    coupled = Term("gear_coupling_error", 1, 2, values={"c": 0.5})
+    viscous = Term("viscous_friction", 1, values={"b": 2.0})
+    motion = fitted(elbow_log()).motions[0]
+    still = np.zeros_like(motion.q)
+    turned = still.copy()
+    turned[:, 2] = 0.3
+    standing = replace(motion, q=still, dq=turned, ddq=still)
+    width = (0.01,) * 3
+    without, own = (
+        torque_along(elbow(), terms, standing, width, np.append(np.zeros(30), 2.0))
+        for terms in ((viscous,), (coupled, viscous))
+    )
+    np.testing.assert_allclose(without, 0.0)
+    np.testing.assert_allclose(own[:, 1], 2.0 * 0.5 * 0.3)

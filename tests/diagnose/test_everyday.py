@@ -4,6 +4,7 @@ import pytest
 from planted import BAND, NOISE, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.synthetic import synthetic_log
 from jaxswarm.logs.motion import prepare
 
@@ -17,6 +18,14 @@ def test_all_friction_is_found_in_one_step(duration):
     values = {(t.effect, t.joint): t.values for t in found.final.model.terms}
     assert values["viscous_friction", 0]["b"] == pytest.approx(3.0, rel=0.15)
     assert values["coulomb_friction", 1]["fc"] == pytest.approx(1.5, rel=0.15)
+
+
+def test_friction_that_a_falling_one_outweighs_is_kept_until_that_is_found():
+    """Stribeck friction hides the viscous part of its joint, whose law the other joint shows."""
+    falling = Term("stribeck_friction", 1, values={"df": 2.0, "vs": 0.6, "delta": 2.0})
+    found = diagnose(small_arm(), (), [prepare(log_with(falling), BAND)])
+    added = {(s.added.effect, s.added.joint) for s in found.kept}
+    assert added == FRICTION | {("stribeck_friction", 1)}
 
 
 def test_an_arm_without_friction_gets_none():

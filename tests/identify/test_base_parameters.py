@@ -4,8 +4,17 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify.estimation.base_parameters import find_base
-from jaxswarm.identify.forward.columns import rigid_columns
-from jaxswarm.robot import emps, rx60, rx60_paper_parameters, standard_parameter_names, ur10e
+from jaxswarm.robot import (
+    Joint,
+    build_robot,
+    emps,
+    rx60,
+    rx60_paper_parameters,
+    standard_parameter_names,
+    ur10e,
+)
+from jaxswarm.robot.logged import rigid_columns
+from jaxswarm.robot.placements import rotation_rpy
 
 PAPER = ["Izz1"] + [f"{s}{k}" for k in (2, 3) for s in ("Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")]
 
@@ -110,3 +119,25 @@ def test_a_joint_at_rest_leaves_dead_columns():
     assert base.size < moving.size
     assert base.size == np.linalg.matrix_rank(full.reshape(-1, 30))
     assert standard_parameter_names(rx60()).index("Izz1") in base.dead
+
+
+def test_half_a_turn_written_with_nine_digits_is_half_a_turn():
+    def scara(half):
+        flipped = rotation_rpy([half, 0.0, 0.0])
+        return build_robot(
+            "scara",
+            [
+                Joint("a"),
+                Joint("b", parent="a", translation=np.array([0.4, 0.0, 0.0])),
+                Joint(
+                    "c", kind="prismatic", parent="b", rotation=flipped,
+                    translation=np.array([0.35, 0.0, 0.0]),
+                ),
+                Joint("d", parent="c", translation=np.array([0.0, 0.0, 0.05])),
+            ],
+        )  # fmt: skip
+
+    names = standard_parameter_names(scara(np.pi))
+    exact, written = (find_base(columns_of(scara(half)), names) for half in (np.pi, 3.14159265))
+    assert written.expressions() == exact.expressions()
+    assert not {"mz4", "Ixz4", "Iyz4"} & {names[k] for k in written.kept}

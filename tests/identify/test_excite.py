@@ -18,8 +18,8 @@ from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, withi
 from jaxswarm.identify.excitation.limits import Limits, parse_limits, read_limits
 from jaxswarm.identify.excitation.search import excite
 from jaxswarm.identify.excite_plan import schedule
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.robot import rx60
+from jaxswarm.robot.logged import rigid_columns
 
 LIMITS = Limits(
     lower=np.array([-2.0, -1.0, 0.2]),

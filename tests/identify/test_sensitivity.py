@@ -15,10 +15,11 @@ from jaxswarm.identify.estimation.free_parameters import (
     write,
 )
 from jaxswarm.identify.estimation.gauss_newton import Problem
-from jaxswarm.identify.forward.columns import rigid_columns, rigid_of
+from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression, lag_slopes, link_motion
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.robot import inverse_dynamics
+from jaxswarm.robot.logged import rigid_columns
 
 ARM = planar_arm()
 PI = np.asarray(ARM.parameters).ravel()

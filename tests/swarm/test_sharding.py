@@ -1,4 +1,4 @@
-"""Runs over two forced devices equal the runs on one."""
+"""Runs and sweeps over eight forced devices equal those on one."""
 
 import os
 import subprocess
@@ -15,22 +15,23 @@ from jaxswarm.swarm import Space, minimize_runs, minimize_sharded, pso, stalled
 SCRIPT = """
 import jax, numpy as np
 from jaxswarm.swarm import Space, minimize_runs, minimize_sharded, pso, stalled
-assert len(jax.devices()) == 2
-space, keys = Space.vector([-5.0] * 2, [5.0] * 2), jax.random.split(jax.random.key(0), 4)
+assert len(jax.devices()) == 8
+space, keys = Space.vector([-5.0] * 2, [5.0] * 2), jax.random.split(jax.random.key(0), 16)
 def sphere(x, center):
     return ((x - center) ** 2).sum(axis=1)
-for stop in (None, stalled(3)):
-    options = dict(num_steps=12, stop=stop)
-    one = minimize_runs(sphere, pso(6), space, keys, 1.0, **options)
-    two = minimize_sharded(sphere, pso(6), space, keys, 1.0, **options)
-    assert len(two.value.sharding.device_set) == 2
-    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(two), strict=True):
+# The same task for all runs, then a sweep: a task for each.
+for args, axes, stop in ((1.0, None, None), (1.0, None, stalled(3)), (np.arange(16.0), 0, stalled(3))):
+    options = dict(num_steps=12, stop=stop, args_axes=axes)
+    one = minimize_runs(sphere, pso(6), space, keys, args, **options)
+    all_ = minimize_sharded(sphere, pso(6), space, keys, args, **options)
+    assert len(all_.value.sharding.device_set) == 8
+    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(all_), strict=True):
         np.testing.assert_array_equal(a, b)
 """
 
 
-def test_two_devices_give_the_same_result():
-    environment = os.environ | {"XLA_FLAGS": "--xla_force_host_platform_device_count=2"}
+def test_eight_devices_give_the_same_result():
+    environment = os.environ | {"XLA_FLAGS": "--xla_force_host_platform_device_count=8"}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True
     )

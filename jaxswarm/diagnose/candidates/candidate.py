@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from jaxswarm.effects.term import Term
 
@@ -34,7 +34,7 @@ class Candidate:
         """Average (T, ...) over ``blur`` rows."""
         if self.blur == 1:
             return x
-        return ndimage.uniform_filter1d(x, self.blur, axis=0, mode="nearest")
+        return scipy.ndimage.uniform_filter1d(x, self.blur, axis=0, mode="nearest")
 
     @property
     def positive(self) -> bool:

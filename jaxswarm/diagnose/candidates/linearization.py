@@ -10,11 +10,12 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.body import body_along, moves_links, tilted
-from jaxswarm.identify.forward.columns import rigid_columns, term_columns
+from jaxswarm.identify.forward.columns import term_columns
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 from jaxswarm.identify.forward.torque_along import torque_along
+from jaxswarm.robot.logged import rigid_columns
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.
 _REACH, _TURNS = 3.0, 9
@@ -30,7 +31,8 @@ class Linearization:
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = tilted(model.robot, model.terms)
-        self.loads, self.outputs, self.moved = [], [], []
+        self.loads, self.outputs, self.moved, self.true = [], [], [], []
+        self.own_slopes: dict[tuple[int, int], np.ndarray] = {}
         for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
             own = model.during(k)
             body = body_along(model.robot, model.terms, motion, self.pi, rigid)
@@ -39,6 +41,7 @@ class Linearization:
                 torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
             )
             self.moved.append(body.moved)
+            self.true.append(body.motion)
 
     def carried(self, k: int) -> np.ndarray:
         """Rigid columns (T, n, 10 n) of a log, in the gravity and motion of the model's links."""
@@ -132,7 +135,7 @@ class Linearization:
         terms = self.found.model.terms
 
         def build(k):
-            own = term.acts_in(k) * term_columns(term, motions[k], width, self.loads[k])
+            own = term.acts_in(k) * term_columns(term, self.true[k], width, self.loads[k])
             return report_own(terms, motions[k], own, term.joint)
 
         if term.law.uses_load:

@@ -8,18 +8,19 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.own_motion import own_slopes
 from jaxswarm.diagnose.candidates.window import windowed_candidate
 from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
 from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.measuring_chain import report_own
 from jaxswarm.identify.forward.placement import placement_columns
+from jaxswarm.robot.logged import rigid_columns
 
 
 def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
@@ -83,11 +84,13 @@ def _distorted(lin: Linearization, term: Term, k: int) -> np.ndarray:
 
 
 def _turned(lin: Linearization, term: Term, k: int) -> np.ndarray:
-    """Rigid torque of a log by each parameter of an encoder's error, (T, n, p)."""
+    """Torque of a log, its own laws included, by each parameter of an encoder's error, (T, n, p)."""
     motion = lin.found.motions[k]
     along, own = filled(read_motion(term, motion)), slice(len(motion.t))
     slopes = misreading_slopes(term.law, term.law.neutral(), along)
-    by = lin.sensed(term.joint)[k].at(lin.pi)[1:]
+    by = [x.copy() for x in lin.sensed(term.joint)[k].at(lin.pi)[1:]]
+    for x, slope in zip(by, own_slopes(lin, term.joint, k), strict=True):
+        x[:, term.joint] += slope
     columns = [
         -sum(x * np.asarray(e[p.name])[own, None] for x, e in zip(by, slopes, strict=True))
         for p in term.law.parameters

@@ -103,6 +103,10 @@ CHANGE_DOUBT = 2.0
 # An error may grow by so much, where it is above so many times the noise; and has to fall to this share on
 # the effect's own joint: half of what a fifth of the squared error (Rules.share) is worth.
 HARM, ABOVE_NOISE, GAIN = 1.05, 1.2, 0.95
+# Stretches of time that a log is cut into, each predicted by the others; a cut tells something where that
+# leaves less than so many times the error of the fit. On a measured log of the TX40 laws that lower the error
+# of time not fitted at all left 0.26 to 0.96 of their joint's error in every such cut, others up to 1.13.
+STRETCHES, PREDICTABLE = (2, 3, 4), 2.0
 # While more is missing, a joint's error may grow by so much; what does so in the end is taken back.
 HARM_ON_THE_WAY = 1.5
 

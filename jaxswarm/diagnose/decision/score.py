@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
+import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import DENSE, SELECTED, WEIGHTY, Rules
@@ -145,7 +145,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     memory = residual.size / crossfit.effective
     windows = len(residual) / max(int(inside.sum()), 1)
     blocks = np.bincount(crossfit.block, fall.sum(axis=1))
-    chance = special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
+    chance = scipy.special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
     dense = shares[joint] * windows >= DENSE
     return Score(
         candidate=candidate,
@@ -186,7 +186,7 @@ def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
         return 1.0
     slopes = (inner.sum() - inner) / rest
     spread = np.sqrt((count - 1) / count * ((slopes - slopes.mean()) ** 2).sum())
-    return float(special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
+    return float(scipy.special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.score import slope_p_value
@@ -206,8 +206,8 @@ def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
     held = _RIDGE * np.trace(square) / len(square)
     if held <= 0.0:
         return np.zeros(len(square))
-    whole = linalg.cho_factor(square + held * np.eye(len(square)), check_finite=False)
-    return linalg.cho_solve(whole, free.T @ residual, check_finite=False)
+    whole = scipy.linalg.cho_factor(square + held * np.eye(len(square)), check_finite=False)
+    return scipy.linalg.cho_solve(whole, free.T @ residual, check_finite=False)
 
 
 def _try(crossfit: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:

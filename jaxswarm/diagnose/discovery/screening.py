@@ -11,7 +11,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from jaxswarm.diagnose.discovery.grammar import MOST_CONSTANTS
 from jaxswarm.diagnose.discovery.machine import LENGTHS, Codes, encode, length_for, run
@@ -98,7 +98,8 @@ def _lattice(count: int) -> np.ndarray:
     if count == 1:
         full[:, 0] = (np.arange(_POINTS[1]) + 0.5) / _POINTS[1]
     elif count:
-        full[:, :count] = qmc.Halton(count, scramble=False).random(_POINTS[count] + 1)[1:]
+        draws = scipy.stats.qmc.Halton(count, scramble=False)
+        full[:, :count] = draws.random(_POINTS[count] + 1)[1:]
     return full
 
 

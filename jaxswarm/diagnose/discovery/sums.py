@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from jaxswarm.diagnose.decision.score import coefficients
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
@@ -61,7 +61,7 @@ def polished(problem: Joint, formula: Sum, fold: Fold) -> Sum:
         values = {p.name: float(p.decode(x)) for p, x in zip(table, u, strict=True)}
         return unexplained(problem, replaced(formula, values), fold)
 
-    found = optimize.least_squares(left, start, bounds=(0.0, 1.0), max_nfev=_STEPS)
+    found = scipy.optimize.least_squares(left, start, bounds=(0.0, 1.0), max_nfev=_STEPS)
     values = {p.name: float(p.decode(x)) for p, x in zip(table, found.x, strict=True)}
     return replaced(formula, values)
 

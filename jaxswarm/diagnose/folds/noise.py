@@ -15,10 +15,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy import ndimage, signal
+import scipy
 
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.smoothing import smooth
@@ -104,7 +105,7 @@ def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
 
     plain = torque(0.0)
     power = [motion.decimator.apply(torque(1.0) - plain) ** 2 for _ in range(_DRAWS)]
-    return ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
+    return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
 
 
 def _sharp_power(found: Estimate, motion: Motion) -> np.ndarray:
@@ -114,9 +115,7 @@ def _sharp_power(found: Estimate, motion: Motion) -> np.ndarray:
     if 0.5 * rate - begin < _LEAST_SHARE * rate:
         return np.zeros((len(kept), motion.q.shape[1]))
     residual = motion.tau - model_torque(found.model, motion)
-    above = signal.sosfiltfilt(
-        signal.butter(4, begin, "high", fs=rate, output="sos"), residual, axis=0
-    )
+    above = butterworth(residual, rate, begin, 4, high=True)
     span = max(_WINDOW, 1.0 / motion.torque_cutoff)
-    power = ndimage.uniform_filter1d(above**2, max(3, int(span * rate)), axis=0)
+    power = scipy.ndimage.uniform_filter1d(above**2, max(3, int(span * rate)), axis=0)
     return power[kept] * motion.torque_cutoff / (0.5 * rate - begin)

@@ -16,7 +16,7 @@ impact or an outlier must not decide what a joint lacks.
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from jaxswarm.diagnose.folds.noise import row_doubt
 from jaxswarm.identify.estimation.covariance import correlation_length
@@ -203,10 +203,10 @@ def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray, parameters
         return Fold(train, columns, columns, torque, np.zeros((parameters, 0)))
     rows = columns[train].reshape(-1, size)
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-    q, r, order = linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)
+    q, r, order = scipy.linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)
     rank = int((np.abs(np.diag(r)) > 1e-7 * abs(r[0, 0])).sum())
     pick = order[:rank]
-    project = linalg.solve_triangular(
+    project = scipy.linalg.solve_triangular(
         r[:rank, :rank],
         (columns[:, :, pick] / scale[pick]).reshape(-1, rank).T,
         trans="T",
@@ -214,6 +214,6 @@ def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray, parameters
     ).T.reshape(len(columns), joints, rank)
     basis = np.where(train[:, None, None], project, 0.0)
     solve = np.zeros((size, rank))
-    solve[pick] = linalg.solve_triangular(r[:rank, :rank], np.eye(rank)) / scale[pick, None]
+    solve[pick] = scipy.linalg.solve_triangular(r[:rank, :rank], np.eye(rank)) / scale[pick, None]
     left = torque - project @ np.einsum("tjb,tj->b", basis, torque)
     return Fold(train, project, basis, left, solve)

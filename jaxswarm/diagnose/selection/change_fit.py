@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
@@ -80,8 +80,8 @@ def fit_changes(before: Estimate, candidates: Sequence[Candidate]) -> Coefficien
     earlier = (before.regression.columns / solution.sigma[:, None]).reshape(len(scaled), -1)
 
     def through(torque: np.ndarray) -> np.ndarray:
-        half = linalg.solve_triangular(solution.factor, scaled.T @ torque, trans="T")
-        return linalg.solve_triangular(solution.factor, half)
+        half = scipy.linalg.solve_triangular(solution.factor, scaled.T @ torque, trans="T")
+        return scipy.linalg.solve_triangular(solution.factor, half)
 
     response = through(earlier)
     covariance = solution.covariance + response @ earlier_covariance(before) @ response.T

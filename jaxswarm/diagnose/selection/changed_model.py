@@ -16,9 +16,9 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.identify.forward.body import tilted
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 
 
 @singledispatch

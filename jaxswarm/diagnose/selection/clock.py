@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import special
+import scipy
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
@@ -41,7 +41,7 @@ def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:
     """
     for s in score_terms(lin, [t for t in of_kind(terms, MeasurementLaw) if t.law.clock], seed):
         if not s.allowed and s.gain > 0:
-            certainty = float(-special.ndtri(max(s.p_value, 1e-300)))
+            certainty = float(-scipy.special.ndtri(max(s.p_value, 1e-300)))
             return float(s.coefficients[0]) * max(0.0, 1.0 - 1.0 / max(certainty, 1e-9) ** 2)
     return 0.0
 

@@ -5,7 +5,9 @@ parameters compete to be bent into it, and in a short log hardly one of them sho
 is most of what it would be seen against. Effects marked ``everyday`` are therefore tried together wherever
 there is none, before anything rarer and before the clocks are asked, whose skew would take up a part of them.
 What the common fit does not confirm is dropped again, the least certain of a joint first, and so is what does
-not lower its joint's error on rows that were not fitted.
+not lower its joint's error on rows that were not fitted. A joint that lacks more may hide it: friction that
+falls with speed can outweigh the viscous part that all other joints show. There it stays until the rest is
+found; what is still uncertain when every choice is made again goes then.
 """
 
 from collections.abc import Sequence
@@ -14,7 +16,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, Rules
+from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, NEAR, Rules
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
@@ -62,6 +64,11 @@ def add_everyday(
             lower = _held_out(cross_fit(after)) < (1.0 - rules.share) * before
             dropped = [s for s in everyday if not lower[s.candidate.term.joint]]
         if not dropped:
+            hidden = _hidden(after, everyday, scores)
+            if hidden:
+                everyday += hidden
+                terms = tuple(s.candidate.term for s in everyday)
+                after = refit(current, (*current.model.terms, *terms))
             steps = [
                 Step(find_term(after, s.candidate.term), s, (), (), current, after, ())
                 for s in everyday
@@ -69,6 +76,20 @@ def add_everyday(
             return steps, after
         everyday = [s for s in everyday if s not in dropped]
     return None
+
+
+def _hidden(after: Estimate, confirmed: Sequence[Score], asked: Sequence[Score]) -> list[Score]:
+    """What half of the joints that were asked have, on joints that are left far from their noise without it."""
+    over = after.fit.sigma / noise_of(after)
+    found = [s.candidate.term.law for s in confirmed]
+    candidates = [s.candidate.term.law for s in asked]
+    return [
+        s
+        for s in asked
+        if s not in confirmed
+        and over[s.candidate.term.joint] > NEAR
+        and 2 * found.count(s.candidate.term.law) >= candidates.count(s.candidate.term.law)
+    ]
 
 
 def _held_out(crossfit: CrossFit) -> np.ndarray:

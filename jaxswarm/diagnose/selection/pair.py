@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import special
+import scipy
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
@@ -80,5 +80,5 @@ def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules
     before, after = blocks(former), blocks(cross_fit(new))
     fall = before - after
     spread = fall.std(ddof=1) / np.sqrt(count)
-    chance = special.stdtr(count - 1, -fall.mean() / max(spread, 1e-300))
+    chance = scipy.special.stdtr(count - 1, -fall.mean() / max(spread, 1e-300))
     return bool(fall.sum() > rules.share * before.sum() and chance * asked < rules.significance)

@@ -180,7 +180,9 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if after is None:
         search.refuse(term)
         return True
-    why = None if term.law.in_one_log else survives(current, after, chosen.joint, search.other)
+    why = None
+    if not term.law.in_one_log:
+        why = survives(current, after, chosen.joint, search.other, search.rules)
     if why:
         search.refuse(term, why)
         return True

@@ -18,8 +18,8 @@ from jaxswarm.identify.checks.guesses import (
     torque_scale_guesses,
 )
 from jaxswarm.identify.checks.rough import Rough, Samples, Tried
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.logs.finding import Finding
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 NO_RELATION = "no_relation"

@@ -9,9 +9,9 @@ import numpy as np
 
 from jaxswarm.identify.checks.channels import STANDS
 from jaxswarm.identify.checks.rough import Samples
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.frozen import STUCK
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 # Share of a standing joint's torque that the others' motion leaves, from which on it moves: what a held joint

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from jaxswarm.identify.estimation.least_squares import triangular_factor
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 # Rows that a sign or a swapped channel needs by far; more only cost time.
@@ -202,7 +202,7 @@ class Rough:
             u = u[:, values > _DEPENDENT * values[0]]
             rest = np.linalg.norm(torques - u @ (u.T @ torques), axis=0)
             left.append(np.log(np.maximum(rest / self.spread, 1e-12)))
-        return tuple(map(int, optimize.linear_sum_assignment(np.array(left))[1]))
+        return tuple(map(int, scipy.optimize.linear_sum_assignment(np.array(left))[1]))
 
     def as_logged(self, rounds: int = 3) -> tuple[Tried, np.ndarray]:
         """The fit to the torques as logged, and the weights it settled on."""

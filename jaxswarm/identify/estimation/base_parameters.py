@@ -15,6 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# A column below this share of the largest one is zero, and one of which no more than this share is its own
+# follows from the others: what is left comes of an angle written with nine digits, or of rounding, and noise
+# hides a parameter that shows through it unless it is ten million times the usual.
+_NOTHING = 1e-7
+
 
 @dataclass(frozen=True)
 class BaseParameters:
@@ -65,7 +70,7 @@ class BaseParameters:
 
 
 def find_base(
-    factor: np.ndarray, names: tuple[str, ...], tolerance: float = 1e-8
+    factor: np.ndarray, names: tuple[str, ...], tolerance: float = _NOTHING
 ) -> BaseParameters:
     """Split columns into independent, merging and dead ones.
 
@@ -85,7 +90,7 @@ def find_base(
     basis = np.zeros((factor.shape[0], 0))
     kept, dropped, dead = [], [], []
     for k in range(factor.shape[1]):
-        if norms[k] <= 1e-12 * scale or norms[k] == 0.0:
+        if norms[k] <= _NOTHING * scale or norms[k] == 0.0:
             dead.append(k)
             continue
         rest = factor[:, k] / norms[k]

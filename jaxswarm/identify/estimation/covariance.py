@@ -1,7 +1,7 @@
 """How certain least squares are where residuals have a memory."""
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 # Rows with more leverage than this are fitted whatever they hold.
 _MOST_LEVERAGE = 0.9
@@ -43,7 +43,7 @@ def scored(
         rows = slice(start, start + _ROWS)
         weighted = columns[rows][:, :, kept] / sigma[:, None]
         flat = weighted.reshape(-1, len(kept)).T
-        q = linalg.solve_triangular(factor, flat, trans="T", check_finite=False).T
+        q = scipy.linalg.solve_triangular(factor, flat, trans="T", check_finite=False).T
         q = q.reshape(weighted.shape)
         leverage = np.minimum((q**2).sum(axis=2), _MOST_LEVERAGE)
         u[rows] = np.einsum("tjb,tj->tb", q, error[rows] / (1.0 - leverage))
@@ -68,5 +68,5 @@ def sandwich(factor, u, error, log) -> tuple[np.ndarray, float]:
         tapered += 2.0 * taper * float((error[lag:] * same * error[:-lag]).sum() / power)
     # What the taper took off the pooled autocorrelation is given back.
     meat *= max(1.0, inflation / tapered)
-    inverse = linalg.solve_triangular(factor, np.eye(size), check_finite=False)
+    inverse = scipy.linalg.solve_triangular(factor, np.eye(size), check_finite=False)
     return inverse @ meat @ inverse.T, error.size / inflation

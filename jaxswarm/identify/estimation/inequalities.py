@@ -5,7 +5,7 @@ non-negative least squares solves.
 """
 
 import numpy as np
-from scipy import linalg, optimize
+import scipy
 
 
 def solve_above(factor: np.ndarray, rows: np.ndarray, least: np.ndarray) -> np.ndarray:
@@ -26,15 +26,15 @@ def solve_above(factor: np.ndarray, rows: np.ndarray, least: np.ndarray) -> np.n
     """
     size = factor.shape[1] - 1
     matrix, target = factor[:size, :size], factor[:size, size]
-    free = linalg.solve_triangular(matrix, target)
+    free = scipy.linalg.solve_triangular(matrix, target)
     # y = R (x - free): the distance from the free minimum, in standard deviations.
-    slopes = linalg.solve_triangular(matrix, rows.T, trans="T").T
+    slopes = scipy.linalg.solve_triangular(matrix, rows.T, trans="T").T
     norms = np.linalg.norm(slopes, axis=1)
     seen = norms > 1e-12 * norms.max(initial=0.0)
     slopes, missing = slopes[seen] / norms[seen, None], (least - rows @ free)[seen] / norms[seen]
     unit = max(np.abs(missing).max(initial=0.0), 1e-300)
     dual = np.concatenate([slopes.T, missing[None] / unit])
     last = np.append(np.zeros(size), 1.0)
-    weights, _ = optimize.nnls(dual, last, maxiter=50 * dual.shape[1])
+    weights, _ = scipy.optimize.nnls(dual, last, maxiter=50 * dual.shape[1])
     left = dual @ weights - last
-    return free + linalg.solve_triangular(matrix, -unit * left[:size] / left[size])
+    return free + scipy.linalg.solve_triangular(matrix, -unit * left[:size] / left[size])

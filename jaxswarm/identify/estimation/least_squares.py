@@ -17,7 +17,7 @@ W. K. Newey, K. D. West, Econometrica 55 (1987); D. W. K. Andrews, Econometrica 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg, optimize
+import scipy
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.estimation.covariance import sandwich, scored
@@ -118,7 +118,7 @@ def joint_factors(regression: Regression) -> list[np.ndarray]:
 def weighted_factor(factors: list[np.ndarray], sigma: np.ndarray) -> np.ndarray:
     """Triangular factor of all joints' rows, divided by their standard deviations."""
     stacked = np.concatenate([f / s for f, s in zip(factors, sigma, strict=True)])
-    return linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
+    return scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
 
 
 def solve(
@@ -134,11 +134,13 @@ def solve(
     # Of a column that is zero in these rows, such as a contact at another time, they say nothing.
     scale[scale == 0] = 1.0
     matrix, target = factor[:size, :size] / scale, factor[:size, size]
-    theta = linalg.lstsq(matrix, target, check_finite=False)[0] / scale
+    theta = scipy.linalg.lstsq(matrix, target, check_finite=False)[0] / scale
     outside = (theta < lower) | (theta > upper)
     if not outside.any():
         return theta, outside
-    bounded = optimize.lsq_linear(matrix, target, (lower * scale, upper * scale), method="bvls")
+    bounded = scipy.optimize.lsq_linear(
+        matrix, target, (lower * scale, upper * scale), method="bvls"
+    )
     theta = np.clip(bounded.x / scale, lower, upper)
     return theta, (theta == lower) | (theta == upper)
 

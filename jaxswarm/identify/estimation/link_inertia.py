@@ -13,8 +13,8 @@ import numpy as np
 
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.columns import rigid_columns
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 # Positions at which the inertia is asked for, and its least share of the mean: an arm that folds upon its

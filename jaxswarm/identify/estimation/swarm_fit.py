@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import linalg
+import scipy
 
 from jaxswarm.identify.estimation.least_squares import Fit, base_bounds
 from jaxswarm.swarm import Space, find_optimizer, minimize_runs
@@ -105,7 +105,7 @@ def swarm_fit(
     )
     costs = np.asarray(result.value)
     found = np.asarray(result.params)[int(np.argmin(costs))]
-    values = linalg.solve_triangular(solution.factor, found) if whiten else found
+    values = scipy.linalg.solve_triangular(solution.factor, found) if whiten else found
     optimum = float(
         ((solution.factor @ solution.values - solution.target) ** 2).sum() + solution.cost
     )

@@ -108,7 +108,7 @@ def excite(
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
     columns = [np.asarray(value(x)) for x in starts]
     stacked = np.concatenate([x.T for x in columns[:4]])
-    base = find_base(stacked, column_names(robot, terms), tolerance=1e-7)
+    base = find_base(stacked, column_names(robot, terms))
     kept = base.kept
 
     def log_conditions(population: jax.Array, _: None) -> jax.Array:

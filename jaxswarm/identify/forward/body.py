@@ -14,12 +14,12 @@ from jaxswarm.identify.forward.columns import (
     Rigid,
     load_along,
     low_columns,
-    rigid_columns,
-    rigid_torque,
+    torque_of,
 )
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.link_lag import link_motion
+from jaxswarm.identify.forward.link_lag import link_motion, true_motion
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 
@@ -49,7 +49,7 @@ class Body:
     Attributes:
         arm: The robot in its gravity.
         moved: Motion of the links, q, dq, ddq, each (T, n).
-        motion: The log.
+        motion: The log, with what its encoders say too much taken off.
         pi: Rigid parameters, (10 n,).
         rigid: What is known of the log's columns where the links do as it says; else None.
     """
@@ -76,7 +76,7 @@ class Body:
         """Torque (T, n) for rigid parameters (10 n,), its own or others."""
         if self.rigid is not None:
             return self.rigid.torque(pi)
-        return rigid_torque(self.arm, *self.moved, pi)
+        return torque_of(self.arm, *self.moved, pi)
 
     def load(self) -> Load:
         """Load torque of its own parameters."""
@@ -95,8 +95,9 @@ def body_along(
     """The rigid body of a model along a log; ``rigid``: columns of the plain motion, where known."""
     if rigid is not None and not moves_links(terms):
         return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
-    arm = tilted(robot, terms)
-    return Body(arm, link_motion(arm, terms, motion, pi, rigid), motion, pi, None)
+    arm, true = tilted(robot, terms), true_motion(terms, motion)
+    known = rigid if true is motion else None
+    return Body(arm, link_motion(arm, terms, true, pi, known), true, pi, None)
 
 
 def carried(term: Term, motion: Motion) -> np.ndarray:

@@ -20,42 +20,12 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
-from jaxswarm.robot import regressor, standard_parameter_names
+from jaxswarm.robot import standard_parameter_names
+from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
-# Samples evaluated in one call: one compiled program for logs of any length, bounded memory.
-_CHUNK = 2048
-# Samples whose columns stand in memory at a time where only what follows from them is kept, and numbers
-# of a log's columns that are kept nevertheless, because they are asked for again and again.
-_BLOCK, _KEPT = 8 * _CHUNK, 64_000_000
-
-
-class _Kinematics:
-    """A robot's kinematics as a hashable constant: known numbers make a far smaller program."""
-
-    def __init__(self, robot: Robot):
-        fields = ("rotation", "translation", "axis")
-        known = {name: np.asarray(getattr(robot, name), dtype=float) for name in fields}
-        self.robot = robot.replace(
-            **known,
-            parameters=np.zeros((robot.num_joints, 10)),
-            drive_gain=np.zeros(robot.num_joints),
-        )
-        numbers = b"".join(x.tobytes() for x in known.values())
-        self.key = (robot.joints, robot.kinds, robot.parents, numbers)
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other) -> bool:
-        return self.key == other.key
-
-
-@partial(jax.jit, static_argnames="kinematics")
-def _rigid(
-    kinematics: _Kinematics, gravity: jax.Array, q: jax.Array, dq: jax.Array, ddq: jax.Array
-) -> jax.Array:
-    return jax.vmap(partial(regressor, kinematics.robot.replace(gravity=gravity)))(q, dq, ddq)
+# Samples whose columns stand in memory at a time where only what follows from them is kept.
+_BLOCK = 16_384
 
 
 @partial(jax.jit, static_argnames="law")
@@ -63,29 +33,11 @@ def _law(law: TorqueLaw, nonlinear: dict, series: Sample) -> jax.Array:
     return law_columns(law, nonlinear, series)
 
 
-def rigid_columns(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
-    """Columns of the standard parameters, shape (T, n, 10 n), for (T, n) motion."""
-    kinematics, gravity = _Kinematics(robot), np.asarray(robot.gravity, float)
-    size, n = q.shape
-    columns = np.empty((size, n, 10 * n))
-    for start in range(0, size, _CHUNK):
-        part = [x[start : start + _CHUNK] for x in (q, dq, ddq)]
-        count = len(part[0])
-        if count < _CHUNK:
-            part = [np.concatenate([x, np.repeat(x[-1:], _CHUNK - count, axis=0)]) for x in part]
-        columns[start : start + count] = np.asarray(_rigid(kinematics, gravity, *part))[:count]
-    return columns
-
-
-def rigid_torque(
+def torque_of(
     robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, pi: np.ndarray
 ) -> np.ndarray:
-    """Rigid-body torque (T, n) for parameters (10 n,); the columns of a part of the log at a time."""
-    torque = np.empty(q.shape)
-    for start in range(0, len(q), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        torque[part] = rigid_columns(robot, q[part], dq[part], ddq[part]) @ pi
-    return torque
+    """Rigid-body torque (T, n) for parameters (10 n,), without the columns in between."""
+    return rigid_torque(robot.replace(parameters=pi.reshape(-1, 10)), q, dq, ddq)
 
 
 def low_columns(
@@ -128,30 +80,13 @@ class Rigid:
         """On the working clock, shape (T, n, 10 n)."""
         return rigid_columns(self.robot, self.motion.q, self.motion.dq, self.motion.ddq)
 
-    @cached_property
-    def static(self) -> np.ndarray:
-        """On the working clock, without acceleration."""
-        rest = np.zeros_like(self.motion.ddq)
-        return rigid_columns(self.robot, self.motion.q, self.motion.dq, rest)
-
-    @property
-    def _long(self) -> bool:
-        return self.motion.q.size * 10 * self.robot.num_joints > _KEPT
-
     def torque(self, pi: np.ndarray) -> np.ndarray:
         """Rigid-body torque (T, n) for parameters (10 n,)."""
-        if not self._long:
-            return self.full @ pi
-        motion = self.motion
-        return rigid_torque(self.robot, motion.q, motion.dq, motion.ddq, pi)
+        return torque_of(self.robot, self.motion.q, self.motion.dq, self.motion.ddq, pi)
 
     def load(self, pi: np.ndarray) -> "Load":
         """Load torque for rigid parameters (10 n,)."""
-        if not self._long:
-            return Load(self.torque(pi), self.static @ pi)
-        motion = self.motion
-        rest = np.zeros_like(motion.ddq)
-        return Load(self.torque(pi), rigid_torque(self.robot, motion.q, motion.dq, rest, pi))
+        return load_along(self.robot, (self.motion.q, self.motion.dq, self.motion.ddq), pi)
 
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
@@ -177,8 +112,8 @@ class Load(NamedTuple):
 def load_along(arm: Robot, moved: Sequence[np.ndarray], pi: np.ndarray) -> Load:
     """Load torque along a motion (q, dq, ddq) of the links, for rigid parameters (10 n,)."""
     q, dq, ddq = moved
-    rest = rigid_torque(arm, q, dq, np.zeros_like(ddq), pi)
-    return Load(rigid_torque(arm, q, dq, ddq, pi), rest)
+    rest = torque_of(arm, q, dq, np.zeros_like(ddq), pi)
+    return Load(torque_of(arm, q, dq, ddq, pi), rest)
 
 
 def direction(dq: np.ndarray, width: float) -> np.ndarray:

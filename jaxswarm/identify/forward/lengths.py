@@ -4,7 +4,6 @@ What is compiled for one number of samples serves no other. Where every sample d
 alone, the last one may be held for a while and what comes of it cut off again: the numbers stay the same.
 """
 
-from collections.abc import Iterator, Sequence
 from typing import Any
 
 import jax
@@ -12,8 +11,6 @@ import numpy as np
 
 # Lengths are rounded up to multiples of this: the work on held samples is small beside a compilation.
 CHUNK = 1024
-# Samples that a program sees at a time where each stands for itself.
-_PART = 2048
 
 
 def filled(series: Any, axis: int = 0) -> Any:
@@ -29,19 +26,7 @@ def filled(series: Any, axis: int = 0) -> Any:
 
     def fill(x: np.ndarray) -> np.ndarray:
         x = np.asarray(x)
-        widths = [(0, 0)] * x.ndim
-        widths[axis] = (0, -x.shape[axis] % CHUNK)
-        return np.pad(x, widths, mode="edge")
+        held = np.repeat(np.take(x, [-1], axis), -x.shape[axis] % CHUNK, axis)
+        return np.concatenate([x, held], axis)
 
     return jax.tree.map(fill, series)
-
-
-def chunks(series: Sequence[np.ndarray]) -> Iterator[list[np.ndarray]]:
-    """Arrays of equal length in parts of equal length along the first axis, the last one filled up.
-
-    >>> [part.shape for (part,) in chunks([np.zeros((2050, 3))])]
-    [(2048, 3), (2048, 3)]
-    """
-    whole = [np.concatenate([x, np.repeat(x[-1:], -len(x) % _PART, axis=0)]) for x in series]
-    for k in range(0, len(whole[0]), _PART):
-        yield [x[k : k + _PART] for x in whole]

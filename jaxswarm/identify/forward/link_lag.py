@@ -8,11 +8,12 @@ the lag. :func:`lag_slopes` gives the missing part of the derivative,
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 
 import jax
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
@@ -32,7 +33,7 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
     lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate)
     lag = (np.asarray(x)[: len(motion.t)] for x in lag)
     size = max(1, round(blur_of(term) * motion.rate))
-    return tuple(ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
+    return tuple(scipy.ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
 
 
 def blur_of(term: Term) -> float:
@@ -78,17 +79,25 @@ def link_motion(
     pi: np.ndarray,
     rigid: Rigid | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Motion (q, dq, ddq) of the links where some lag behind their motors or encoders say too much."""
+    """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
-    for term in of_kind(terms, MeasurementLaw):
-        if term.law.excess is not None:
-            for x, e in zip((q, dq, ddq), excess_of(term, motion, _values(term)), strict=True):
-                x[:, term.joint] -= e
     for term in of_kind(terms, TransmissionLaw):
         lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
+
+
+def true_motion(terms: tuple[Term, ...], motion: Motion) -> Motion:
+    """A log with what its encoders say too much taken off: links, friction and rotors follow that."""
+    wrong = [t for t in of_kind(terms, MeasurementLaw) if t.law.excess is not None]
+    if not wrong:
+        return motion
+    q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
+    for term in wrong:
+        for x, e in zip((q, dq, ddq), excess_of(term, motion, _values(term)), strict=True):
+            x[:, term.joint] -= e
+    return replace(motion, q=q, dq=dq, ddq=ddq)
 
 
 def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[np.ndarray, ...]:

@@ -1,24 +1,14 @@
 """What the rigid torque does when a joint sits elsewhere on its parent: differences by its placement."""
 
-from functools import partial
-
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.placement import moved_joint, own_moves
-from jaxswarm.identify.forward.lengths import chunks
-from jaxswarm.robot import inverse_dynamics
+from jaxswarm.robot.logged import rigid_torque
 from jaxswarm.robot.model import Robot
 
 # Half a difference [m, rad]: errors of the second difference and of rounding are alike small.
 _STEP = 1e-5
-
-
-@jax.jit
-def _torque(robot: Robot, q: jax.Array, dq: jax.Array, ddq: jax.Array) -> jax.Array:
-    return jax.vmap(partial(inverse_dynamics, robot))(q, dq, ddq)
 
 
 def placement_columns(
@@ -33,14 +23,12 @@ def placement_columns(
         moved: Motion of the links, q, dq, ddq, each (T, n).
         pi: Rigid parameters, (10 n,).
     """
-    body = jnp.asarray(np.asarray(pi, float).reshape(-1, 10))
-    arm = arm.replace(parameters=body, name="", notes=())
+    arm = arm.replace(parameters=np.asarray(pi, float).reshape(-1, 10), name="", notes=())
     neutral, own = {p.name: 0.0 for p in law.linear}, own_moves(arm, joint)
 
     def torque(name, step):
-        there = moved_joint(arm, joint, own * law.placement({**neutral, name: step}))
-        parts = [_torque(there, *x) for x in chunks(moved)]
-        return np.concatenate([np.asarray(x) for x in parts])[: len(moved[0])]
+        moves = own * np.asarray(law.placement({**neutral, name: step}))
+        return rigid_torque(moved_joint(arm, joint, moves), *moved)
 
     columns = [(torque(p.name, _STEP) - torque(p.name, -_STEP)) / (2 * _STEP) for p in law.linear]
     return np.stack(columns, axis=2)

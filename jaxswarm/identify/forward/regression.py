@@ -9,7 +9,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, column_names
-from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms
+from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms, true_motion
 from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.logs.motion import Motion
@@ -99,7 +99,9 @@ def build_regression(
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True, log=k))
         low = motion.decimator
         if slope_terms(terms):
-            slopes = lag_slopes(tilted(robot, terms), terms, motion, pi, rigid)
+            true = true_motion(terms, motion)
+            known = rigid if true is motion else None
+            slopes = lag_slopes(tilted(robot, terms), terms, true, pi, known)
             lag = low.apply(report(terms, motion, slopes))
             columns[-1][:, :, : len(pi)] += lag
             shift.append(lag @ pi)

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxswarm.identify.forward.columns import Rigid, rigid_columns
+from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 # Steps of the differences along position and velocity [rad, rad/s]. The torque is quadratic in velocity,
@@ -81,7 +82,7 @@ def _differences(robot: Robot, motion: Motion, joint: int, full: np.ndarray) -> 
     def moved(argument: int, step: float) -> np.ndarray:
         there = list(here)
         there[argument] = here[argument] + step * (np.arange(robot.num_joints) == joint)
-        return rigid_columns(robot, *there)[:, :, 10 * joint :]
+        return rigid_columns(robot, *there, first=joint)
 
     def central(argument: int, step: float) -> np.ndarray:
         return (moved(argument, step) - moved(argument, -step)) / (2.0 * step)

@@ -15,8 +15,6 @@ inertial parameter identification", IEEE RA-L 3(1), 2018; C. Rucker, P. Wensing,
 of rigid-body inertia", IEEE RA-L 7(2), 2022.
 """
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
@@ -26,15 +24,21 @@ from jaxswarm.robot.placements import inertia_matrix
 TOLERANCE = 1e-9  # relative to the size of the body, for rounding in files
 
 
-def pseudo_inertia(parameters: jax.Array) -> jax.Array:
-    """Return the (4, 4) pseudo-inertia of ten link parameters.
+# Where the coordinates stand in U: its diagonal, then its upper entries row by row.
+_ROWS, _COLUMNS = np.array(
+    [(0, 0), (1, 1), (2, 2), (3, 3), *zip(*np.triu_indices(4, 1), strict=True)]
+).T
 
-    >>> pseudo_inertia(jnp.array([2.0, 0, 0, 0, 1.0, 0, 1.0, 0, 0, 1.0])).diagonal().tolist()
+
+def pseudo_inertia(parameters: np.ndarray) -> np.ndarray:
+    """Return the pseudo-inertia (4, 4) of ten link parameters.
+
+    >>> pseudo_inertia(np.array([2.0, 0, 0, 0, 1.0, 0, 1.0, 0, 0, 1.0])).diagonal().tolist()
     [0.5, 0.5, 0.5, 2.0]
     """
     m, hx, hy, hz, xx, xy, yy, xz, yz, zz = parameters
     half = 0.5 * (xx + yy + zz)
-    return jnp.array(
+    return np.array(
         [
             [half - xx, -xy, -xz, hx],
             [-xy, half - yy, -yz, hy],
@@ -44,10 +48,10 @@ def pseudo_inertia(parameters: jax.Array) -> jax.Array:
     )
 
 
-def parameters_of(pseudo: jax.Array) -> jax.Array:
-    """Return the ten link parameters of a pseudo-inertia (4, 4)."""
-    p = pseudo
-    return jnp.stack(
+def parameters_of(pseudo: np.ndarray) -> np.ndarray:
+    """Return the ten link parameters (..., 10) of pseudo-inertias (..., 4, 4)."""
+    p = np.moveaxis(pseudo, (-2, -1), (0, 1))
+    return np.stack(
         [
             p[3, 3],
             p[0, 3],
@@ -59,21 +63,40 @@ def parameters_of(pseudo: jax.Array) -> jax.Array:
             -p[0, 2],
             -p[1, 2],
             p[0, 0] + p[1, 1],
-        ]
+        ],
+        axis=-1,
     )
 
 
-def from_log_cholesky(coordinates: jax.Array) -> jax.Array:
-    """Return the link parameters (10,) of a physical body for any ten real coordinates.
+def from_log_cholesky(coordinates: np.ndarray) -> np.ndarray:
+    """Return the link parameters (..., 10) of a physical body for any real coordinates (..., 10).
 
     The coordinates are the logarithms of U's diagonal (four), then its upper entries row by row.
 
-    >>> (from_log_cholesky(jnp.zeros(10)) + 0.0).tolist()
+    >>> (from_log_cholesky(np.zeros(10)) + 0.0).tolist()
     [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 2.0]
     """
-    diagonal, upper = jnp.exp(coordinates[:4]), coordinates[4:]
-    u = jnp.diag(diagonal).at[jnp.triu_indices(4, 1)].set(upper)
-    return parameters_of(u @ u.T)
+    u = _factor(coordinates)
+    return parameters_of(u @ u.swapaxes(-1, -2))
+
+
+def log_cholesky_slopes(coordinates: np.ndarray) -> np.ndarray:
+    """Return the derivatives (..., 10, 10) of :func:`from_log_cholesky`, a column for each coordinate."""
+    u = _factor(coordinates)
+    change = np.zeros((*coordinates.shape, 4, 4))
+    # An entry of the diagonal is the exponential of its coordinate, the others are theirs.
+    change[..., range(4), range(4), range(4)] = np.diagonal(u, axis1=-2, axis2=-1)
+    change[..., range(4, 10), _ROWS[4:], _COLUMNS[4:]] = 1.0
+    half = change @ u.swapaxes(-1, -2)[..., None, :, :]
+    return parameters_of(half + half.swapaxes(-1, -2)).swapaxes(-1, -2)
+
+
+def _factor(coordinates: np.ndarray) -> np.ndarray:
+    """Return the upper triangles U (..., 4, 4) of coordinates (..., 10)."""
+    u = np.zeros((*coordinates.shape[:-1], 4, 4))
+    u[..., _ROWS[:4], _COLUMNS[:4]] = np.exp(coordinates[..., :4])
+    u[..., _ROWS[4:], _COLUMNS[4:]] = coordinates[..., 4:]
+    return u
 
 
 def to_log_cholesky(parameters: np.ndarray) -> np.ndarray:
@@ -82,7 +105,7 @@ def to_log_cholesky(parameters: np.ndarray) -> np.ndarray:
     Raises:
         InputError: If the parameters (10,) belong to no body of positive extent.
     """
-    pseudo = np.asarray(pseudo_inertia(np.asarray(parameters, float)))
+    pseudo = pseudo_inertia(np.asarray(parameters, float))
     try:
         # U U^T with U upper: factor the matrix read backwards.
         u = np.linalg.cholesky(pseudo[::-1, ::-1])[::-1, ::-1]
@@ -158,7 +181,7 @@ def violations(robot: Robot, *, inertia_only: bool = False) -> tuple[str, ...]:
 def are_bodies(robot: Robot) -> bool:
     """Whether every link is a body with mass and extent in all directions, as simulators want it."""
     rows = np.asarray(robot.parameters, float)
-    values = [np.linalg.eigvalsh(np.asarray(pseudo_inertia(row))) for row in rows]
+    values = [np.linalg.eigvalsh(pseudo_inertia(row)) for row in rows]
     return all(v[0] > TOLERANCE * v[-1] for v in values)
 
 
@@ -181,5 +204,5 @@ def distance(parameters: np.ndarray) -> float:
 
     The Frobenius distance of the pseudo-inertia (kg, m) to the positive semidefinite matrices.
     """
-    values = np.linalg.eigvalsh(np.asarray(pseudo_inertia(np.asarray(parameters, float))))
+    values = np.linalg.eigvalsh(pseudo_inertia(np.asarray(parameters, float)))
     return float(np.linalg.norm(np.minimum(values, 0.0)))

@@ -16,13 +16,15 @@ Reference: P. Wensing, S. Kim, J.-J. Slotine, IEEE RA-L 3(1), 2018; T. Lee, P. W
 import dataclasses
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.physical.consistency import from_log_cholesky, to_log_cholesky
+from jaxswarm.identify.physical.consistency import (
+    from_log_cholesky,
+    log_cholesky_slopes,
+    to_log_cholesky,
+)
 from jaxswarm.robot.placements import body_parameters
 
 
@@ -103,42 +105,57 @@ def nearest_physical(
     scale = 1.0 + np.abs(inside)
     start = np.concatenate([bodies_start, inside / scale])
 
-    problem = tuple(
-        map(jnp.asarray, (weight @ base_matrix, weight @ base_values, scale, start, pull))
-    )
-    free = np.full(size, np.inf)
-    with_prior = least_squares(
-        lambda x: np.asarray(_residual(x, problem)),
-        start,
-        jac=lambda x: np.asarray(_derivative(x, problem)),
-        bounds=(
-            np.concatenate([-free, further.lower / scale]),
-            np.concatenate([free, further.upper / scale]),
-        ),
-        method="trf",
-        x_scale=1.0,
-        max_nfev=500,
-    )
-    bodies = np.asarray(
-        jax.vmap(from_log_cholesky)(jnp.asarray(with_prior.x[:size]).reshape(-1, 10))
-    )
-    left = with_prior.x[size:] * scale
+    weighted = weight @ base_matrix, weight @ base_values
+    found = _minimum(*weighted, start, scale, pull, (further.lower / scale, further.upper / scale))
+    bodies = from_log_cholesky(found[:size].reshape(-1, 10))
+    left = found[size:] * scale
     error = base_values - base_matrix @ np.concatenate([bodies.ravel(), left])
     return PhysicalSet(bodies, error, float(np.linalg.norm(weight @ error)), left)
 
 
-# Data are arguments, so that a program compiled once serves every robot of as many joints.
-@jax.jit
-def _residual(coordinates: jax.Array, problem: tuple) -> jax.Array:
-    """Weighted error of the base parameters, then the pull of the prior."""
-    matrix, values, scale, start, pull = problem
+def _minimum(
+    matrix: np.ndarray,
+    values: np.ndarray,
+    start: np.ndarray,
+    scale: np.ndarray,
+    pull: float,
+    bounds: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Coordinates of the bodies and, in units of ``scale``, of the further parameters at the minimum.
+
+    Args:
+        matrix, values: Weighted base matrix (p, m) and base values (p,).
+        start: The prior's coordinates (m,), where the search begins and where the pull goes.
+        scale: Units of the last k coordinates, (k,).
+        pull: Strength of the prior.
+        bounds: Lower and upper bounds of the last k coordinates.
+    """
     size = len(start) - len(scale)
-    links = jax.vmap(from_log_cholesky)(coordinates[:size].reshape(-1, 10)).ravel()
-    full = jnp.concatenate([links, coordinates[size:] * scale])
-    return jnp.concatenate([matrix @ full - values, pull * (coordinates - start)])
+    of_links = matrix[:, :size].reshape(len(matrix), -1, 10)
 
+    def residual(x):
+        links = from_log_cholesky(x[:size].reshape(-1, 10)).ravel()
+        full = np.concatenate([links, x[size:] * scale])
+        return np.concatenate([matrix @ full - values, pull * (x - start)])
 
-_derivative = jax.jit(jax.jacfwd(_residual))
+    def derivative(x):
+        slopes = log_cholesky_slopes(x[:size].reshape(-1, 10))
+        by_links = np.einsum("blp,lpc->blc", of_links, slopes).reshape(len(matrix), -1)
+        by_all = np.column_stack([by_links, matrix[:, size:] * scale])
+        return np.concatenate([by_all, pull * np.eye(len(x))])
+
+    free = np.full(size, np.inf)
+    return scipy.optimize.least_squares(
+        residual,
+        start,
+        jac=derivative,
+        bounds=tuple(
+            np.concatenate([own, bound]) for own, bound in zip((-free, free), bounds, strict=True)
+        ),
+        method="trf",
+        x_scale=1.0,
+        max_nfev=500,
+    ).x
 
 
 def _check_shape(

@@ -1,12 +1,12 @@
 """An identification as plain data and as pictures."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from jaxswarm.drawing import Drawing
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.swarm_fit import SwarmFit
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.identify.report.summary import (
@@ -19,8 +19,11 @@ from jaxswarm.identify.report.summary import (
 from jaxswarm.logs import summarize
 from jaxswarm.logs.motion import Motion
 
+if TYPE_CHECKING:  # the swarms load for a tenth of a second what only a search needs
+    from jaxswarm.identify.estimation.swarm_fit import SwarmFit
 
-def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None) -> dict:
+
+def report_of(found: Estimate, logs, unseen, validation, search: "SwarmFit | None") -> dict:
     """The content of ``identification.json``: values, uncertainty, what is inseparable, errors.
 
     Args:
@@ -71,7 +74,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: SwarmFit | None
     return report
 
 
-def _of_search(search: SwarmFit) -> dict:
+def _of_search(search: "SwarmFit") -> dict:
     """What the runs of a swarm reached, beside the least-squares cost."""
     return {
         "name": search.optimizer,
@@ -89,7 +92,7 @@ def _of_search(search: SwarmFit) -> dict:
 
 
 def order_pictures(
-    drawing: Drawing, found: Estimate, motion: Motion, search: SwarmFit | None
+    drawing: Drawing, found: Estimate, motion: Motion, search: "SwarmFit | None"
 ) -> None:
     """Order the pictures by file name: torque, residual, and the swarm's convergence."""
     robot = found.model.robot

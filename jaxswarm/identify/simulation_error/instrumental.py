@@ -25,7 +25,7 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.special import fdtrc
+import scipy
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, plant_with
@@ -190,7 +190,7 @@ def exogeneity_test(
     scaled = columns / scale
     without, within = unexplained(scaled), unexplained(np.hstack([scaled, added]))
     statistic = (without - within) / added.shape[1] / (within / freedom)
-    p_value = float(fdtrc(added.shape[1], freedom, statistic))
+    p_value = float(scipy.special.fdtrc(added.shape[1], freedom, statistic))
     return Exogeneity(statistic, p_value, added.shape[1], p_value < level)
 
 

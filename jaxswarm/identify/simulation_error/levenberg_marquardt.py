@@ -13,7 +13,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, start_names
@@ -74,7 +74,7 @@ def refine_output(
             "the simulation diverges at the start of the refinement: start closer, or use substeps."
         )
     _check_influence(names, np.asarray(derive(jnp.asarray(x), experiments)))
-    found = least_squares(
+    found = scipy.optimize.least_squares(
         lambda x: _bounded(np.asarray(evaluate(x, experiments)), r),
         x,
         lambda x: np.asarray(derive(jnp.asarray(x), experiments)),
