@@ -65,7 +65,7 @@ def test_commands_stay_on_this_machine(watched, tmp_path):
         fit,
         ["predict", "out/model.json", "log.csv", "--out", "torque.csv"],
         ["export", "out/model.json", "--format", "yaml", "--out", "model.yaml"],
-        ["compare", "out", "out"],
+        ["compare", "out/identification.json", "out/identification.json"],
     ]
     ended, reached = watched(COMMANDS.format(commands=commands))
     assert (ended.returncode, reached) == (0, ""), ended.stderr
