@@ -10,6 +10,7 @@ import io
 import logging
 import warnings
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -74,6 +75,10 @@ def pymoo(kind: str, module: str) -> Search:
 def nevergrad(kind: str) -> Search:
     """An optimizer of nevergrad; NGOpt chooses one by dimension and budget."""
     import nevergrad as ng
+    from nevergrad.optimization import metamodel
+
+    # Its surrogate predicts arrays of one number, which NumPy from 2.4 on does not turn into a float.
+    metamodel.float = lambda number: float(np.asarray(number).item())
 
     def search(function, dims, budget, seed):
         box = ng.p.Array(shape=(dims,)).set_bounds(-BOUND, BOUND)
@@ -105,11 +110,16 @@ def evosax(kind: str) -> Search:
     import jax.numpy as jnp
 
     build = getattr(evosax.algorithms, kind)
+    by_mean = hasattr(build, "get_mean")
 
-    def search(function, dims, budget, seed):
-        by_mean = hasattr(build, "get_mean")
+    @cache  # another object would be compiled anew, for every run
+    def in_dimensions(dims):
         size = 4 + int(3 * np.log(dims)) if by_mean else 50
         algorithm = build(population_size=size, solution=jnp.zeros(dims))
+        return size, algorithm, jax.jit(algorithm.ask), jax.jit(algorithm.tell)
+
+    def search(function, dims, budget, seed):
+        size, algorithm, ask, tell = in_dimensions(dims)
         params = algorithm.default_params
         key, key_start, key_run = jax.random.split(jax.random.key(seed), 3)
         if by_mean:
@@ -120,7 +130,6 @@ def evosax(kind: str) -> Search:
             shape = (size, dims)
             start = jax.random.uniform(key_start, shape, minval=-BOUND, maxval=BOUND)
             state = algorithm.init(key, start, function(start), params)
-        ask, tell = jax.jit(algorithm.ask), jax.jit(algorithm.tell)
         for key in jax.random.split(key_run, budget // size):
             population, state = ask(key, state, params)
             state, _ = tell(key, population, jnp.asarray(function(population)), state, params)

@@ -2,8 +2,10 @@
 
     python -m benchmarks.brought [--urdfs FOLDER] [--pages REPORT.html ...] [--out FOLDER]
 
-Without --urdfs the robots of installed packages are taken (pip install example-robot-data); without --pages
-the demo makes one. --out keeps the pages' pictures to be looked at.
+Without --urdfs the robots of installed packages are taken. More are in example-robot-data, icub-models,
+rtb-data, dexmate-urdf, fourier-robot-descriptions and pybullet: pip install --no-deps --target FOLDER puts
+them into a folder. Single bodies are not counted. Without --pages the demo makes one. --out keeps the pages'
+pictures to be looked at.
 """
 
 import argparse
@@ -50,7 +52,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder for pictures of the pages")
     options = parser.parse_args()
     jax.config.update("jax_enable_x64", True)
-    files = urdfs.installed() if options.urdfs is None else sorted(options.urdfs.rglob("*.urdf"))
+    files = urdfs.installed() if options.urdfs is None else urdfs.below(options.urdfs)
     print(urdfs.table(files), flush=True)
     print(f"\n{logs_table()}\n", flush=True)
     with tempfile.TemporaryDirectory() as place:

@@ -23,11 +23,17 @@ class Outcome(NamedTuple):
 
 def installed() -> list[Path]:
     """URDF files of packages on the path of Python, such as example-robot-data."""
-    found: set[Path] = set()
+    found: list[Path] = []
     for place in map(Path, filter(None, sys.path)):
         if place.name in ("site-packages", "dist-packages") or (place / "cmeel.prefix").is_dir():
-            found |= {path.resolve() for path in place.rglob("*.urdf")}
-    return sorted(found)
+            found += below(place)
+    return found
+
+
+def below(place: Path) -> list[Path]:
+    """URDF files in a folder, one of each content: packages hold copies of each other's robots."""
+    files = sorted(path.resolve() for path in place.rglob("*.urdf"))
+    return sorted({path.read_bytes(): path for path in reversed(files)}.values())
 
 
 def compare(files: list[Path]) -> Iterator[Outcome]:

@@ -9,6 +9,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.work import work
 
 if TYPE_CHECKING:
+    from jaxswarm.logs import LogChoice
     from jaxswarm.tables import Result
 
 _WRITTEN = ("fleet.parquet", "fleet.html")
@@ -40,7 +41,7 @@ Adaptive = Annotated[
 class Asked(NamedTuple):
     """What the command line says of a fleet."""
 
-    logs: str | None
+    logs: "str | LogChoice | None"
     against: str | None
     arm_pattern: str | None
     workers: int | None

@@ -141,7 +141,10 @@ def register(app: typer.Typer) -> None:
         ] = None,
         given: Annotated[
             Path | None,
-            typer.Option(help="model.json whose effects are taken for granted, for --separate."),
+            typer.Option(
+                help="model.json: its masses and effects say what torque a motion needs; --separate takes "
+                "them for granted."
+            ),
         ] = None,
         seed: Seed = 0,
         json: Json = False,

@@ -12,7 +12,6 @@ from typing import Annotated, Any
 import typer
 
 from jaxswarm.commands.options import widened
-from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
 
 _OPTIONS = {
@@ -42,7 +41,7 @@ _OPTIONS = {
 
 
 def with_log_options(*parameters: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Give a command the options about logs; ``parameters`` of it are paths or lists of paths of logs."""
+    """Give a command the options about logs; ``parameters`` of it are paths or addresses of logs, or lists."""
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(command)
@@ -52,15 +51,10 @@ def with_log_options(*parameters: str) -> Callable[[Callable[..., Any]], Callabl
                 start()
                 from jaxswarm.logs import LogChoice, parse_reading
 
-                if arguments.get("fleet") is not None:
-                    given = ", ".join(
-                        f"--{name}" for name, text in texts.items() if text is not None
-                    )
-                    raise InputError(f"{given}: --fleet reads logs by their own names only")
                 reading = parse_reading(**texts)
                 for name in parameters:
                     paths = arguments[name]
-                    if isinstance(paths, Path):
+                    if isinstance(paths, str | Path):
                         arguments[name] = LogChoice(paths, reading)
                     elif paths is not None:
                         arguments[name] = [LogChoice(path, reading) for path in paths]

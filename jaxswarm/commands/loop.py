@@ -84,7 +84,7 @@ def register(app: typer.Typer) -> None:
         epilog="Example: jaxswarm diagnose arm.csv --robot arm.urdf --declare viscous_friction --out found"
     )
     @with_robot_options
-    @with_log_options("logs", "validation")
+    @with_log_options("logs", "validation", "fleet")
     def diagnose(
         robot: RobotName,
         out: Out,

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from jaxswarm.effects.base import Export, register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import ORDER, PHASE, Parameter
 
 register(
     TorqueLaw(
@@ -82,7 +82,7 @@ register(
         parameters=(
             Parameter("sine", "N m", -1e4, 1e4, True, 0.5, "amplitude of sin(n q)"),
             Parameter("cosine", "N m", -1e4, 1e4, True, 0.5, "amplitude of cos(n q)"),
-            Parameter("n", "1", 3.0, 200.0, False, 20.0, "order: periods per turn of the joint"),
+            Parameter("n", ORDER, 3.0, 200.0, False, 20.0, "order: periods per turn of the joint"),
         ),
         summary="a sin(n q + phase): cogging of the motor, teeth of the gear",
         reference="Holtz, Springob 1996, IEEE Trans. Ind. Electron. 43(2)",
@@ -96,7 +96,7 @@ register(
         grid_size=480,
         derived=lambda p: {
             "a": (jnp.hypot(p["sine"], p["cosine"]), "N m"),
-            "phase": (jnp.arctan2(p["cosine"], p["sine"]), "rad"),
+            "phase": (jnp.arctan2(p["cosine"], p["sine"]), PHASE),
         },
     )
 )

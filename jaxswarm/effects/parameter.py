@@ -5,6 +5,28 @@ from dataclasses import dataclass
 import numpy as np
 
 
+class Unit(str):
+    """A unit for a revolute joint that has another one on a slide than its angles say.
+
+    An order of waves counts periods a turn, but a slide has no turns; the phase of a wave is an angle on both.
+
+    >>> Unit("1", "1/m"), Unit("1", "1/m").sliding
+    ('1', '1/m')
+    """
+
+    sliding: str
+
+    def __new__(cls, revolute: str, sliding: str) -> "Unit":
+        """The unit on a revolute joint, and on a slide."""
+        unit = super().__new__(cls, revolute)
+        unit.sliding = sliding
+        return unit
+
+
+# The phase of a wave, and how often it repeats over the travel of a joint.
+PHASE, ORDER = Unit("rad", "rad"), Unit("1", "1/m")
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One named parameter of an effect.

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import PHASE, Parameter
 
 
 def _swinging(p, s):
@@ -46,7 +46,7 @@ register(
         shown_against="time",
         derived=lambda p: {
             "a": (jnp.hypot(p["sine"], p["cosine"]), "N m"),
-            "phase": (jnp.arctan2(p["cosine"], p["sine"]), "rad"),
+            "phase": (jnp.arctan2(p["cosine"], p["sine"]), PHASE),
         },
     )
 )

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import ORDER, PHASE, Parameter
 
 
 def _varying(p, s):
@@ -31,7 +31,7 @@ register(
             Parameter("cosine", "N m", -1e4, 1e4, True, 0.5, "amplitude of cos(n q)"),
             # Up to a wave of some centimeters on a slide; below one per turn it is a trend.
             Parameter(
-                "n", "1", 0.8, 60.0, False, 1.0, "order: periods per turn of the joint", "log"
+                "n", ORDER, 0.8, 60.0, False, 1.0, "order: periods per turn of the joint", "log"
             ),
         ),
         summary="(a sin(n q) + b cos(n q)) sign(dq), on top of Coulomb",
@@ -47,7 +47,7 @@ register(
         grid_size=64,
         derived=lambda p: {
             "a": (jnp.hypot(p["sine"], p["cosine"]), "N m"),
-            "phase": (jnp.arctan2(p["cosine"], p["sine"]), "rad"),
+            "phase": (jnp.arctan2(p["cosine"], p["sine"]), PHASE),
         },
     )
 )

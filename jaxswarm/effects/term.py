@@ -8,6 +8,7 @@ import numpy as np
 
 from jaxswarm.effects.base import Effect, get_law
 from jaxswarm.effects.formula import Formula, formula_law
+from jaxswarm.effects.parameter import Unit
 from jaxswarm.errors import InputError, nearest
 
 
@@ -90,6 +91,8 @@ def physical_unit(unit: str, kind: str) -> str:
     """
     if kind != "prismatic":
         return unit
+    if isinstance(unit, Unit):
+        return unit.sliding
     for old, new in (("kg m^2", "kg"), ("N m", "N"), ("rad", "m")):
         unit = unit.replace(old, new)
     return unit

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from jaxswarm.errors import InputError
 from jaxswarm.fleet.sources import at_hand, stamp
 from jaxswarm.identify.forward.model import Model
+from jaxswarm.logs import LogChoice
+from jaxswarm.logs.reading import Reading
 from jaxswarm.robot import Robot
 
 # Lines of a traceback that are kept: enough to find the place.
@@ -28,6 +30,7 @@ class Settings:
         motion_cutoff, torque_cutoff: Low-passes [Hz]; None: found from the data.
         accept: Findings in spite of which a log is fitted.
         budget: Seconds after which no further round of a log begins; None: as many as it takes.
+        reading: What the logs do not say about themselves.
     """
 
     robot: Robot
@@ -38,6 +41,7 @@ class Settings:
     torque_cutoff: float | None = None
     accept: tuple[str, ...] = ()
     budget: float | None = None
+    reading: Reading = Reading()
 
 
 def examine(address: str, settings: Settings) -> dict:
@@ -59,7 +63,7 @@ def examine(address: str, settings: Settings) -> dict:
         mark = stamp(address)
         with at_hand(address) as path:
             found = diagnose(
-                [path],
+                [LogChoice(path, settings.reading)],
                 settings.robot,
                 settings.declare,
                 model=settings.model,

@@ -22,6 +22,8 @@ from jaxswarm.fleet.sources import Source, find_logs
 from jaxswarm.fleet.store import Store, fingerprint
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.identify.run import refuse_undeclarable
+from jaxswarm.logs import LogChoice
+from jaxswarm.logs.reading import reading_of
 from jaxswarm.robot import RobotChoice, load_robot
 from jaxswarm.tables import Result, Table
 
@@ -32,7 +34,7 @@ _SHOWN = 20
 
 
 def diagnose_fleet(
-    logs: str,
+    logs: str | LogChoice,
     robot: str | Path | RobotChoice,
     out: Path,
     *,
@@ -51,7 +53,7 @@ def diagnose_fleet(
     """Diagnose every log of a fleet and say which arm needs a look.
 
     Args:
-        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`.
+        logs: Folder, glob or address, see :func:`jaxswarm.fleet.sources.find_logs`; or how to read it too.
         robot: The kind of the arms.
         out: Folder for ``fleet.parquet``, ``fleet.html`` and ``logs/``; what is in it is not done again.
         declare: What is known to be on every arm.
@@ -71,8 +73,9 @@ def diagnose_fleet(
     require()
     if against is not None and against not in AGAINST:
         raise InputError(f"--against {against}: give fleet, to compare every arm with the others")
-    settings = _settings(robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
-    sources = _sources(logs, read_pattern(arm_pattern), out, progress)
+    question = (robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget)
+    settings = _settings(*question, reading_of(logs))
+    sources = _sources(str(logs), read_pattern(arm_pattern), out, progress)
     store = Store(out / RESULTS, fingerprint(settings))
     failed = _work(store, sources, settings, cluster or Cluster(), progress)
 
@@ -86,8 +89,7 @@ def diagnose_fleet(
     page = render(settings.robot.name, fleet, arms, found, moved, _pictures(fleet, arms, moved))
     outputs.write_results(out, {TABLE: _table_writer(results, found or ()), PAGE: page})
     content = {
-        "robot": settings.robot.name,
-        "logs": len(sources),
+        **{"robot": settings.robot.name, "logs": len(sources)},
         **_content(fleet, arms, found or (), moved),
         "table": str(out / TABLE),
         "page": str(out / PAGE),
@@ -116,7 +118,7 @@ def _content(fleet: Fleet, arms: Sequence[Arm], found: Sequence, moved: Sequence
 
 
 def _settings(
-    robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget
+    robot, declare, model, seed, motion_cutoff, torque_cutoff, accept, budget, reading
 ) -> Settings:
     """What is asked of every log; what is wrong with it is told before the first."""
     arm = load_robot(robot)
@@ -125,7 +127,7 @@ def _settings(
         raise InputError("--model holds the cutoffs: leave out --motion-cutoff and --torque-cutoff")
     refuse_undeclarable(parse_terms(declare or "none", arm.joints))
     return Settings(
-        arm, declare, earlier, seed, motion_cutoff, torque_cutoff, tuple(accept), budget
+        arm, declare, earlier, seed, motion_cutoff, torque_cutoff, tuple(accept), budget, reading
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +13,16 @@ from jaxswarm.identify.excitation.columns import (
     planned_columns,
     refuse_terms,
 )
+from jaxswarm.identify.excitation.constraints import Constraints
 from jaxswarm.identify.excitation.fourier import Fourier
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.excitation.search import FINE, Excitation, excite, used_shares
 from jaxswarm.identify.excitation.separation import Separation
 from jaxswarm.identify.excitation.separation import separate as find_apart
+from jaxswarm.identify.excite_constraints import constraints_of, refuse_joints, told_constraints
 from jaxswarm.identify.excite_question import question_of
 from jaxswarm.identify.forward.model import Model
+from jaxswarm.robot.joints import Description
 from jaxswarm.robot.model import Robot
 
 # Length of a period [s] where neither the file nor the duration says otherwise.
@@ -36,6 +40,7 @@ class Plan:
         t: Times of all periods [s], (T,).
         condition: Condition number of its scaled base columns.
         random: The same for random motions.
+        constraints: What it keeps beside the limits; None: nothing.
     """
 
     trajectory: Fourier
@@ -43,6 +48,7 @@ class Plan:
     t: np.ndarray
     condition: float
     random: np.ndarray
+    constraints: Constraints | None = None
 
     @property
     def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -60,6 +66,7 @@ def plan_motion(
     *,
     separate: str | None = None,
     given: Model | None = None,
+    description: Description | None = None,
     check: Callable[[], object] = lambda: None,
 ) -> tuple[Plan, dict]:
     """Plan the motion that excites best, or the one that tells two effects apart best.
@@ -72,7 +79,9 @@ def plan_motion(
         seed: Seed of the search.
         progress: Called with one line per stage.
         separate: Two effects to tell apart, ``A,B``.
-        given: A model whose effects are taken for granted, for ``separate``.
+        given: A model: its masses and effects say what torque a motion needs, and are taken for granted by
+            ``separate``.
+        description: The robot with its shapes and torque limits; None: as the robot itself says.
         check: Called when the input is known to be good, before the work.
 
     Returns:
@@ -81,23 +90,30 @@ def plan_motion(
     Raises:
         InputError: On anything that cannot be used.
     """
+    refuse_joints(robot, given)
     asked, terms, left_out = question_of(robot, effects, separate, given)
-    refuse_terms(terms, robot.joints, asked is not None and asked.pi is not None)
+    refuse_terms(terms, robot.joints, given is not None)
     periods, samples = schedule(limits, duration)
+    keep, notes = constraints_of(robot, description, limits, given)
     check()
-    limits = replace(limits, fundamental=limits.rate / samples)
-    pi = None if asked is None else asked.pi
-    found = excite(robot, terms, limits, limits.fundamental, seed=seed, pi=pi, progress=progress)
+    fundamental = limits.rate / samples
+    limits = replace(limits, fundamental=fundamental, smaller=keep is not None)
+    pi = None if given is None else np.asarray(given.robot.parameters).ravel()
+    how: dict[str, Any] = {"seed": seed, "constraints": keep, "progress": progress}
+    found = excite(robot, terms, limits, fundamental, pi=pi, **how)
     trajectory, condition, extra = found.trajectory, found.condition, {}
-    if asked is not None:
-        apart = find_apart(robot, asked, limits, found, seed=seed, progress=progress)
+    if asked is None:
+        notes += [f"not planned for, as it does not follow from the motion: {x}" for x in left_out]
+    else:
+        apart = find_apart(robot, asked, limits, found, **how)
         trajectory = apart.trajectory
         condition = _condition_on(trajectory, robot, terms, limits, found, pi)
         extra = {"separation": _told(apart, asked.pair, left_out, robot.joints)}
     t = np.arange(periods * samples + 1) / limits.rate
-    plan = Plan(trajectory, limits, t, condition, found.random)
+    plan = Plan(trajectory, limits, t, condition, found.random, keep)
     content = _content(robot, terms, plan, periods, found, seed)
-    return plan, {**content, **extra}
+    told = {**told_constraints(keep, trajectory, limits), "notes": notes}
+    return plan, {**content, **extra, **told}
 
 
 def _condition_on(

@@ -21,11 +21,9 @@ def question_of(
     """
     joints = robot.joints
     if separate is None:
-        if given is not None:
-            raise InputError(
-                "--given needs --separate A,B: name the two effects to tell apart, or the effects to "
-                "identify by --effects"
-            )
+        if effects is None and given is not None:
+            usable = tuple(t for t in given.terms if plannable(t, joints, True))
+            return None, usable, [t.label(joints) for t in given.terms if t not in usable]
         return None, parse_terms(USUAL_FRICTION if effects is None else effects, joints), []
     pair = parse_terms(separate, joints)
     if len(pair) != 2:
@@ -40,11 +38,6 @@ def question_of(
         return Question(pair, kept), (*kept, *pair), []
     if effects is not None:
         raise InputError("--effects and --given both say what the model holds; give one of them")
-    if given.robot.joints != joints:
-        raise InputError(
-            f"--given: its model has the joints {', '.join(given.robot.joints)}, the robot "
-            f"{', '.join(joints)}; name the robot it was identified for"
-        )
     refuse_terms(pair, joints, True, "--separate")
     known = {term: term for term in given.terms}
     others = [term for term in given.terms if term not in pair]

@@ -12,7 +12,7 @@ from jaxswarm.identify.excitation.ros import write_ros
 from jaxswarm.identify.excite_plan import Plan, plan_motion
 from jaxswarm.identify.forward.model import load_model
 from jaxswarm.logs.write import write_table
-from jaxswarm.robot.load import load_robot
+from jaxswarm.robot.load import describe_robot, load_robot
 from jaxswarm.robot.model import Robot
 
 
@@ -38,7 +38,8 @@ def excite_file(
         seed: Seed of the search.
         progress: Called with one line per stage.
         separate: Two effects to tell apart, ``A,B``; None: all parameters are to be told apart.
-        given: A ``model.json`` whose effects are taken for granted, for ``separate``.
+        given: A ``model.json`` whose masses and effects say what torque a motion needs, and which
+            ``separate`` takes for granted.
 
     Returns:
         The content of ``excitation.json``.
@@ -51,7 +52,7 @@ def excite_file(
     model = None if given is None else load_model(given)
     plan, content = plan_motion(
         robot, limits, effects, duration, seed, progress, separate=separate, given=model,
-        check=lambda: outputs.check_folder(out),
+        description=describe_robot(robot_spec), check=lambda: outputs.check_folder(out),
     )  # fmt: skip
     progress("writing")
     header = ["t", *(f"{x}_{j}" for x in ("q", "dq", "ddq") for j in robot.joints)]
@@ -123,10 +124,22 @@ def print_excitation(result: dict, out: Path) -> None:
         f"{result['duration']:.6g} s, {result['periods']} periods at {result['fundamental']:.4g} Hz, "
         f"{len(result['base_parameters'])} base parameters"
     )
-    table = Table("joint", "starts at", "position", "velocity", "acceleration")
+    torque = result["torque"]
+    table = Table("joint", "starts at", "position", "velocity", "acceleration", "torque")
     for joint, used in result["limits_used"].items():
-        shares = (f"{100 * share:.0f} %" for share in used.values())
+        shares = [f"{100 * share:.0f} %" for share in used.values()]
+        limited = torque is not None and torque[joint]["limit"] is not None
+        if torque is not None and limited:
+            shares.append(f"{100 * torque[joint]['largest'] / torque[joint]['limit']:.0f} %")
         table.add_row(joint, f"{result['start'][joint]:.4g}", *shares)
     console.print(table)
-    console.print("shares are of the limits; collisions and torque limits are not checked")
+    console.print("shares are of the limits; surroundings are not known")
+    near = result["self_distance"]
+    if near:
+        console.print(
+            f"{' and '.join(near['between'])} come as near as {near['least']:.3g} m "
+            f"({near['asked']:g} m were asked for)"
+        )
+    for note in result["notes"]:
+        console.print(f"note: {note}")
     console.print(f"written to {out / 'trajectory.csv'} and, for ROS 2, {out / 'trajectory.yaml'}")

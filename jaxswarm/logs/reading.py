@@ -67,9 +67,9 @@ class Reading:
 
 @dataclass(frozen=True)
 class LogChoice:
-    """The path of a log together with how to read it; stands wherever the path alone can."""
+    """The path of a log, or the address of many, together with how to read it; stands wherever that can."""
 
-    path: Path
+    path: str | Path
     reading: Reading
 
     def __str__(self) -> str:

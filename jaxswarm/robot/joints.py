@@ -27,6 +27,14 @@ class Mimic(NamedTuple):
     offset: float = 0.0
 
 
+class Capsule(NamedTuple):
+    """A segment from start to end with a radius around it, in m."""
+
+    start: np.ndarray
+    end: np.ndarray
+    radius: float
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Joint:
     """One joint and the link behind it.
@@ -42,6 +50,7 @@ class Joint:
         parameters: (10,), inertial parameters of the link, in the joint frame.
         limits: Limits of the motion.
         mimic: Coupling to another joint, if there is one.
+        shapes: What the link fills, in the joint frame; empty where the file does not tell.
     """
 
     name: str
@@ -53,6 +62,7 @@ class Joint:
     parameters: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(10))
     limits: Limits = Limits()
     mimic: Mimic | None = None
+    shapes: tuple[Capsule, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -65,6 +75,7 @@ class Description:
         gravity: Acceleration of free fall in base axes, in m/s^2.
         drive_gain: Joint -> torque or force per unit of current or voltage, where known.
         notes: What the file holds that was not read, and what was locked or added.
+        base_shapes: What the base fills, in its frame.
     """
 
     name: str
@@ -72,3 +83,4 @@ class Description:
     gravity: tuple[float, float, float] = DOWN
     drive_gain: Mapping[str, float] = dataclasses.field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    base_shapes: tuple[Capsule, ...] = ()

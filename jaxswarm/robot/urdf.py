@@ -19,6 +19,7 @@ from jaxswarm.robot.joints import DOWN, Description, Joint, Limits, Mimic
 from jaxswarm.robot.model import Robot
 from jaxswarm.robot.options import RobotOptions, apply_options
 from jaxswarm.robot.placements import body_parameters, move_parameters, rotation_rpy
+from jaxswarm.robot.urdf_shapes import link_shapes
 from jaxswarm.robot.xmltree import attribute, numbers, parse_xml, read_bytes
 
 _KINDS = {
@@ -104,7 +105,9 @@ def describe_urdf(text: str | bytes, source: str) -> Description:
     )
     for link in roots:  # the base has no dynamics; what it says has to be sound all the same
         _parameters(links[link], notes, source)
-    return Description(root.get("name") or Path(source).stem, joints, notes=tuple(notes))
+    shapes = tuple(shape for link in roots for shape in link_shapes(links[link]))
+    name = root.get("name") or Path(source).stem
+    return Description(name, joints, notes=tuple(notes), base_shapes=shapes)
 
 
 def _refuse_xacro(root: Element, source: str) -> None:
@@ -185,6 +188,7 @@ def _joint(element: Element, name: str, parent: str | None, link: Element, notes
         parameters=_parameters(link, notes, source),
         limits=_limits(element.find("limit"), kind, place, notes),
         mimic=mimic,
+        shapes=link_shapes(link),
     )
 
 

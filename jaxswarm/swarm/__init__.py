@@ -1,9 +1,12 @@
 """The swarm engine: optimizers as pure functions over a population in the unit cube."""
 
+from jaxswarm.swarm import own as own
+from jaxswarm.swarm import plots as plots
 from jaxswarm.swarm import schedules as schedules
 from jaxswarm.swarm.checkpoint import restore as restore
 from jaxswarm.swarm.checkpoint import save as save
 from jaxswarm.swarm.constraints import constrained as constrained
+from jaxswarm.swarm.contract import check_optimizer as check_optimizer
 from jaxswarm.swarm.driver import Driver as Driver
 from jaxswarm.swarm.handling import augmented_lagrangian as augmented_lagrangian
 from jaxswarm.swarm.handling import epsilon_level as epsilon_level
@@ -77,9 +80,11 @@ from jaxswarm.swarm.sharding import minimize_sharded as minimize_sharded
 from jaxswarm.swarm.space import Bound as Bound
 from jaxswarm.swarm.space import Choice as Choice
 from jaxswarm.swarm.space import Space as Space
+from jaxswarm.swarm.standing import Progress as Progress
 from jaxswarm.swarm.start import around as around
 from jaxswarm.swarm.stopping import any_of as any_of
 from jaxswarm.swarm.stopping import collapsed as collapsed
+from jaxswarm.swarm.stopping import search_ended as search_ended
 from jaxswarm.swarm.stopping import stalled as stalled
 from jaxswarm.swarm.stopping import target as target
 from jaxswarm.swarm.stopping import time_limit as time_limit

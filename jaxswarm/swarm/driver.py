@@ -24,8 +24,9 @@ from jaxswarm.swarm.repeating import first
 from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.search import going_on, optimizer_for, rule, start_for
 from jaxswarm.swarm.space import Space
+from jaxswarm.swarm.standing import NO_FINITE_VALUE, STEPS_DONE, progress_of
 from jaxswarm.swarm.start import begun
-from jaxswarm.swarm.stopping import NO_FINITE_VALUE, STEPS_DONE, Progress, ask
+from jaxswarm.swarm.stopping import ask
 
 __all__ = ["Driver"]
 
@@ -195,7 +196,7 @@ def _step(optimizer, key, carry, value, stop):
     carry = carry._replace(state=state, since=since, num_steps=carry.num_steps + 1)
     if stop is None:
         return carry
-    progress = Progress(state.count, state.best_value, since, info.diversity)
+    progress = progress_of(state, since, info.diversity)
     here, reason, memory = ask(stop, progress, carry.memory)
     code = jnp.where(here & ~carry.done, reason, carry.code)
     return carry._replace(memory=memory, done=carry.done | here, code=code)

@@ -17,6 +17,7 @@ from typing import Any
 import jax
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.batches import batch_of, search_in_batches
 from jaxswarm.swarm.optimizers.base import Info
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.search import (
@@ -64,8 +65,8 @@ def minimize(
       num_steps: number of updates, an upper limit if there is a stop rule.
       start: where to begin: parameters as ``space.decode`` returns them, a population of these, or
         ``around(params, spread)``: evaluated first, and where the mean of ``cma_es`` begins.
-      stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``. A search with one has
-        no reverse mode (``jax.grad``); forward mode goes through.
+      stop: rule from ``stopping``, e.g. ``any_of(target(1e-6), stalled(50))``, ``search_ended()``. A
+        search with one has no reverse mode (``jax.grad``); forward mode goes through.
       record: ``(state, info) -> pytree`` kept for every step; default the best value so far.
       vectorized: whether ``fn`` takes the whole population.
       noisy: whether the objective is random, ``fn(key, params, args)`` with a key for every step and
@@ -117,7 +118,7 @@ def minimize_runs(
 
     ``jax.vmap`` of :func:`minimize` would turn the matrix product of a vectorized objective into
     one of rank three, which is many times slower on a CPU; here ``fn`` sees one population of runs
-    x n.
+    x n; of as many runs as stay in the cache where all would not, one batch after the other.
 
     Args:
       fn: objective for a population: ``params`` has a leading axis, the result is one value each;
@@ -147,6 +148,12 @@ def minimize_runs(
     loop = the_loop(fn, space, num_steps, runs=True, args_axes=axes, **options, **telling)
     optimizer = optimizer_for(optimizer, num_steps, state)
     stop, begin = rule(stop), start_for(space, start, state)
+    # What looks at all runs at once, or gives each its own data, keeps them together.
+    if stop is None and state is None and progress is None and axes is None:
+        runs = keys.shape[0]
+        batch = batch_of(optimizer, space.size, space.dtype, runs)
+        if batch < runs:
+            return search_in_batches(loop, optimizer, space, keys, args, begin, batch=batch)
     return search(loop, optimizer, space, keys, args, stop, begin, going_on(state, stop))[0]
 
 

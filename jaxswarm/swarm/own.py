@@ -65,4 +65,4 @@ from jaxswarm.swarm.random import Random as Random
 from jaxswarm.swarm.random import fold as fold
 from jaxswarm.swarm.schedules import coefficient as coefficient
 from jaxswarm.swarm.schedules import evaluate as evaluate
-from jaxswarm.swarm.stopping import Progress as Progress
+from jaxswarm.swarm.standing import Progress as Progress

@@ -13,7 +13,8 @@ import jax.numpy as jnp
 
 from jaxswarm.swarm.forward import forward_only
 from jaxswarm.swarm.pytree import replace
-from jaxswarm.swarm.stopping import STEPS_DONE, Progress, ask, begin
+from jaxswarm.swarm.standing import STEPS_DONE, progress_of
+from jaxswarm.swarm.stopping import ask, begin
 
 __all__ = ["Carry", "first", "held", "repeat_all", "repeat_until"]
 
@@ -85,7 +86,7 @@ def repeat_until(stop, loop, step, carry: Carry):
             lambda h, e: jax.lax.dynamic_update_index_in_dim(h, e, index, axis), history, entry
         )
         since = jnp.where(info.improved, 0, old.since + 1)
-        progress = Progress(state.count, state.best_value, since, info.diversity)
+        progress = loop.map(progress_of)(state, since, info.diversity)
         here, reason, memory = loop.map(partial(ask, stop))(progress, old.memory)
         code = jnp.where(here, reason, old.code)
         new = flat(Carry(state, since, memory, old.done | here, code, old.num_steps + 1))

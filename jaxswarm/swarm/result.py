@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from jaxswarm.swarm.pytree import pytree
-from jaxswarm.swarm.stopping import MESSAGES, NO_FINITE_VALUE
+from jaxswarm.swarm.standing import MESSAGES, NO_FINITE_VALUE
 
 __all__ = ["Result", "Status"]
 

@@ -29,7 +29,8 @@ from jaxswarm.swarm.repeating import held
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.search import optimizer_for, rule, search, start_for, the_loop
 from jaxswarm.swarm.space import Space
-from jaxswarm.swarm.stopping import STEPS_DONE, TIME_UP, renewed
+from jaxswarm.swarm.standing import STEPS_DONE, TIME_UP
+from jaxswarm.swarm.stopping import renewed
 
 __all__ = ["minimize_resumable"]
 

@@ -14,8 +14,8 @@ from jaxswarm.swarm.repeating import Carry, first, held, repeat_all, repeat_unti
 from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.schedules import for_run
 from jaxswarm.swarm.space import Space
+from jaxswarm.swarm.standing import NO_FINITE_VALUE
 from jaxswarm.swarm.start import Start, begun, points_of
-from jaxswarm.swarm.stopping import NO_FINITE_VALUE
 
 __all__ = [
     "best_value",

@@ -6,7 +6,7 @@ memory)``. Rules are pytrees whose numbers are leaves, so a threshold changes wi
 """
 
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,46 +17,25 @@ from jaxswarm.errors import InputError
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.pytree import as_part, pytree
 from jaxswarm.swarm.schedules import coefficient
+from jaxswarm.swarm.standing import (
+    COLLAPSED,
+    SEARCH_ENDED,
+    STALLED,
+    STEPS_DONE,
+    TARGET_REACHED,
+    TIME_UP,
+    Progress,
+)
 
 __all__ = [
-    "MESSAGES",
-    "Progress",
     "any_of",
     "collapsed",
     "renewed",
+    "search_ended",
     "stalled",
     "target",
     "time_limit",
 ]
-
-STEPS_DONE, TARGET_REACHED, STALLED, NO_FINITE_VALUE, COLLAPSED, CUSTOM, TIME_UP = range(7)
-
-MESSAGES = (
-    "all steps done",
-    "target value reached",
-    "best value stalled",
-    "no candidate ever had a finite value: check the objective and the bounds",
-    "population collapsed to a point",
-    "stopped by the given rule",
-    "time limit reached",
-)
-"""Text of each status code."""
-
-
-class Progress(NamedTuple):
-    """What a stop rule sees after an update; all scalars.
-
-    Attributes:
-      count: updates done.
-      value: best value so far.
-      since: updates since the best value last fell.
-      diversity: spread of the candidates just evaluated, see ``Info``.
-    """
-
-    count: jax.Array
-    value: jax.Array
-    since: jax.Array
-    diversity: jax.Array
 
 
 def target(value: float) -> "Target":
@@ -84,6 +63,14 @@ def stalled(patience: int, *, tolerance: float = 0.0, relative: float = 0.0) -> 
 def collapsed(diversity: float) -> "Collapsed":
     """Stop when the candidates lie closer together than ``diversity`` (unit cube, RMS)."""
     return Collapsed(coefficient("diversity", diversity, lower=0.0))
+
+
+def search_ended() -> "SearchEnded":
+    """Stop when the optimizer has ended by criteria of its own, as ``cma_es`` does.
+
+    Without this rule such a search goes on being stepped, which finds hardly more.
+    """
+    return SearchEnded()
 
 
 def time_limit(seconds: float) -> "TimeLimit":
@@ -152,6 +139,14 @@ class Collapsed:
 
     def __call__(self, progress: Progress):
         return progress.diversity <= self.diversity, COLLAPSED
+
+
+@pytree
+class SearchEnded:
+    """See :func:`search_ended`."""
+
+    def __call__(self, progress: Progress):
+        return progress.finished, SEARCH_ENDED
 
 
 BEGUN = time.monotonic()

@@ -9,7 +9,7 @@ from jaxswarm.identify.excitation.limits import parse_limits, read_limits
 from jaxswarm.identify.excite_plan import plan_motion
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs import Log
-from jaxswarm.robot import Robot
+from jaxswarm.robot import Robot, describe_robot
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_model, as_robot, in_double
 from jaxswarm.tasks.words import number
@@ -39,17 +39,20 @@ def excite(
     Args:
         robot: A robot, a built-in name or a file; kinematics suffice.
         limits: A limits file, or its content: for each joint ``position`` (two numbers), ``velocity``
-            and ``acceleration``, in rad or m.
+            and ``acceleration``, in rad or m, and optionally ``effort``, in N m or N; ``radius`` and
+            ``distance`` of links, in m.
         effects: What will be identified besides the rigid body; None: viscous and dry friction.
         duration: Length [s]; None: one period.
         seed: Seed of the search.
         separate: Two effects, ``effect@joint,effect@joint``: search the motion that best tells these apart.
-        given: A model, or its file, whose effects are taken for granted, for ``separate``.
+        given: A model, or its file: its masses and effects say what torque a motion needs, and ``separate``
+            takes them for granted.
         progress: Called with one line per stage.
 
     Raises:
         InputError: On anything that cannot be used.
     """
+    described = None if isinstance(robot, Robot) else describe_robot(robot)
     robot = as_robot(robot)
     if isinstance(limits, Mapping):
         bounds = parse_limits(dict(limits), robot.joints)
@@ -57,8 +60,9 @@ def excite(
         bounds = read_limits(limits, robot.joints)
     model = None if given is None else as_model(given)
     plan, content = plan_motion(
-        robot, bounds, effects, duration, seed, progress, separate=separate, given=model
-    )
+        robot, bounds, effects, duration, seed, progress, separate=separate, given=model,
+        description=described,
+    )  # fmt: skip
     log = Log(f"planned: {robot.name}", robot.joints, plan.t, *plan.motion)
     numbers = content["condition_number"]
     rows = tuple((name.replace("_", " "), number(value, 4)) for name, value in numbers.items())
@@ -68,4 +72,4 @@ def excite(
         apart = content["separation"]
         rows = tuple((name, number(apart[name], 4)) for name in ("ordinary", "reached", "ratio"))
         tables.append(Table(" and ".join(apart["effects"]), ("separation", ""), rows))
-    return Planned(content, (), tuple(tables), log=log)
+    return Planned(content, tuple(content["notes"]), tuple(tables), log=log)

@@ -112,8 +112,8 @@ def _columns(model: Model, log) -> tuple[np.ndarray | None, str]:
     for motion in prepare_segments(read, model.filtering)[1]:
         kept = motion.decimator.kept(len(motion.t))
         parts.append([x[kept] for x in (motion.q, motion.dq, motion.ddq)])
-    states = (np.concatenate(x) for x in zip(*parts, strict=True))
-    return np.asarray(rigid_columns(model.robot, *states)), read.source
+    q, dq, ddq = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return np.asarray(rigid_columns(model.robot, q, dq, ddq)), read.source
 
 
 def _result(model: Model, path: Path, found: PhysicalModel | None) -> Result:

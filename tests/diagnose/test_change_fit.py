@@ -104,7 +104,9 @@ def test_a_change_beyond_the_bounds_of_its_parameters_is_refused_by_name():
     pick = Candidate(replace(term, values={}), (columns,) * 3, 1, signed=True)
     (change,) = changes_of(before, [(pick, None, ())])
     assert change.now["fc"] < -5.0
-    assert "fc would be -" in doubt_of(change) and "outside [0, 10000]" in doubt_of(change)
+    told = doubt_of(change, ("revolute",) * 3)
+    assert "fc would be -" in told and " N m, outside [0, 10000]" in told
+    assert " N, outside [0, 10000]" in doubt_of(change, ("prismatic",) * 3)
 
 
 def test_what_changed_is_told_apart_from_what_is_new():

@@ -193,3 +193,31 @@ def test_a_candidate_whose_link_runs_away_is_refused(case, truth, monkeypatch):
 
     monkeypatch.setattr(refitting, "refit", runs_away)
     assert refit_with(found, score(truth, crossfit)) is None
+
+
+def test_laws_of_one_joint_are_compared_on_that_joint(case, truth):
+    """What a law seems to gain on other joints, through parameters that are badly known, is no reason."""
+    crossfit = case[1]
+    right = score(truth, crossfit)
+    assert right.own.sum() == pytest.approx(right.per_joint[1])
+    luck = 3.0 * abs(right.blocks).mean()
+    poor = candidate(case, np.cbrt(position(case))[:, None], effect="cubic_spring")
+    lucky = score(poor, crossfit)
+    lucky = replace(lucky, own=0.5 * right.own, blocks=right.blocks + luck, gain=2.0 * right.gain)
+    assert difference(right, lucky) > 2.0
+    assert choose([lucky, right], Rules(), crossfit)[0] is right
+    wide = replace(lucky, own=None)
+    assert difference(right, wide) < 0.0
+
+
+def test_evidence_for_a_law_of_a_joint_is_that_of_its_joint(case, truth):
+    """A law that predicts its own joint is not denied by what it does to others by chance."""
+    crossfit = case[1]
+    columns = truth.columns[0].copy()
+    columns[:, 0, 0] = (
+        0.3 * np.abs(columns[:, 1, 0]).mean() * np.where(crossfit.block % 4 < 2, 8.0, -8.0)
+    )
+    spread = replace(truth, columns=(columns,) * 3)
+    told = score(spread, crossfit)
+    alone = replace(spread, term=Term("base_tilt"))
+    assert told.p_value < score(alone, crossfit).p_value

@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from results import JOINTS, RESULTS, effect, explained, unexplained
+from results import JOINTS, RESULTS, changed, effect, explained, row, unexplained
 
 from jaxswarm import console
 from jaxswarm.diagnose.report.console import print_diagnosis
@@ -37,8 +37,8 @@ def test_nothing_is_cut_at_eighty_columns(kind, monkeypatch, capsys):
 def test_every_number_of_seven_joints_stands_whole(monkeypatch, capsys):
     told = explained()
     out = printed(told, monkeypatch, capsys)
-    for row in by_joint(told).rows:
-        numbers = [cell for cell in row if re.match(r"-?\d", cell)]
+    for cells in by_joint(told).rows:
+        numbers = [cell for cell in cells if re.match(r"-?\d", cell)]
         assert re.search(r"\s+".join(map(re.escape, numbers)), out)
 
 
@@ -79,6 +79,15 @@ def test_a_bound_is_told_in_the_unit_of_the_joint():
     beyond = parameter_remark(row | {"value": -1.0}, known)
     assert "outside of what physics allows" in beyond and "m/s" in beyond
     assert parameter_remark(row | {"value": 0.1}, known) == ""
+
+
+def test_names_and_units_of_a_change_stand_whole(monkeypatch, capsys):
+    told = changed()
+    moved = row(28.67, 0.12, "N s/m") | {"before": 30.0, "change": row(-1.33, 0.12, "N s/m")}
+    told["changed"][0]["parameters"] = {"b": moved}
+    out = printed(told, monkeypatch, capsys)
+    assert re.search(r"parameter +value", out) and "N s/m" in out
+    assert "28.43 to 28.91" in out and "-1.57 to -1.09" in out
 
 
 def test_a_pure_number_has_no_unit_and_an_interval():

@@ -57,12 +57,13 @@ def test_no_logs_at_all_is_told():
     assert_refused(run("diagnose", "--robot", "emps", "--out", "out"), "--fleet")
 
 
-def test_a_worker_process_of_its_own(tmp_path):
+def test_a_worker_process_of_its_own_reads_logs_as_is_said(tmp_path):
     (tmp_path / "logs").mkdir()
-    (tmp_path / "logs" / "one_2026-01-05.csv").write_text("\n".join(slide_log(400)))
+    rows = ["Time,pos [cm],force", *slide_log(400)[1:]]
+    (tmp_path / "logs" / "one_2026-01-05.csv").write_text("\n".join(rows))
     code, out, err = fleet(
         tmp_path / "out", "--declare", "viscous_friction,coulomb_friction", "--workers", 1, "--json",
-        logs=tmp_path / "logs",
+        "--columns", "t=Time,q_slide=pos [cm]:m,tau_slide=force", logs=tmp_path / "logs",
     )  # fmt: skip
     assert code == 0, err
     assert json.loads(out)["verdicts"] == {"nothing missing": 1}

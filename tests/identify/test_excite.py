@@ -56,7 +56,7 @@ def planned():
 
 @pytest.mark.parametrize("samples", [100, 1000])
 def test_every_shape_is_scaled_into_the_limits(samples):
-    size = num_coordinates(3, LIMITS.harmonics)
+    size = num_coordinates(LIMITS)
     build = jax.jit(lambda x: within_limits(x, LIMITS, 0.1, samples))
     for x in np.random.default_rng(0).uniform(-1, 1, (20, size)):
         trajectory = Fourier(*map(np.asarray, build(x)), 0.1)

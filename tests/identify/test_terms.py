@@ -97,3 +97,9 @@ def test_column_names_are_unique():
 def test_units_of_a_slide():
     assert physical_unit("N m s^2/rad^2", "prismatic") == "N s^2/m^2"
     assert physical_unit("N m/rad", "revolute") == "N m/rad"
+    for name in ("torque_ripple", "position_dependent_friction"):
+        law = REGISTRY[name]
+        order = next(p.unit for p in law.parameters if p.name == "n")
+        assert [physical_unit(order, kind) for kind in ("revolute", "prismatic")] == ["1", "1/m"]
+        phase = law.derived(law.nominal())["phase"][1]
+        assert [physical_unit(phase, kind) for kind in ("revolute", "prismatic")] == ["rad"] * 2

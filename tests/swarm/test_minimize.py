@@ -21,7 +21,7 @@ from jaxswarm.swarm import (
     stalled,
     target,
 )
-from jaxswarm.swarm.stopping import Progress
+from jaxswarm.swarm.standing import Progress
 
 KEY = jax.random.key(0)
 KEYS = jax.random.split(KEY, 3)

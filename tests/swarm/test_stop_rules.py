@@ -5,17 +5,22 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.swarm import (
+    Driver,
     Space,
     any_of,
+    cma_es,
+    islands,
     minimize,
     minimize_runs,
     minimize_sharded,
     pso,
+    search_ended,
     stalled,
     target,
     time_limit,
 )
-from jaxswarm.swarm.stopping import Progress, ask, begin, renewed
+from jaxswarm.swarm.standing import Progress
+from jaxswarm.swarm.stopping import ask, begin, renewed
 
 KEY = jax.random.key(0)
 SPACE = Space.vector([-5.0] * 2, [5.0] * 2)
@@ -102,3 +107,26 @@ def test_shared_and_own_data_over_devices():
     spread = minimize_sharded(scaled, pso(8), SPACE, keys, args, devices=devices, **options)
     here = minimize_runs(scaled, pso(8), SPACE, keys, args, **options)
     np.testing.assert_array_equal(spread.history, here.history)
+
+
+def test_a_search_that_has_ended_by_itself_is_stopped():
+    flat = lambda x, _: jnp.zeros(())  # noqa: E731
+    optimizer, stop = cma_es(6), search_ended()
+    result = minimize(flat, optimizer, SPACE, KEY, num_steps=500, stop=stop)
+    assert bool(result.state.finished) and int(result.num_steps) < 100
+    assert result.status.message == "the optimizer has ended by criteria of its own"
+    keys = jax.random.split(KEY, 3)
+    mixed = lambda x, scale: scale * jnp.sum(x**2)  # noqa: E731
+    options = dict(num_steps=150, stop=stop, vectorized=False, args_axes=0)
+    scales = jnp.array([0.0, 1.0, 0.0])
+    runs = minimize_runs(mixed, optimizer, SPACE, keys, scales, **options)
+    assert runs.num_steps[0] == runs.num_steps[2] < runs.num_steps[1], "each run ends by itself"
+    assert bool(runs.state.finished[0])
+    wrapped = minimize(flat, islands(optimizer, 2), SPACE, KEY, num_steps=500, stop=stop)
+    assert int(wrapped.num_steps) < 100
+    endless = minimize(flat, pso(6), SPACE, KEY, num_steps=20, stop=stop)
+    assert int(endless.num_steps) == 20, "a swarm has no criteria of its own"
+    driver = Driver(optimizer, SPACE, KEY, num_steps=500, stop=stop)
+    while not driver.finished:
+        driver.tell(np.zeros(driver.size))
+    assert int(driver.result().num_steps) == int(result.num_steps)

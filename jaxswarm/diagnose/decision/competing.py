@@ -14,7 +14,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 
 def difference(one: Score, other: Score) -> float:
     """Standard errors by which the first gains more per block than the second."""
-    change = one.blocks - other.blocks
+    change = one.beside(other) - other.beside(one)
     spread = change.std(ddof=1) / np.sqrt(len(change))
     return float(change.mean() / max(spread, 1e-12 * abs(one.blocks).max() + 1e-300))
 
@@ -55,6 +55,16 @@ def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
     return adds(one, other) and not adds(other, one)
 
 
+def _same(one: Score, other: Score) -> bool:
+    """Whether two are one, or show on the same joint."""
+    both = one.own is not None and other.own is not None
+    return one is other or (both and one.joint == other.joint)
+
+
+def _as_good(one: Score, best: Score) -> bool:
+    return one.beside(best).sum() > AS_GOOD * best.beside(one).sum()
+
+
 def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score, list[Score]]:
     """The best of those that passed, and its rivals: those the data do not tell from it.
 
@@ -62,20 +72,20 @@ def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score
     none of the others. Among them the one with the fewest parameters is chosen.
     """
     ranked = sorted(passed, key=lambda s: -s.gain)
-    best = ranked[0]
+    best = max(ranked, key=lambda s: s.beside(ranked[0]).sum() if _same(s, ranked[0]) else -np.inf)
     close = [
         s
         for s in ranked
         if s is best
         or (
             overlap(best.candidate, s.candidate, crossfit) > OVERLAP
-            and (difference(best, s) < rules.tie or s.gain > AS_GOOD * best.gain)
+            and (difference(best, s) < rules.tie or _as_good(s, best))
         )
     ]
     standing = [
         s for s in close if not any(beats(r, s, rules, crossfit) for r in close if r is not s)
     ]
-    chosen = min(standing or close, key=lambda s: (s.candidate.size, -s.gain))
+    chosen = min(standing or close, key=lambda s: (s.candidate.size, -s.beside(best).sum()))
     rivals = [
         s
         for s in standing

@@ -84,6 +84,10 @@ def _table(console: Console, grid: Grid, title: str) -> None:
         title_style="bold",
         box=box.SIMPLE,
         padding=(0, 1),
+        # Seven columns of a change have to stand side by side.
+        collapse_padding=True,
+        pad_edge=False,
+        show_edge=False,
     )
     words = [not any(_is_number(row[k]) for row in grid.rows) for k in range(len(grid.head))]
     for k, head in enumerate(grid.head):
@@ -93,7 +97,7 @@ def _table(console: Console, grid: Grid, title: str) -> None:
             table.add_column(head, no_wrap=True, justify="right")
     for k, row in enumerate(grid.rows):
         table.add_row(*row, style="bold" if k in grid.flagged else None)
-    console.print(table)
+    console.print("", table, sep="\n")
 
 
 def _is_number(cell: str) -> bool:

@@ -24,19 +24,20 @@ _LETTERS = 110
 def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.ndarray]:
     """The variable against which an effect shows itself: label and values (T,)."""
     j = 0 if term.joint is None else term.joint
-    name = motion.joints[j]
-    if term.law.shown_against == "load":
-        own = Model(model.robot, (), model.width, model.filtering, model.sigma)
-        load = np.abs(model_torque(own, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width[j])
-        return f"|load| sign(dq) of {name}", load
-    if term.law.shown_against == "model torque":
-        return f"torque of the model on {name}", model_torque(model, motion)[:, j]
     partner = j if term.other is None else term.other
+    name, torque = motion.joints[j], units(model.robot)[j]
+    own, other = ("rad" if model.robot.kinds[k] == "revolute" else "m" for k in (j, partner))
+    if term.law.shown_against == "load":
+        bare = Model(model.robot, (), model.width, model.filtering, model.sigma)
+        load = np.abs(model_torque(bare, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width[j])
+        return f"|load| sign(dq) of {name} [{torque}]", load
+    if term.law.shown_against == "model torque":
+        return f"torque of the model on {name} [{torque}]", model_torque(model, motion)[:, j]
     return {
-        "position": (f"q of {name}", motion.q[:, j]),
-        "velocity": (f"dq of {name}", motion.dq[:, j]),
-        "acceleration": (f"ddq of {name}", motion.ddq[:, j]),
-        "partner velocity": (f"dq of {motion.joints[partner]}", motion.dq[:, partner]),
+        "position": (f"q of {name} [{own}]", motion.q[:, j]),
+        "velocity": (f"dq of {name} [{own}/s]", motion.dq[:, j]),
+        "acceleration": (f"ddq of {name} [{own}/s^2]", motion.ddq[:, j]),
+        "partner velocity": (f"dq of {motion.joints[partner]} [{other}/s]", motion.dq[:, partner]),
         "time": ("time [s]", motion.t),
     }[term.law.shown_against]
 

@@ -7,6 +7,9 @@ from jaxswarm.diagnose.report.numbers import estimate, measure, number, percent,
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import where
 
+# What rounding leaves of a center [m], or of an inertia as a share of its link's, is told as nothing.
+_NOTHING = 1e-9
+
 FAR = "far"
 
 
@@ -122,7 +125,7 @@ def parameters(effect: dict) -> Grid:
             cells += [number(row.get("before"), 5), *(estimate(change) if change else ("-", "-"))]
         rows.append((*cells, "" if row["unit"] == "1" else row["unit"]))
     head = ("parameter", "value", "95 % interval")
-    more = ("before", "change", "95 % of the change") if changed else ()
+    more = ("before", "change", "its 95 %") if changed else ()
     return Grid((*head, *more, "unit"), rows)
 
 
@@ -160,8 +163,10 @@ def standard_parameters(result: dict) -> Grid:
         if not link["possible"]:
             flagged.add(k)
         six = [link["inertia"]["xyz".index(a)]["xyz".index(b)] for a, b in axes]
-        numbers = (link["mass"], *link["center"], *six)
-        cells = (number(x, 3) for x in numbers)
+        size = _NOTHING * sum(map(abs, six[:3]))
+        inertia = (0.0 if abs(x) < size else x for x in six)
+        center = (0.0 if abs(x) < _NOTHING else x for x in link["center"])
+        cells = (number(x, 3) for x in (link["mass"], *center, *inertia))
         rows.append((link["joint"], *cells, "" if link["possible"] else "no body has these"))
     head = ("link of", "mass [kg]", "x [m]", "y [m]", "z [m]", *(f"I{a} [kg m^2]" for a in axes))
     if not flagged:

@@ -15,8 +15,12 @@ def percent(share: float | None, digits: int = 2) -> str:
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number with so many significant digits; a dash where there is none."""
-    return "-" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
+    """A number with so many significant digits; a dash where there is none, and no sign of a zero.
+
+    >>> number(2.00004), number(-0.0), number(None)
+    ('2', '0', '-')
+    """
+    return "-" if value is None or not math.isfinite(value) else f"{value + 0.0:.{digits}g}"
 
 
 def measure(value: float | None) -> str:

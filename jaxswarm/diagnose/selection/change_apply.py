@@ -11,7 +11,7 @@ from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 
@@ -66,16 +66,22 @@ def changes_of(
     return tuple(changes)
 
 
-def doubt_of(change: Change) -> str | None:
-    """Why a change cannot be believed: a value beyond its bounds, or none that differs from zero."""
+def doubt_of(change: Change, kinds: tuple[str, ...]) -> str | None:
+    """Why a change cannot be believed: a value beyond its bounds, or none that differs from zero.
+
+    Args:
+        change: The change.
+        kinds: What every joint of the robot is, for units.
+    """
     term, errors = change.term, change.std_errors
     values = {**term.values, **change.now}
     spread = {**errors, **change.now_errors}
     for p in term.law.parameters:
         slack = CHANGE_DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
         if not p.lower - slack <= values[p.name] <= p.upper:
+            unit = physical_unit(p.unit, "revolute" if term.joint is None else kinds[term.joint])
             return (
-                f"{p.name} would be {values[p.name]:.3g} {p.unit}, outside "
+                f"{p.name} would be {values[p.name]:.3g} {unit}, outside "
                 f"[{p.lower:g}, {p.upper:g}]: no value that it can have"
             )
     told = [n for n, e in errors.items() if np.isfinite(e)]

@@ -149,7 +149,8 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
         raw = _raw(chosen.candidate, search.crossfit)
         picked = [*found.picked, (raw, chosen, others)]
         changes = changes_of(before, picked)
-        doubts = [d for d in map(doubt_of, changes) if d]
+        kinds = before.model.robot.kinds
+        doubts = [d for change in changes if (d := doubt_of(change, kinds))]
         if not doubts:
             found.picked, found.changes = picked, changes
             search.current = freeze(with_changes(before, changes), before.motions)

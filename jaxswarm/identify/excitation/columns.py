@@ -15,7 +15,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.fourier import within_limits
 from jaxswarm.identify.excitation.limits import Limits
-from jaxswarm.robot import regressor
+from jaxswarm.robot import inverse_dynamics, regressor
 from jaxswarm.robot.model import Robot
 
 _WIDTH = 0.01  # of the smooth sign, as a share of the velocity limit
@@ -122,6 +122,22 @@ def planned_columns(
         block = jnp.zeros((own.shape[1], n, samples), q.dtype)
         parts.append(block.at[:, term.joint].set(own.T))
     return jnp.concatenate(parts).reshape(-1, n * samples)
+
+
+def planned_torque(
+    robot: Robot, terms: tuple[Term, ...], limits: Limits, q, dq, ddq, period: float
+) -> jax.Array:
+    """Torque of a robot with masses and of terms with values along a motion of arrays (n, K), (n, K)."""
+    rigid = inverse_dynamics(robot, q, dq, ddq)
+    still = inverse_dynamics(robot, q, dq, jnp.zeros_like(ddq))
+    t = jnp.broadcast_to(np.arange(q.shape[1]) * period / q.shape[1], q.shape)
+    torque = rigid
+    for term in terms:
+        width = _WIDTH * limits.velocity[term.joint]
+        own = _law_columns(term, t, q, dq, ddq, width, (rigid, still))
+        linear = np.array([term.values[p.name] for p in term.law.linear])
+        torque = torque.at[term.joint].add(own @ linear)
+    return torque
 
 
 def _law_columns(term: Term, t, q, dq, ddq, width, load, tangents=False) -> jax.Array:

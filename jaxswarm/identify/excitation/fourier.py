@@ -13,7 +13,7 @@ learn them. A series of L harmonics rises between K equidistant samples by at mo
 times and not only at the samples.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -23,6 +23,8 @@ from jaxswarm.identify.excitation.limits import Limits
 
 # Kept from the limits, so that rounding in a written file does not cross them.
 _MARGIN = 1e-6
+# Least share of the largest amplitude a search tries where it may make a motion smaller.
+_LEAST = 0.02
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,10 @@ class Fourier:
     cosine: np.ndarray
     fundamental: float
 
+    def smaller(self, factor: float) -> "Fourier":
+        """The motion with a share of its amplitudes, about the same place."""
+        return replace(self, sine=factor * self.sine, cosine=factor * self.cosine)
+
     def motion(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position, velocity, acceleration at times t [s] (T,), each (T, n)."""
         omega = 2 * np.pi * self.fundamental * np.arange(1, self.sine.shape[1] + 1)
@@ -53,9 +59,22 @@ class Fourier:
         )
 
 
-def num_coordinates(joints: int, harmonics: int) -> int:
-    """Numbers that describe a motion: 2 L coefficients and a place in the range, per joint."""
-    return joints * (2 * harmonics + 1)
+def num_coordinates(limits: Limits) -> int:
+    """Numbers that describe a motion: 2 L coefficients, a place in the range and, if free, a size a joint."""
+    return len(limits.lower) * (2 * limits.harmonics + (2 if limits.smaller else 1))
+
+
+def shares(x: jax.Array, limits: Limits) -> jax.Array:
+    """Size of every joint's motion as a share of the largest one its limits allow, (n,)."""
+    rows = jnp.reshape(x, (len(limits.lower), -1))
+    if not limits.smaller:
+        return jnp.ones(len(rows))
+    return _LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + rows[:, -1])
+
+
+def widest(x: np.ndarray, limits: Limits, fundamental: float, samples: int) -> Fourier:
+    """The largest motion of a given shape, see :func:`within_limits`."""
+    return Fourier(*map(np.asarray, within_limits(x, limits, fundamental, samples)), fundamental)
 
 
 def within_limits(
@@ -64,7 +83,8 @@ def within_limits(
     """Offset (n,), sine and cosine amplitudes (n, L) of the largest motion of a given shape.
 
     Args:
-        x: Shape and place of the motion, ``n (2 L + 1)`` numbers in [-1, 1].
+        x: Shape and place of the motion, ``n (2 L + 1)`` numbers in [-1, 1]; where it may be smaller than
+            the limits ask, ``n (2 L + 2)``.
         limits: What it has to keep.
         fundamental: Frequency of the period [Hz].
         samples: Samples of one period on which peaks are looked for, more than 2 L.
@@ -79,7 +99,7 @@ def within_limits(
     """
     size = limits.harmonics
     order = np.arange(1, size + 1)
-    rows = jnp.reshape(x, (len(limits.lower), 2 * size + 1))
+    rows = jnp.reshape(x, (len(limits.lower), -1))
     a, b, place = rows[:, :size], rows[:, size : 2 * size], rows[:, 2 * size]
     a = a - a.mean(axis=1, keepdims=True)
     b = b - (b @ order)[:, None] * order / (order @ order)
@@ -99,7 +119,7 @@ def within_limits(
             jnp.abs(ddq).max(axis=1) / limits.acceleration,
         ),
     )  # fmt: skip
-    scale = 1.0 / jnp.maximum(use, 1e-12)
+    scale = shares(x, limits) / jnp.maximum(use, 1e-12)
     left = room - scale * 0.5 * rise * (high - low)
     middle = 0.5 * (limits.upper + limits.lower) + place * jnp.maximum(left, 0.0)
     offset = middle - scale * 0.5 * (high + low)

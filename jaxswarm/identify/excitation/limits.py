@@ -3,11 +3,15 @@
 fundamental = 0.1                    # optional, Hz; the motion repeats after 1 / fundamental
 harmonics = 5                        # optional, at least 2
 rate = 250                           # optional, Hz; samples of the written trajectory
+distance = 0.02                      # optional, m; links that are no neighbors stay this far apart; below
+                                     # zero where their covers are thicker than they are
+radius = 0.06                        # optional, m; of links without shapes: segments from joint to joint
 
 [joint1]                             # one table for every joint of the robot
 position = [-2.0, 2.0]               # rad, or m for a prismatic joint
 velocity = 1.5                       # rad/s or m/s, either way
 acceleration = 4.0                   # rad/s^2 or m/s^2, either way
+effort = 60                          # optional, N m or N, either way; else as the robot file says
 """
 
 import tomllib
@@ -20,7 +24,8 @@ import numpy as np
 from jaxswarm.errors import InputError, nearest
 
 _JOINT = ("position", "velocity", "acceleration")
-_OPTIONS = ("fundamental", "harmonics", "rate")
+_MORE = ("effort",)
+_OPTIONS = ("fundamental", "harmonics", "rate", "radius")
 _MOST_HARMONICS = 50
 _HUGE = 1e9
 
@@ -36,6 +41,10 @@ class Limits:
         fundamental: Frequency of the period [Hz]; None: chosen from the duration.
         harmonics: Number of harmonics, at least 2.
         rate: Samples per second of the written trajectory [Hz].
+        effort: Largest torque or force [N m or N], shape (n,), NaN where none is given; None: nowhere.
+        distance: Least distance of the covers of links that are no neighbors [m]; None: not given.
+        radius: Of links without shapes [m]; None: not given.
+        smaller: Whether a search may make a motion smaller than positions, speeds and accelerations ask.
     """
 
     lower: np.ndarray
@@ -45,6 +54,10 @@ class Limits:
     fundamental: float | None = None
     harmonics: int = 5
     rate: float = 250.0
+    effort: np.ndarray | None = None
+    distance: float | None = None
+    radius: float | None = None
+    smaller: bool = False
 
 
 def read_limits(path: str | Path, joints: tuple[str, ...]) -> Limits:
@@ -81,9 +94,10 @@ def parse_limits(document: dict[str, Any], joints: tuple[str, ...]) -> Limits:
     100.0
     """
     for key in document:
-        if key not in joints and key not in _OPTIONS:
+        if key not in joints and key not in (*_OPTIONS, "distance"):
             kind = "joint" if isinstance(document[key], dict) else "key"
-            raise InputError(f"unknown {kind} {key!r}. {nearest(key, (*joints, *_OPTIONS))}")
+            known = (*joints, *_OPTIONS, "distance")
+            raise InputError(f"unknown {kind} {key!r}. {nearest(key, known)}")
     missing = [joint for joint in joints if joint not in document]
     if missing:
         raise InputError(
@@ -91,9 +105,11 @@ def parse_limits(document: dict[str, Any], joints: tuple[str, ...]) -> Limits:
             "position, velocity and acceleration."
         )
     rows = [_joint(joint, document[joint]) for joint in joints]
-    lower, upper, velocity, acceleration = (np.array(x) for x in zip(*rows, strict=True))
+    lower, upper, velocity, acceleration, effort = (np.array(x) for x in zip(*rows, strict=True))
     chosen = {k: _positive("the file", k, document[k]) for k in _OPTIONS if k in document}
-    limits = Limits(lower, upper, velocity, acceleration, **chosen)
+    if "distance" in document:
+        chosen["distance"] = _number("the file", "distance", document["distance"])
+    limits = Limits(lower, upper, velocity, acceleration, effort=effort, **chosen)
     if limits.harmonics != int(limits.harmonics) or not 2 <= limits.harmonics <= _MOST_HARMONICS:
         raise InputError(
             f"harmonics = {limits.harmonics:g}: a whole number from 2 to {_MOST_HARMONICS} is needed; "
@@ -102,12 +118,12 @@ def parse_limits(document: dict[str, Any], joints: tuple[str, ...]) -> Limits:
     return Limits(**{**vars(limits), "harmonics": int(limits.harmonics)})
 
 
-def _joint(joint: str, table: Any) -> tuple[float, float, float, float]:
+def _joint(joint: str, table: Any) -> tuple[float, float, float, float, float]:
     if not isinstance(table, dict):
         raise InputError(f"{joint} = {table!r}: a table [{joint}] is needed.")
     for key in table:
-        if key not in _JOINT:
-            raise InputError(f"{joint}: unknown key {key!r}. {nearest(key, _JOINT)}")
+        if key not in (*_JOINT, *_MORE):
+            raise InputError(f"{joint}: unknown key {key!r}. {nearest(key, (*_JOINT, *_MORE))}")
     for key in _JOINT:
         if key not in table:
             raise InputError(f"{joint}: {key} is missing; give position, velocity, acceleration.")
@@ -118,13 +134,20 @@ def _joint(joint: str, table: Any) -> tuple[float, float, float, float]:
         raise InputError(
             f"{joint}: position = {pair}: the lower limit must lie below the upper; swap or widen them."
         )
-    speeds = (_positive(joint, key, table[key]) for key in _JOINT[1:])
-    return float(pair[0]), float(pair[1]), *speeds
+    velocity, acceleration = (_positive(joint, key, table[key]) for key in _JOINT[1:])
+    effort = _positive(joint, "effort", table["effort"]) if "effort" in table else np.nan
+    return float(pair[0]), float(pair[1]), velocity, acceleration, effort
 
 
 def _positive(place: str, key: str, value: Any) -> float:
     if not _is_number(value) or not value > 0:
         raise InputError(f"{place}: {key} = {value!r}: a finite number above zero is needed.")
+    return float(value)
+
+
+def _number(place: str, key: str, value: Any) -> float:
+    if not _is_number(value):
+        raise InputError(f"{place}: {key} = {value!r}: a finite number is needed.")
     return float(value)
 
 

@@ -6,9 +6,10 @@ one, the error of a parameter grows with the condition number of W. A swarm mini
 .. math:: \log \operatorname{cond}(W D), \qquad D = \operatorname{diag}(1/\|w_k\|)
 
 over periodic motions that keep their limits by construction
-(:mod:`jaxswarm.identify.excitation.fourier`). Columns are scaled because a condition number
-compares parameters of different units otherwise. What is optimized is information, not safety: collisions
-and torque limits are not known here.
+(:mod:`jaxswarm.identify.excitation.fourier`), and torques and distances by a penalty
+(:mod:`jaxswarm.identify.excitation.constraints`). Columns are scaled because a condition number
+compares parameters of different units otherwise. Where torques and distances are kept, a motion may be smaller
+than its limits ask; the mean logarithm of its size then counts too.
 
 References: J. Swevers et al., IEEE Trans. Robotics and Automation 13 (1997); M. Gautier, W. Khalil, Int.
 J. Robotics Research 11 (1992); C. Presse, M. Gautier, ICRA 1993 (scaling).
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
@@ -30,7 +32,13 @@ from jaxswarm.identify.excitation.columns import (
     planned_columns,
     refuse_terms,
 )
-from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.constraints import (
+    Constraints,
+    excess_along,
+    kept,
+    penalized,
+)
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, shares, widest
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.robot.model import Robot
@@ -72,6 +80,7 @@ def excite(
     runs: int = 2,
     num_steps: int = 250,
     pi: np.ndarray | None = None,
+    constraints: Constraints | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Excitation:
     """Search the motion with the smallest condition number of the scaled base columns.
@@ -85,10 +94,11 @@ def excite(
         runs: Independent searches; the best one counts.
         num_steps: Steps of each.
         pi: Rigid-body parameters (10 n,), for effects that depend on the load.
+        constraints: What the motion has to keep beside its limits; None: nothing.
         progress: Called with one line per stage.
 
     Raises:
-        InputError: If a term has no columns that follow from the motion.
+        InputError: If a term has no columns that follow from the motion, or no motion keeps everything.
 
     Needs double precision: in single, condition numbers above a thousand are lost in rounding.
     """
@@ -96,36 +106,34 @@ def excite(
     progress("random motions")
     # Known numbers make a far smaller program than traced ones.
     arm = jax.tree.map(np.asarray, robot)
-    size = num_coordinates(robot.num_joints, limits.harmonics)
+    size, fine, period = num_coordinates(limits), FINE * limits.harmonics, 1.0 / fundamental
     build = partial(planned, limits=limits, fundamental=fundamental)
-    fine = FINE * limits.harmonics
-    period = 1.0 / fundamental
 
     @jax.jit
-    def value(x: jax.Array) -> jax.Array:
-        return planned_columns(arm, terms, limits, *build(x, samples=fine), period, pi)
+    def along(motion: tuple) -> jax.Array:
+        return planned_columns(arm, terms, limits, *motion, period, pi)
 
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))
-    columns = [np.asarray(value(x)) for x in starts]
+    columns = [np.asarray(along(build(x, samples=fine))) for x in starts]
     stacked = np.concatenate([x.T for x in columns[:4]])
     base = find_base(stacked, column_names(robot, terms))
-    kept = base.kept
+    chosen = base.kept
 
-    def log_conditions(population: jax.Array, _: None) -> jax.Array:
-        def one(x: jax.Array) -> jax.Array:
-            moved = build(x, samples=_COARSE * limits.harmonics)
-            return log_condition(planned_columns(arm, terms, limits, *moved, period, pi)[kept])
-
-        return jax.vmap(one)(population)
+    def value(x: jax.Array) -> jax.Array:
+        moved = build(x, samples=_COARSE * limits.harmonics)
+        found = log_condition(planned_columns(arm, terms, limits, *moved, period, pi)[chosen])
+        # Half the motion doubles the error of a parameter, as twice the condition number does.
+        found = found - jnp.log(shares(x, limits)).mean()
+        return penalized(found, excess_along(constraints, limits, moved, period))
 
     progress("searching")
-    best, tried = _searched(log_conditions, size, seed, runs, num_steps)
-    shape = map(np.asarray, within_limits(best, limits, fundamental, fine))
-    trajectory = Fourier(*shape, fundamental)
+    best, tried = _searched(value, size, seed, runs, num_steps)
+    trajectory = kept(widest(best, limits, fundamental, fine), constraints, limits)
+    moved = trajectory.motion(np.arange(fine) * period / fine)
     return Excitation(
         trajectory=trajectory,
-        condition=condition(np.asarray(value(best))[kept]),
-        random=np.array([condition(x[kept]) for x in columns]),
+        condition=condition(np.asarray(along(tuple(x.T for x in moved)))[chosen]),
+        random=np.array([condition(x[chosen]) for x in columns]),
         base=base,
         used=used_shares(trajectory, limits),
         evaluations=tried,
@@ -137,7 +145,7 @@ def _searched(
 ) -> tuple[np.ndarray, int]:
     """The best point (size,) of several searches in [-1, 1], and how many points were tried."""
     found = minimize_runs(
-        fn,
+        lambda population, _: jax.vmap(fn)(population),
         cma_es(),
         Space.vector(-np.ones(size), np.ones(size)),
         jax.random.split(jax.random.key(seed), runs),

@@ -26,7 +26,13 @@ import numpy as np
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.columns import planned, planned_columns, refuse_terms
-from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, within_limits
+from jaxswarm.identify.excitation.constraints import (
+    Constraints,
+    excess_along,
+    kept,
+    penalized,
+)
+from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, widest
 from jaxswarm.identify.excitation.host_search import search_on_host
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.identify.excitation.search import Excitation
@@ -112,6 +118,7 @@ def separate(
     seed: int = 0,
     runs: int = 2,
     num_steps: int = 300,
+    constraints: Constraints | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Separation:
     """Search the motion within limits on which two effects are furthest apart.
@@ -124,6 +131,7 @@ def separate(
         seed: Seed of the search.
         runs: Independent searches; the best one counts.
         num_steps: Steps of each.
+        constraints: What the motion has to keep beside its limits; None: nothing.
         progress: Called with one line per stage.
 
     Raises:
@@ -134,11 +142,15 @@ def separate(
     refuse_terms((*question.others, *question.pair), robot.joints, known, "--separate")
     fundamental = ordinary.trajectory.fundamental
     blocks = _blocks(robot, question, limits, 1.0 / fundamental)
-    size = num_coordinates(robot.num_joints, limits.harmonics)
+    size = num_coordinates(limits)
     build = partial(planned, limits=limits, fundamental=fundamental)
     samples = _SAMPLES * limits.harmonics
     t = np.arange(samples) / (samples * fundamental)
-    usual = blocks(*(jnp.asarray(x.T) for x in ordinary.trajectory.motion(t)))
+
+    def along(trajectory: Fourier) -> list:
+        return blocks(*(jnp.asarray(x.T) for x in trajectory.motion(t)))
+
+    usual = along(ordinary.trajectory)
     scales = [np.linalg.norm(own, axis=1, keepdims=True) for own, _ in usual]
     drawn = np.random.default_rng(seed).uniform(-1.0, 1.0, (_DRAWN, size))
     directions = _directions([blocks(*build(x, samples=samples)) for x in drawn], scales)
@@ -153,20 +165,24 @@ def separate(
             ]
         )
 
-    made = jax.jit(jax.vmap(lambda x: blocks(*build(x, samples=samples))))
+    def made(x: jax.Array) -> tuple:
+        motion = build(x, samples=samples)
+        return blocks(*motion), excess_along(constraints, limits, motion, 1.0 / fundamental)
+
+    many = jax.jit(jax.vmap(made))
 
     def values(population: np.ndarray) -> np.ndarray:
         # The programs make columns only: projections of a few dozen rows are NumPy's.
-        parts = jax.tree.map(np.asarray, made(population))
+        parts, excess = jax.tree.map(np.asarray, many(population))
         each = (jax.tree.map(itemgetter(k), parts) for k in range(len(population)))
-        return np.array([-left(one).min() for one in each])
+        return np.asarray(penalized(np.array([-left(one).min() for one in each]), excess))
 
     best, tried = search_on_host(values, size, seed, runs, num_steps, progress)
-    before, after = np.asarray(left(usual)), np.asarray(left(blocks(*build(best, samples=samples))))
+    trajectory = kept(widest(best, limits, fundamental, samples), constraints, limits)
+    before, after = np.asarray(left(usual)), np.asarray(left(along(trajectory)))
     better = after.min() > before.min()
-    shape = map(np.asarray, within_limits(best, limits, fundamental, samples))
     return Separation(
-        trajectory=Fourier(*shape, fundamental) if better else ordinary.trajectory,
+        trajectory=trajectory if better else ordinary.trajectory,
         reached=_told(after if better else before),
         ordinary=_told(before),
         evaluations=tried,

@@ -24,6 +24,7 @@ from jaxswarm.swarm.optimizers.cma_distribution import (
     round_at,
 )
 from jaxswarm.swarm.optimizers.cma_termination import Watch, unwatched, watch
+from jaxswarm.swarm.optimizers.counting import ascending
 from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
@@ -98,7 +99,7 @@ class CMAES:
         spread = jnp.sqrt(jnp.mean(deviations(state.search) ** 2))
         search = adapt(state.search, sample[ranks(sample, value, spread)], Rates.of(n, d))
         limits = self.sigma, self.tol_x, self.tol_fun
-        seen = watch(state.watch, search, jnp.sort(value), n, *limits)
+        seen = watch(state.watch, search, ascending(value), n, *limits)
 
         sample = draw(Random(key, self.random), search, n)
         hyper = {"sigma": search.sigma, "termination": seen.code}

@@ -44,6 +44,8 @@ CONDITION = 1e14
 GROWTH = 1e4
 SHARE = 0.3
 """First and latest part of a history that are compared."""
+LOOK = 8
+"""Entries between two looks for stagnation, which takes as long as all other criteria together."""
 WINDOW_OF = 5
 """A window is a fifth of all generations."""
 
@@ -88,19 +90,18 @@ def watch(
     """
     generation = now.generation
     best, median, worst = value[0], value[n // 2], value[n - 1]
-    recent = old.recent_value.at[(generation - 1) % old.recent_value.size].set(best)
+    recent = _put(old.recent_value, (generation - 1) % old.recent_value.size, best)
     window = old.best_value.size
     due = generation % jnp.maximum(1, generation // (WINDOW_OF * window)) == 0
     place = jnp.where(due, old.entered % window, window)
-    history = [
-        ring.at[place].set(v, mode="drop")
-        for ring, v in ((old.best_value, best), (old.median_value, median))
-    ]
+    history = [_put(old.best_value, place, best), _put(old.median_value, place, median)]
     entered = old.entered + due
 
     highest, lowest = recent.max(), recent.min()
     flat = (highest == lowest) | (jnp.maximum(highest, worst) - lowest <= tol_fun)
-    stale = due & (entered >= window) & _no_better(jnp.stack(history), entered)
+    look = due & (entered >= window) & (entered % LOOK == 0)
+    no_better = lambda: _no_better(jnp.stack(history), entered)  # noqa: E731
+    stale = jax.lax.cond(look, no_better, lambda: jnp.asarray(False))
     here = jnp.stack(
         [
             _small(now, tol_x * sigma),
@@ -114,6 +115,14 @@ def watch(
     )
     code = jnp.where(here.any(), 1 + jnp.argmax(here), 0).astype(jnp.int32)
     return Watch(recent, *history, entered, jnp.where(old.code > 0, old.code, code))
+
+
+def _put(ring, place, value):
+    """The ring with a value at a place; none where there is no such place.
+
+    As one pass: a scatter is a loop of its own on a CPU, over all runs where there are many.
+    """
+    return jnp.where(jnp.arange(ring.size) == place, value, ring)
 
 
 def _small(now, limit):

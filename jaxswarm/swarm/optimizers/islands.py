@@ -10,7 +10,14 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import as_optimizer, at_least, candidate_info, comparable
+from jaxswarm.errors import InputError
+from jaxswarm.swarm.optimizers.base import (
+    as_optimizer,
+    at_least,
+    candidate_info,
+    comparable,
+    num_values,
+)
 from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
@@ -53,8 +60,16 @@ class Islands:
 
     def update(self, key: jax.Array, state: IslandsState, value: jax.Array):
         """Update every island; when it is time, the worst candidate makes room for a migrant."""
-        value = comparable(value, state.position)
-        values = value.reshape(self.num, -1)
+        n = state.position.shape[0]
+        if num_values(self.inner) is None:
+            value = comparable(value, state.position)
+        elif jnp.shape(value)[:1] != (n,):
+            raise InputError(
+                f"value has shape {jnp.shape(value)} for {n} candidates: a row for each."
+            )
+        values = value.reshape(self.num, -1, *value.shape[1:])
+        # Of several numbers the mean says who makes room; what is best the islands say themselves.
+        value = value if value.ndim == 1 else value.mean(axis=1)
         positions = state.position.reshape(self.num, -1, state.position.shape[1])
         inner = replace(state.inner, position=positions)
         inner, infos = jax.vmap(self.inner.update)(self._keys(key), inner, values)
@@ -64,7 +79,7 @@ class Islands:
         count = state.count + 1
         travel = count % jnp.asarray(self.migrate_every, jnp.int32) == 0
         migrants = jnp.roll(inner.best_position, 1, axis=0)
-        worst = jnp.argmax(values, axis=1)
+        worst = jnp.argmax(value.reshape(self.num, -1), axis=1)
         here = travel & (jnp.arange(values.shape[1]) == worst[:, None])
         positions = jnp.where(here[..., None], migrants[:, None], inner.position)
         hyper = jax.tree.map(lambda leaf: leaf[0], infos.hyper)
@@ -82,8 +97,8 @@ def islands(inner: Any, num: int = 4, *, migrate_every: int = 20) -> Islands:
     """Run ``num`` populations of ``inner``; the best of each visits the next in a circle.
 
     Args:
-      inner: any optimizer, wrapped ones included; ``num`` times its candidates are evaluated a
-        step.
+      inner: any optimizer, wrapped ones, constrained ones and those of fronts included; ``num`` times
+        its candidates are evaluated a step.
       num: number of islands, at least 2.
       migrate_every: updates between two migrations.
 

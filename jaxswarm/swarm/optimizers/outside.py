@@ -21,6 +21,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.optimizers.counting import ascending, order
+
 __all__ = ["evaluated", "inside", "ranks"]
 
 SHARE = 0.3
@@ -46,11 +48,12 @@ def ranks(sample: jax.Array, value: jax.Array, spread: Any, num: Any = None) -> 
       spread: standard deviation of the samples, () or (d,).
       num: how many rows count, all by default; the others come last.
     """
-    n = value.size
-    num = n if num is None else num
-    absent = jnp.arange(n) >= num
     outside = jnp.sum(((sample - inside(sample)) / spread) ** 2, axis=1)
-    rising = jnp.sort(jnp.where(absent, jnp.inf, value))
+    if num is None:
+        rising, num, first = ascending(value), value.size, ()
+    else:
+        absent = jnp.arange(value.size) >= num
+        rising, first = jnp.sort(jnp.where(absent, jnp.inf, value)), (absent,)
     width = rising[(3 * num) // 4] - rising[num // 4]
     width = jnp.where(jnp.isfinite(width), width, 0.0)
-    return jnp.lexsort((outside, value + SHARE * width * outside, absent))
+    return order(*first, value + SHARE * width * outside, outside)

@@ -113,26 +113,30 @@ class PSO:
 
         graph = jnp.where(improved, state.graph, random.bits("graph", (2,)))
         informants = Random(graph, self.random)
-        swarm = Swarm(
-            position=state.position,
-            velocity=state.velocity,
-            memory_position=memory_position,
-            attractor=self.topology(informants, memory_position, memory_value),
-            value=value,
-            improved=fell,
-            memory_value=memory_value,
-        )
+
+        def swarm():
+            # A function: within ``once`` an attractor of all is spread where it is read, not written.
+            return Swarm(
+                position=state.position,
+                velocity=state.velocity,
+                memory_position=memory_position,
+                attractor=self.topology(informants, memory_position, memory_value),
+                value=value,
+                improved=fell,
+                memory_value=memory_value,
+            )
+
         hyper = {
             name: evaluate(name, getattr(self, name), state.count, dtype)
             for name in ("inertia", "cognitive", "social", "velocity_limit")
         }
         control = state.control
         if self.control is not None:
-            hyper, control = self.control(random, control, swarm, hyper)
+            hyper, control = self.control(random, control, swarm(), hyper)
 
         def accelerate():
             limit = hyper["velocity_limit"]
-            return jnp.clip(self.rule(random, swarm, hyper), -limit, limit).ravel()
+            return jnp.clip(self.rule(random, swarm(), hyper), -limit, limit).ravel()
 
         velocity = once(accelerate).reshape(state.position.shape)  # flat: see ``loop``
         position, velocity = self.boundary(random, state.position + velocity, velocity)

@@ -1,0 +1,62 @@
+"""Runs in batches, and order by counting: other ways to the same numbers."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxswarm.swarm import Space, around, batches, cma_es, minimize_runs, pso
+from jaxswarm.swarm.optimizers.counting import FEW, ascending, order
+
+SPACE = Space.vector([-5.0] * 3, [5.0] * 3)
+KEYS = jax.random.split(jax.random.key(4), 12)
+
+
+def sphere(x, center):
+    return jnp.sum((x - center) ** 2, axis=1)
+
+
+@pytest.mark.parametrize("optimizer", [pso(6), cma_es(6)], ids=["pso", "cma_es"])
+def test_batches_are_the_same_runs(monkeypatch, optimizer):
+    seen = []
+
+    def told(x, center):
+        seen.append(x.shape)
+        return sphere(x, center)
+
+    options = dict(num_steps=6, start=around(SPACE.lower + 4.0, 0.1))
+    whole = minimize_runs(sphere, optimizer, SPACE, KEYS, 1.0, **options)
+    size = sum(leaf.nbytes for leaf in jax.tree.leaves(whole.state)) // 12
+    monkeypatch.setattr(batches, "CACHED", 5 * size)  # the largest divisor of 12 below is 4
+    found = minimize_runs(told, optimizer, SPACE, KEYS, 1.0, **options)
+    assert {shape[0] for shape in seen} == {4 * 6}
+    assert jax.tree.structure(found) == jax.tree.structure(whole)
+    for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(whole), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12)
+
+
+def test_no_batches_where_runs_belong_together(monkeypatch):
+    size = sum(leaf.nbytes for leaf in jax.tree.leaves(pso(6).init(KEYS[0], 3)))
+    monkeypatch.setattr(batches, "CACHED", 8 * size)
+    assert batches.batch_of(pso(6), 3, None, 12) == 6
+    assert batches.batch_of(pso(6), 3, None, 8) == 8, "all fit"
+    assert batches.batch_of(pso(6), 3, None, 13) == 13, "only single runs would be left"
+    values = []
+    minimize_runs(
+        sphere, pso(6), SPACE, KEYS, 1.0, num_steps=4, progress_every=2,
+        progress=lambda count, best: values.append(best.shape),
+    )  # fmt: skip
+    jax.effects_barrier()
+    assert set(values) == {(12,)}, "progress is told of all runs at once"
+
+
+@pytest.mark.parametrize("n", [1, 7, FEW, FEW + 1])
+def test_counting_orders_as_a_sort(n):
+    draw = np.random.default_rng(n)
+    first, second = draw.integers(0, 4, (2, n)).astype(float)
+    first[draw.random(n) < 0.2] = np.inf
+    np.testing.assert_array_equal(
+        order(jnp.array(first), jnp.array(second)), np.lexsort((second, first))
+    )
+    np.testing.assert_array_equal(order(jnp.array(first)), np.argsort(first, kind="stable"))
+    np.testing.assert_array_equal(ascending(jnp.array(first)), np.sort(first))
