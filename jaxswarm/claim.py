@@ -40,8 +40,9 @@ def claim(out: Path, inputs: Sequence[Path | None], names: Sequence[str] = ()) -
 
 
 def _same(one: Path, other: Path) -> bool:
+    """Whether both are one file; a folder that is made first may complete the way to it."""
     try:
-        return one.samefile(other)
+        return os.path.realpath(one) == os.path.realpath(other) or one.samefile(other)
     except OSError:
         return False
 

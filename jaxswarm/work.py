@@ -1,5 +1,6 @@
 """Around every command: its output place is held, and whatever ends it early ends in one message."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -75,7 +76,8 @@ def work(
         resumable: Whether the same command goes on where this one was interrupted.
     """
     try:
-        files = [path for path in inputs if path is not None and Path(path).is_file()]
+        # A name that no file system takes is no file here; whoever reads it says so.
+        files = [path for path in inputs if path is not None and os.path.isfile(path)]
         with claim(out, inputs, names), console.working(files) as progress:
             yield progress
     except KeyboardInterrupt:

@@ -25,7 +25,9 @@ def identified(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("way", ["same", "relative", "symlink", "hardlink"])
+@pytest.mark.parametrize(
+    "way", ["same", "relative", "symlink", "hardlink", "by a folder to be made"]
+)
 @pytest.mark.parametrize("victim", ["log.csv", "out/model.json"])
 def test_predict_never_writes_over_what_it_reads(identified, tmp_path, monkeypatch, victim, way):
     target = identified / victim
@@ -38,11 +40,19 @@ def test_predict_never_writes_over_what_it_reads(identified, tmp_path, monkeypat
     elif way == "relative":
         monkeypatch.chdir(identified / "out")
         out = Path(os.path.relpath(target))
+    elif way == "by a folder to be made":
+        out = target.parent / "new" / ".." / target.name
     else:
         out = target
     model = identified / "out" / "model.json"
     assert_refused(run("predict", model, identified / "log.csv", "--out", out), "overwrite")
     assert target.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".csv", "y/" * 2500 + "log.csv"])
+def test_a_name_that_no_file_system_takes_is_no_failure_of_printing(tmp_path, name):
+    result = identify(name, tmp_path / "out")
+    assert_refused(result, "File name too long", "Check the path")
 
 
 def test_a_diagnosis_never_writes_over_its_model(identified):

@@ -15,8 +15,8 @@ from jaxswarm.errors import InputError  # noqa: E402
 from jaxswarm.logs import Log  # noqa: E402
 
 # Inputs that once ended in another way than by a refusal: rows of a result without values, lists nested too
-# deep, a velocity of another motion than the position.
-FELL = (346, 1222, 3080, 3960, 4413, 6889)
+# deep, a velocity of another motion than the position, matrices without a row.
+FELL = (346, 1222, 3080, 3960, 4413, 6889, 20930, 22082)
 
 
 def raising(error):

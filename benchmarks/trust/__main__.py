@@ -5,7 +5,8 @@
 ``fuzz``: files and options spoiled by structure, read in process (``--inputs``), and whole commands
 (``--commands``): nothing but success or a clear refusal, in time, in bounded memory, with nothing written.
 ``faults``: commands killed at random moments, ended by signals, out of disk, two in one folder (``--kills``).
-``spoiled``: logs of clean arms spoiled in one way: is it said, and is no wrong effect named (``--arms``)?
+``spoiled``: logs of clean arms and of arms that lack a law, spoiled in one way: is it said before a fit
+(``--arms``), else by a diagnosis without a wrong effect (``--judged``)?
 ``null``: clean logs, and torques permuted over time or joints: is nothing added (``--arms``)?
 Rows go to ``benchmarks/results/trust_*.jsonl``; what is there is not done again. ``--table`` shows all of them.
 """
@@ -31,6 +32,9 @@ def main() -> None:
     parser.add_argument("--commands", type=int, default=50, help="fuzz: whole commands")
     parser.add_argument("--kills", type=int, default=30, help="faults: kill -9 at random moments")
     parser.add_argument("--arms", type=int, default=3, help="spoiled, null: clean arms")
+    parser.add_argument(
+        "--judged", type=int, default=1, help="spoiled: arms that are diagnosed, too"
+    )
     parser.add_argument("--table", action="store_true", help="show what was found so far")
     options = parser.parse_args()
     jax.config.update("jax_enable_x64", True)
@@ -47,7 +51,7 @@ def main() -> None:
     if options.part == "spoiled":
         from benchmarks.trust.spoiled import spoiled
 
-        spoiled(options.arms)
+        spoiled(options.arms, options.judged)
     if options.part == "null":
         from benchmarks.trust.null import null
 

@@ -1,37 +1,72 @@
-"""Clean logs spoiled in one way: what is said about them, and which wrong effects are named."""
+"""Logs spoiled in one way: what is said about them before a fit, and which wrong effects are named by one."""
 
 import time
 
 import numpy as np
 
-from benchmarks.trust.arms import Arm, clean_arm
+from benchmarks.trust.arms import Arm, any_arm
 from benchmarks.trust.rows import add_row, read_rows
 from benchmarks.trust.spoilings import SPOILINGS, Spoiling
 from jaxswarm import tasks
 from jaxswarm.errors import InputError
+from jaxswarm.identify.checks.check_log import checked, without_relation
+from jaxswarm.identify.checks.weak import all_rest, resting_joints
 from jaxswarm.logs import Log
+from jaxswarm.logs.motion import Filtering
 
 # Time [s] of a diagnosis, so that no log takes unbounded time.
 BUDGET = 90.0
-# Outcomes: said by name; neither said nor a wrong effect named; an effect that is not there; said wrongly.
-SAID, QUIET, WRONG, ELSE = "said", "quiet", "wrong effect", "something else said"
+# Outcomes: said by name; not said before a fit; neither said nor a wrong effect named by one; an effect that is
+# not there; another complaint.
+SAID, UNSAID, QUIET, WRONG, ELSE = (
+    *("said", "unsaid", "quiet", "wrong effect", "something else said"),
+)
+# The log as it is, in which nothing is wrong: it may not be refused.
+AS_IT_IS = "as it is"
 
 
-def spoiled(arms: int) -> None:
-    """Spoil the logs of so many arms in every way; rows that exist are not made again."""
-    done = {(row["arm"], row["spoiling"]) for row in read_rows("spoiled")}
+def spoiled(arms: int, judged: int) -> None:
+    """Spoil the logs of so many arms in every way and ask the checks; rows that exist are not made again.
+
+    Args:
+        arms: How many.
+        judged: On so many of them, what the checks do not say is diagnosed, which takes a minute each.
+    """
+    done = {(row["arm"], row["spoiling"], row["judged"]) for row in read_rows("spoiled")}
+    ways = {AS_IT_IS: Spoiling(lambda log, j, rng: log, ()), **SPOILINGS}
     for number in range(arms):
-        for name, spoiling in SPOILINGS.items():
-            if (number, name) in done:
+        for name, spoiling in ways.items():
+            place = (number, name, number < judged)
+            if place in done or (number, name, True) in done:
                 continue
-            arm = clean_arm(number)
+            arm = any_arm(number)
             rng = np.random.default_rng([number, *name.encode()])
             joint = int(rng.integers(arm.robot.num_joints))
             start = time.perf_counter()
-            row = diagnosed(arm, spoiling, spoiling.spoil(arm.log, joint, rng))
+            log = spoiling.spoil(arm.log, joint, rng)
+            row = complaint(arm, spoiling, log)
+            if row["outcome"] == UNSAID and number < judged:
+                row = diagnosed(arm, spoiling, log)
             seconds = time.perf_counter() - start
-            place = {"arm": number, "of": arm.name, "spoiling": name, "joint": joint + 1}
-            add_row("spoiled", {**place, **row, "seconds": seconds})
+            told = {"arm": number, "of": arm.name, "lacks": arm.effects, "spoiling": name}
+            more = {"joint": joint + 1, "judged": place[2], "seconds": seconds}
+            add_row("spoiled", {**told, **more, **row})
+
+
+def complaint(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
+    """What the checks say of a log before anything is fitted, and whether that is right."""
+    try:
+        after, motions = checked(log, arm.robot, Filtering())
+    except InputError as error:
+        text, refused = str(error), True
+    else:
+        new = [note for note in after.notes if note not in log.notes]
+        lacks = [*all_rest(motions), *resting_joints(motions, arm.robot)]
+        related = without_relation(arm.robot, motions)
+        text, refused = " ".join([*new, *lacks, *related]), False
+    right = any(word in text for word in spoiling.said)
+    outcome = SAID if right else ELSE if refused else UNSAID
+    return {"outcome": outcome, "refused": refused, "text": text[:600]}
 
 
 def diagnosed(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
@@ -44,9 +79,10 @@ def diagnosed(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
         return {"outcome": SAID if right else ELSE, "refused": True, "text": text[:600]}
     effects = [f"{e['effect']}@{e['joint']}" for e in found["effects"]]
     text = " ".join([*found["reasons"], *(f["what"] for f in found["findings"])])
-    wrong = [e["effect"] for e in found["effects"] if e["effect"] not in spoiling.effects]
+    allowed = (*spoiling.effects, *arm.effects)
+    wrong = [e["effect"] for e in found["effects"] if e["effect"] not in allowed]
     right = any(word in text for word in spoiling.said)
-    right = right or (bool(effects) and not wrong)
+    right = right or any(e["effect"] in spoiling.effects for e in found["effects"])
     outcome = WRONG if wrong else SAID if right else QUIET
     told = {"outcome": outcome, "refused": False, "effects": effects, "verdict": found["verdict"]}
     return {**told, "text": text[:600]}

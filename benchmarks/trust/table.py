@@ -3,7 +3,7 @@
 from collections import Counter
 
 from benchmarks.trust.rows import read_rows
-from benchmarks.trust.spoiled import ELSE, QUIET, SAID, WRONG
+from benchmarks.trust.spoiled import AS_IT_IS, ELSE, QUIET, SAID, UNSAID, WRONG
 
 
 def table() -> str:
@@ -65,17 +65,20 @@ def _faults() -> list[str]:
 
 
 def _spoiled() -> list[str]:
-    rows = read_rows("spoiled")
+    every = read_rows("spoiled")
+    clean = [row for row in every if row["spoiling"] == AS_IT_IS]
+    rows = [row for row in every if row["spoiling"] != AS_IT_IS]
     if not rows:
         return []
     counts = Counter(row["outcome"] for row in rows)
     arms = len({row["arm"] for row in rows})
     lines = [
-        f"| logs spoiled in {len({r['spoiling'] for r in rows})} ways, {arms} arms | {len(rows)} | "
-        f"{counts[SAID]} said by name, {counts[QUIET]} without a word or a wrong effect, "
-        f"{counts[WRONG]} with a wrong effect, {counts[ELSE]} refused for another reason |"
+        f"| logs of {arms} arms spoiled in {len({r['spoiling'] for r in rows})} ways | {len(rows)} | "
+        f"{counts[SAID]} said by name, {counts[UNSAID]} not before a fit, {counts[QUIET]} by none and no wrong "
+        f"effect, {counts[WRONG]} with a wrong effect, {counts[ELSE]} refused for another reason |",
+        f"| the same logs as they are | {len(clean)} | {sum(r['refused'] for r in clean)} refused |",
     ]
-    fell = Counter(row["spoiling"] for row in rows if row["outcome"] in (WRONG, ELSE, QUIET))
+    fell = Counter(row["spoiling"] for row in rows if row["outcome"] != SAID)
     if fell:
         told = ", ".join(f"{name} ({n} of {arms})" for name, n in fell.most_common())
         lines.append(f"| not said by name | {sum(fell.values())} | {told} |")

@@ -76,17 +76,22 @@ class World:
         return record(run, self.arm, effects, self.logging, self.control, torque, rng, plain)
 
 
-def make_world(number: int) -> World:
-    """The first draw of this number that can be run."""
+def make_world(number: int, longest: float | None = None) -> World:
+    """The first draw of this number that can be run.
+
+    Args:
+        number: Of the world.
+        longest: Time [s] at which its training run ends, which is then its only one; None: as drawn.
+    """
     for attempt in range(_ATTEMPTS):
         try:
-            return _draw(number, attempt)
+            return _draw(number, attempt, longest)
         except DivergedError:
             continue
     raise RuntimeError(f"world {number}: no draw of {_ATTEMPTS} could be run")
 
 
-def _draw(number: int, attempt: int) -> World:
+def _draw(number: int, attempt: int, longest: float | None) -> World:
     rng = np.random.default_rng([SEED, number, attempt])
     # What the world is about must not depend on the attempt, or hard worlds would become rare.
     wanted = plan(number, np.random.default_rng([SEED, number]))
@@ -99,6 +104,7 @@ def _draw(number: int, attempt: int) -> World:
     logger = draw_logging(rng, drive, torque)
     seeds = rng.integers(2**31, size=3)
     seconds = round(float(np.exp(rng.uniform(np.log(8.0), np.log(60.0)))), 1)
+    seconds = seconds if longest is None else min(seconds, longest)
     motions = {
         "train": motion.Motion(str(rng.choice(motion.FAMILIES)), int(seeds[0]), seconds),
         "test_ptp": motion.Motion("ptp", int(seeds[1]), SCORED_SECONDS),
@@ -118,6 +124,8 @@ def _draw(number: int, attempt: int) -> World:
         check = motion.Motion(str(rng.choice(motion.FAMILIES)), int(rng.integers(2**31)), seconds)
         motions["check"] = check
     runs = {"train": run}
+    if longest is not None:
+        return replace(world, runs=runs, told=told)
     for name in (n for n in motions if n != "train"):
         runs[name] = world.run(name)
         _check(runs[name], torque)

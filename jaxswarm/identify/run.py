@@ -1,6 +1,7 @@
 """The command ``identify``, from files to files."""
 
 import hashlib
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -77,7 +78,7 @@ def refuse_repeated(paths: list[Path]) -> None:
     """
     seen: dict[str, Path] = {}
     for path in paths:
-        if not Path(path).is_file():
+        if not os.path.isfile(path):  # nor a name that no file system takes
             continue
         with open(path, "rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()

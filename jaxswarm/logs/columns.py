@@ -57,17 +57,13 @@ def arrange(table: Table, joints: tuple[str, ...]) -> Arranged:
     labels: dict[tuple[str, int], str] = {}
     strange = []
 
-    def put(quantity: str, index: int, label: str, column: np.ndarray) -> None:
+    def name_once(quantity: str, index: int, label: str) -> None:
         if (quantity, index) in labels:
             raise InputError(
                 f"{table.source}: {labels[quantity, index]} and {label} both give {quantity} of "
                 f"{joints[index]}. Keep one of them."
             )
         labels[quantity, index] = label
-        if quantity not in joint:
-            joint[quantity] = np.full((len(time), len(joints)), np.nan)
-        if not np.shares_memory(joint[quantity], column):
-            joint[quantity][:, index] = column
 
     for name, values in table.columns.items():
         if name == "t":
@@ -75,16 +71,19 @@ def arrange(table: Table, joints: tuple[str, ...]) -> Arranged:
         quantity, index = place(name, joints)
         per_joint = values.ndim == 2 and values.shape == (len(time), len(joints))
         if index is not None:
-            put(quantity, index, name, _vector(table, name, values, len(time)))
+            column = _vector(table, name, values, len(time))
+            name_once(quantity, index, name)
+            if quantity not in joint:
+                joint[quantity] = np.full((len(time), len(joints)), np.nan)
+            joint[quantity][:, index] = column
         elif name in QUANTITIES or per_joint:
             matrix = _matrix(table, name, values, len(time), joints)
             if order != sorted(order):
                 matrix = matrix[:, order]
-            if name not in joint:  # whole, without a copy: no further column may belong to it
-                joint[name] = matrix
-            for k, column in enumerate(matrix.T):
+            for k in range(len(joints)):
                 label = name if len(joints) == 1 else f"{name}[:, {order[k]}] ({joints[k]})"
-                put(name, k, label, column)
+                name_once(name, k, label)
+            joint[name] = matrix  # whole, without a copy: no other column may belong to it
         elif values.ndim == 1 and "q" not in table.columns and looks_like(name):
             strange.append(name)
         elif values.shape in ((len(time),), (len(time), 1)):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jaxswarm.logs.filtering import white_noise
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.log import Log, take
 from jaxswarm.logs.quality import longest_run, quantum, saturated
@@ -16,6 +17,9 @@ _LONG, _FAST, _JUMP = 0.15, 0.1, 3.0
 _BEFORE, _QUANTA, _TOP = 3, 4.0, 0.95
 # Beyond this share of a log there is too little left between the stretches.
 _MOST_STUCK = 0.4
+# A torque that repeats to the last digit for so long [s] has stopped being measured where its channel is noisy:
+# its noise is above its quantum and this part of its range, and it repeats nowhere else for a tenth of that.
+_LONG_TORQUE, _NOISY, _ELSEWHERE = 0.4, 1e-5, 0.1
 # Samples of one joint's torque at its extreme value, as a share of all: fewer change no parameter visibly.
 _MOST_SATURATED = 0.01
 
@@ -42,22 +46,50 @@ def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
     return found
 
 
+def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
+    """Joint, first and past-the-last sample of the longest stretch in which a noisy torque stands.
+
+    Not where all torques stand, as of a robot that is switched off, nor at the limit of the channel.
+    """
+    if log.tau is None or len(log.t) < 4:
+        return []
+    found = []
+    least = max(int(round(_LONG_TORQUE / usual_period(log.t))), 4)
+    for j, torque in enumerate(log.tau.T):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], np.diff(torque) == 0, [0]])))
+        lengths = edges[1::2] - edges[::2]
+        if len(lengths) == 0 or lengths.max() < least:
+            continue
+        longest = int(np.argmax(lengths))
+        start, end = int(edges[2 * longest]), int(edges[2 * longest + 1]) + 1
+        rest = np.delete(torque, slice(start, end))
+        noise = white_noise(rest[:, None])[0] if len(rest) > least else 0.0
+        noisy = noise > max(quantum(rest), _NOISY * np.ptp(rest))
+        usual = np.delete(lengths, longest).max(initial=0) > _ELSEWHERE * lengths[longest]
+        others = np.ptp(np.delete(log.tau, j, axis=1)[start:end], axis=0) > 0
+        inside = torque.min() < torque[start] < torque.max()
+        if noisy and not usual and others.any() and inside:
+            found.append((j, start, end))
+    return found
+
+
 def without_stuck(log: Log) -> tuple[Log, list[Finding]]:
-    """The log without the stretches in which an encoder stuck, and what was found."""
-    stretches = stuck_stretches(log)
+    """The log without the stretches in which an encoder or a torque's channel stuck, and what was found."""
+    stretches = [
+        *(("position", *one) for one in stuck_stretches(log)),
+        *(("torque", *one) for one in dead_torque_stretches(log)),
+    ]
     if not stretches:
         return log, []
     bad = np.zeros(len(log.t), dtype=bool)
     findings: list[Finding] = []
-    for _, start, end in stretches:
+    for _, _, start, end in stretches:
         bad[start:end] = True
     few = bad.mean() <= _MOST_STUCK
-    remedy = (
-        "That time is left out" if few else "Check the encoder and its wiring, and log it again"
-    )
-    for j, start, end in stretches:
+    remedy = "That time is left out" if few else "Check the sensor and its wiring, and log it again"
+    for channel, j, start, end in stretches:
         what = (
-            f"the position of {log.joints[j]} stands from t = {log.t[start]:.6g} to "
+            f"the {channel} of {log.joints[j]} stands from t = {log.t[start]:.6g} to "
             f"{log.t[end - 1]:.6g} s, in the midst of a motion"
         )
         findings.append(Finding(STUCK, what, remedy, refused=not few))

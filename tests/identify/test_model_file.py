@@ -115,8 +115,8 @@ REQUIRED = [
     "value", [DELETE, "text", {}, 7.5e300], ids=["gone", "text", "object", "huge"]
 )
 def test_damage_is_refused_or_harmless(content, tmp_path, path, value):
-    if value is not DELETE and path[-1] in ("b", "width"):
-        pytest.skip("a number that may be large")
+    if value == 7.5e300 and path[-1] == "width":
+        pytest.skip("a sign that wide is none")
     with pytest.raises(InputError, match="model.json"):
         load_model(write(tmp_path / "model.json", change(content, path, value)))
 

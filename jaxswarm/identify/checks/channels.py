@@ -22,6 +22,7 @@ from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
+NO_RELATION = "no_relation"
 # A guess is believed that lowers the sum over the joints of the logarithm of what is left by this much,
 # a third on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
 # wrong ones lower it by 2 and more.
@@ -34,23 +35,27 @@ _NONE = 0.05
 # The log is asked about its motion too, which costs a regressor a guess, where it leaves this much.
 _POOR = 0.1
 _SIGNS = {"torque_sign", "position_sign"}
-# Scales are believed where they lower that sum by less: nothing but the scale changes, so that on clean logs,
-# and on logs with any one law missing, no torque's scale lowers it by more than 0.3 and time's by 0.05. A last
-# joint's position may bend into what is missing by 0.5. Twice the scale costs 0.4 to 10 where it can be seen.
-_SCALES = {"torque_scale": 0.55, "time_scale": 0.3, "encoder_scale": 0.8}
-# Rows per fitted parameter from which on scales are asked: a fit of fewer bends; on a clean log of seven joints
-# with 2.4 of them half a torque lowered the sum by 1.1.
-_ROWS_FOR_SCALES = 3.0
+# Scales are believed where they lower that sum by less: nothing but the scale changes, so that on 305 logs that
+# are clean or lack a law no torque's scale lowers it by more than 0.3 and time's by 0.35. A last joint's
+# position may bend into what is missing by 0.5. Twice the scale costs 0.4 to 10 where it can be seen.
+_SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8}
+# A torque's scale is a valley: any other scale of it costs this part of that more. Where a joint disagrees with
+# the others for another reason, all scales that take its word from it help alike.
+_VALLEY = 0.5
+# A fit with fewer rows per parameter than the first number bends: on a clean log of seven joints with 2.4 of
+# them half a torque lowered the sum by 1.1. There a scale has to lower it so many times more; wrong ones of six
+# joints with one or two rows per parameter lower it by 2.7 to 28.
+ROWS_THAT_HOLD, BENDS = 3.0, 4.0
 # A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
 # badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
 _SCALE_LEAVES = 0.15
 # Turns of a joint [rad] that no arm makes; degrees make them at once.
 _FAR = 4.0 * np.pi
 # Mass [kg] at the end of an arm of a meter that would need the logged torques, and how it grows with the reach:
-# clean logs lie between 0.3 and 440. The reach [m] of links without a length in the kinematics, and of slides.
+# clean logs lie between 0.08 and 440. The reach [m] of links without a length in the kinematics, and of slides.
 _HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH, _SLIDE = 1e3, 1e-2, 3, 0.5, 1.0
-# Below this one the torques may be in kN m: of clean logs one in twenty lies there, so that it is told only.
-_LIGHT = 1.0
+# Below this one the torques may be in kN m: two of 79 clean logs lie there, so that it is told only.
+_LIGHT = 0.25
 # Where the masses are known, friction and motors make up to ten times their torque; another unit a thousand.
 _OTHER_UNIT = 300.0
 _UNIT = "Log torques in N m and forces in N, or name the unit"
@@ -75,23 +80,22 @@ def enough(robot: Robot, samples: Samples) -> bool:
 def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     """The likeliest guess about signs, order and unit of angles that is far better than the log as it is."""
     logged, sigma = rough.as_logged()
-    scaled = rough.rows_per_parameter >= _ROWS_FOR_SCALES
-    guesses = [
-        *torque_guesses(robot, rough.likely_order()),
-        *(torque_scale_guesses(robot) if scaled else ()),
-    ]
+    much = BENDS if rough.rows_per_parameter < ROWS_THAT_HOLD else 1.0
+    guesses = [*torque_guesses(robot, rough.likely_order()), *torque_scale_guesses(robot)]
     tried = list(zip(guesses, rough.fit([g.mixture for g in guesses], sigma), strict=True))
     poor = logged.size > _POOR or logged.braking.min() < -_NONE
     far = np.ptp(rough.samples.q, axis=0) > _FAR
     motions = [
-        *(motion_scale_guesses(robot) if scaled else ()),
+        *motion_scale_guesses(robot),
         *(motion_guesses(robot) if poor else ()),
         *(degree_guesses(robot, far) if poor or far.any() else ()),
     ]
     for guess in motions:
         other = Rough(robot, guess.motion(rough.samples))
         tried.append((guess, other.as_logged()[0]))
-    believed = [(g, t) for g, t in tried if _believed(g, t, logged)]
+    believed = [
+        (g, t) for g, t in tried if _believed(g, t, logged, much) and _is_valley(g, t, tried, much)
+    ]
     if not believed:
         return None
     best = min(t.power for _, t in believed)
@@ -105,7 +109,8 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     return _told(robot, guess, found, logged)
 
 
-def _believed(guess: Guess, found: Tried, logged: Tried) -> bool:
+def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
+    """Whether a guess leaves clearly less; scales have to, so many times (``much``) more."""
     if found.braking.min() < -_NONE or found.size > _UNRELATED:
         return False
     joints = list(guess.joints)
@@ -114,9 +119,20 @@ def _believed(guess: Guess, found: Tried, logged: Tried) -> bool:
     change = found.power - logged.power
     own = logged.braking[joints]
     drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
-    return change < -_SCALES.get(guess.check, _MUCH) or (
-        guess.check in _SIGNS and change < _SAME and drove
-    )
+    needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH
+    return change < -needed or (guess.check in _SIGNS and change < _SAME and drove)
+
+
+def _is_valley(guess: Guess, found: Tried, tried: list[tuple[Guess, Tried]], much: float) -> bool:
+    """Whether all other scales of the same torque are clearly worse; true of what is no such scale."""
+    if guess.check != "torque_scale":
+        return True
+    others = [
+        t.power
+        for g, t in tried
+        if g is not guess and (g.check, g.joints) == (guess.check, guess.joints)
+    ]
+    return found.power < min(others) - _VALLEY * much * _SCALES[guess.check]
 
 
 def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
@@ -170,4 +186,4 @@ def unrelated(rough: Rough) -> Finding | None:
         "and motion do not belong together"
     )
     remedy = "Check units, signs, clock and the order of the columns"
-    return Finding("no_relation", what, remedy, refused=False)
+    return Finding(NO_RELATION, what, remedy, refused=False)

@@ -3,7 +3,13 @@
 from collections.abc import Sequence
 
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.identify.checks.channels import enough, unrelated, wrong_channels, wrong_unit
+from jaxswarm.identify.checks.channels import (
+    NO_RELATION,
+    enough,
+    unrelated,
+    wrong_channels,
+    wrong_unit,
+)
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough, samples_of
@@ -30,7 +36,7 @@ CHECKS = {
     "late_torque": "a joint's torque that is late or early against its motion",
     "torque_unit": "torques out of reach of any arm of that geometry",
     WEAK: "motion that is too short or too little for what is asked",
-    "no_relation": "torque that has nothing to do with the motion",
+    NO_RELATION: "torque that has nothing to do with the motion",
 }
 
 
@@ -81,10 +87,12 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     channels = wrong_channels(robot, rough)
     # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
     unit = None if channels else wrong_unit(robot, samples)
-    found = [channels, unit, unrelated(rough)]
-    if not any(found):
-        found.append(late_torque(robot, rough))
-    return [one for one in found if one is not None]
+    found = [one for one in (channels, unit, unrelated(rough)) if one is not None]
+    # A unit that may be another one says nothing of the clocks; where more is wrong, nothing is known of them.
+    if not any(one.refused or one.check == NO_RELATION for one in found):
+        late = late_torque(robot, rough)
+        found += [] if late is None else [late]
+    return found
 
 
 def without_relation(robot: Robot, motions: Sequence[Motion]) -> list[str]:

@@ -1,6 +1,5 @@
 """What a ``model.json`` must hold, checked value by value before a model is built from it."""
 
-import math
 from dataclasses import fields
 
 import numpy as np
@@ -9,6 +8,7 @@ from jaxswarm.effects.base import REGISTRY, Effect, get_law
 from jaxswarm.effects.formula import formula_law, from_json
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.logs.motion import Filtering
+from jaxswarm.robot.checks import LARGEST, shown
 
 _KINDS = ("revolute", "prismatic")
 
@@ -76,7 +76,8 @@ def _check_term(term, joints: list[str], place: str) -> None:
     for name in dict.fromkeys([*names, *law.linear_names(tuple(joints))]):
         if not _is_number(values.get(name)):
             raise InputError(
-                f"{place} ({law.name}) lacks a number for {name}, it has {values.get(name)!r}"
+                f"{place} ({law.name}) lacks a number up to {LARGEST:g} for {name}, it has "
+                f"{shown(values.get(name))}"
             )
     for p in law.parameters:
         if p.scale == "log" and values[p.name] <= 0:
@@ -117,7 +118,8 @@ def _each(content, name, count, holds, expected, place="robot."):
 
 
 def _is_number(x) -> bool:
-    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+    # False for NaN, too, and for integers of any length.
+    return isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= LARGEST
 
 
 def _is_earlier(parent, k: int) -> bool:
@@ -129,5 +131,7 @@ def _check_array(values: list, shape: tuple[int, ...], place: str) -> None:
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{place} holds something that is no number") from None
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InputError(f"{place} is no array of {' x '.join(map(str, shape))} finite numbers")
+    if array.shape != shape or not (np.abs(array) <= LARGEST).all():  # false for NaN, too
+        raise InputError(
+            f"{place} is no array of {' x '.join(map(str, shape))} finite numbers up to {LARGEST:g}"
+        )
