@@ -116,6 +116,15 @@ def test_a_motion_that_crosses_a_limit_is_made_smaller_by_no_more_than_needed():
     assert 2.98 < top <= 3.0
 
 
+def test_a_motion_that_may_be_smaller_is_so_only_where_something_forces_it(arm, monkeypatch):
+    plan = importlib.import_module("jaxswarm.identify.excite_plan")
+    monkeypatch.setattr(plan, "excite", partial(excite, runs=2, num_steps=80))
+    free = {j: {**JOINT, "effort": 5000.0} for j in "abc"}
+    found = jaxswarm.excite(arm, {**LIMITS, **free}, "none")
+    used = found["limits_used"]
+    assert all(max(used[joint].values()) > 0.8 for joint in "abc"), used
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
