@@ -63,7 +63,9 @@ def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
         longest = int(np.argmax(lengths))
         start, end = int(edges[2 * longest]), int(edges[2 * longest + 1]) + 1
         rest = np.delete(torque, slice(start, end))
-        noise = white_noise(rest[:, None])[0] if len(rest) > least else 0.0
+        if len(rest) <= least:  # it hardly ever does otherwise: what its noise is nobody can tell
+            continue
+        noise = white_noise(rest[:, None])[0]
         noisy = noise > max(quantum(rest), _NOISY * np.ptp(rest))
         usual = np.delete(lengths, longest).max(initial=0) > _ELSEWHERE * lengths[longest]
         others = np.ptp(np.delete(log.tau, j, axis=1)[start:end], axis=0) > 0

@@ -22,7 +22,7 @@ def motion():
 
 def test_what_is_needed_holds_the_columns_and_their_derivatives(motion):
     rigid = rigid_of(rx60(), motion)
-    held = rigid.full.nbytes + rigid.static.nbytes
+    held = rigid.full.nbytes + rigid.low.nbytes
     for joint in range(3):
         own = sensitivity_of(rx60(), motion, joint, rigid)
         held += own.by_q.nbytes + own.by_dq.nbytes + own.by_ddq.nbytes

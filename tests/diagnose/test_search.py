@@ -13,7 +13,7 @@ from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import get_law
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.columns import Load, rigid_of, term_columns
+from jaxswarm.identify.forward.columns import rigid_of, term_columns
 from jaxswarm.logs.filtering import Decimator, design_decimator
 from jaxswarm.logs.motion import Filtering, prepare
 
@@ -37,7 +37,7 @@ def motion():
 def load(motion):
     rigid = rigid_of(small_arm(), motion)
     pi = np.asarray(small_arm().parameters).ravel()
-    return Load(rigid.full @ pi, rigid.static @ pi)
+    return rigid.load(pi)
 
 
 def stages_of(motion, residual, basis=None):
@@ -78,7 +78,7 @@ def test_logs_are_searched_together(motion, load, key, effect):
     short = prepare(log_with(seed=2, motion_seed=8, duration=7.0), Filtering(20.0, 10.0))
     rigid = rigid_of(small_arm(), short)
     pi = np.asarray(small_arm().parameters).ravel()
-    motions, loads = [short, motion], [Load(rigid.full @ pi, rigid.static @ pi), load]
+    motions, loads = [short, motion], [rigid.load(pi), load]
     term = Term(effect, 1, values=values)
     columns = [
         m.decimator.apply(term_columns(term, m, WIDTHS, x))[:, 0]
