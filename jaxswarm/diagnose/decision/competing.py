@@ -68,6 +68,7 @@ def _as_good(one: Score, best: Score) -> bool:
 def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score, list[Score]]:
     """The best of those that passed, and its rivals: those the data do not tell from it.
 
+    The best is the one that gains most; of laws that show on its joint, the one that gains most there.
     Rivals say the same as the best, gain within ``rules.tie`` standard errors of it, and are beaten by
     none of the others. Among them the one with the fewest parameters is chosen.
     """
