@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from elbow import ask, elbow, elbow_log, fitted, passing
 
-from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.refit import can_be_read, refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.torque_along import torque_along
@@ -39,6 +39,13 @@ def test_a_wrong_position_is_named_with_its_values(truth):
 
 def test_true_positions_are_left_as_they_are():
     assert not passing(ask(fitted(elbow_log()), *LAWS))
+
+
+def test_an_encoder_that_would_be_worse_than_any_is_refused():
+    assert can_be_read(Term("gear_coupling_error", 2, 1, values={"c": 0.3}))
+    assert not can_be_read(Term("gear_coupling_error", 2, 1, values={"c": 0.5}))
+    assert not can_be_read(Term("encoder_offset", 1, values={"dq0": -0.5}))
+    assert can_be_read(Term("viscous_friction", 1, values={"b": 0.0}))
 
 
 def test_friction_follows_the_true_motion_and_not_what_an_encoder_says():

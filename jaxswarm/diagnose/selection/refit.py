@@ -7,7 +7,7 @@ import numpy as np
 from jaxswarm.diagnose.decision.rules import CERTAIN, MOST_DAMPING, NEEDED
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
-from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
@@ -49,7 +49,8 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     )
     linear = term.law.linear
     physical = all(fitted.values[p.name] >= p.lower for p in linear)
-    physical = physical and stands_for_itself(fitted, errors) and can_swing(after, fitted)
+    physical = physical and stands_for_itself(fitted, errors)
+    physical = physical and can_swing(after, fitted) and can_be_read(fitted)
     fall = 1.0 - cost(after) / cost(current)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     needed = fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
@@ -89,6 +90,18 @@ def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
     return all(
         abs(term.values[name] - neutral[name]) > CERTAIN * errors[name] for name in term.law.probe
     )
+
+
+def can_be_read(term: Term) -> bool:
+    """Whether an encoder can be as wrong as a term says: true of every other term.
+
+    One that wants to be worse than its law allows is not what is wrong: friction in a wrist whose drives run
+    through each other was told as a coupling ratio that is off by its bound.
+    """
+    law = term.law
+    if not isinstance(law, MeasurementLaw) or law.excess is None:
+        return True
+    return all(p.lower < term.values[p.name] < p.upper for p in law.parameters)
 
 
 def can_swing(found: Estimate, term: Term) -> bool:
