@@ -34,8 +34,7 @@ def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
         if top == 0.0:
             continue
         coarse = _QUANTA * quantum(log.q[:, j])
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], (steps == 0).astype(int), [0]])))
-        for start, end in zip(edges[::2], edges[1::2], strict=True):
+        for start, end in zip(*_standing(steps), strict=True):
             if end - start < least:
                 continue
             before = np.abs(steps[max(start - _BEFORE, 0) : start])
@@ -44,6 +43,12 @@ def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
             if entry > max(_FAST * top, coarse) or jump > max(_JUMP * top, coarse):
                 found.append((j, int(start), int(end) + 1))
     return found
+
+
+def _standing(steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First and past-the-last of every run of steps (T,) that are zero."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (steps == 0).astype(int), [0]])))
+    return edges[::2], edges[1::2]
 
 
 def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
@@ -56,12 +61,12 @@ def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
     found = []
     least = max(int(round(_LONG_TORQUE / usual_period(log.t))), 4)
     for j, torque in enumerate(log.tau.T):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], np.diff(torque) == 0, [0]])))
-        lengths = edges[1::2] - edges[::2]
+        starts, ends = _standing(np.diff(torque))
+        lengths = ends - starts
         if len(lengths) == 0 or lengths.max() < least:
             continue
         longest = int(np.argmax(lengths))
-        start, end = int(edges[2 * longest]), int(edges[2 * longest + 1]) + 1
+        start, end = int(starts[longest]), int(ends[longest]) + 1
         rest = np.delete(torque, slice(start, end))
         if len(rest) <= least:  # it hardly ever does otherwise: what its noise is nobody can tell
             continue

@@ -55,12 +55,6 @@ def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
     return adds(one, other) and not adds(other, one)
 
 
-def _same(one: Score, other: Score) -> bool:
-    """Whether two are one, or show on the same joint."""
-    both = one.own is not None and other.own is not None
-    return one is other or (both and one.joint == other.joint)
-
-
 def _as_good(one: Score, best: Score) -> bool:
     return one.beside(best).sum() > AS_GOOD * best.beside(one).sum()
 
@@ -73,7 +67,9 @@ def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score
     none of the others. Among them the one with the fewest parameters is chosen.
     """
     ranked = sorted(passed, key=lambda s: -s.gain)
-    best = max(ranked, key=lambda s: s.beside(ranked[0]).sum() if _same(s, ranked[0]) else -np.inf)
+    first = ranked[0]
+    alike = [first, *(s for s in ranked[1:] if s.shows_with(first))]
+    best = max(alike, key=lambda s: s.beside(first).sum())
     close = [
         s
         for s in ranked

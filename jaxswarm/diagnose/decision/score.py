@@ -64,8 +64,11 @@ class Score:
 
     def beside(self, other: "Score") -> np.ndarray:
         """Gain per block (B,) by which it is compared: on their joint if both show on the same one."""
-        shared = self.own is not None and other.own is not None and self.joint == other.joint
-        return self.own if shared else self.blocks
+        return self.own if self.shows_with(other) else self.blocks
+
+    def shows_with(self, other: "Score") -> bool:
+        """Whether both show on one and the same joint of their own."""
+        return self.own is not None and other.own is not None and self.joint == other.joint
 
 
 def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = None) -> np.ndarray:
