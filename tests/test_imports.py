@@ -27,8 +27,11 @@ ALLOWED = {
     "effects": {"robot"},
     "simulate": {"robot", "effects"},
     "logs": set(),
-    "identify": {*PHYSICS, "swarm", "outputs", "plots", "drawing"},
-    "diagnose": {*PHYSICS, "swarm", "identify", "outputs", "plots", "drawing", "provenance"},
+    "identify": {*PHYSICS, "swarm", "outputs", "plots", "drawing", "tables"},
+    "diagnose": {
+        *(*PHYSICS, "swarm", "identify"),
+        *("outputs", "plots", "drawing", "tables", "provenance"),
+    },
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots", "tables"},
