@@ -42,7 +42,9 @@ class Table:
     def __rich_console__(self, console, options):
         title = self.title
         for part in self._side_by_side(options.max_width):
-            yield self._grid(title, part)
+            whole = [max(map(len, [*self._cells(k), self.columns[k]])) for k in part]
+            roomy = sum(whole) + _GAP * (len(part) - 1) <= options.max_width
+            yield self._grid(title, part, roomy)
             title = ""
 
     def _cells(self, k: int) -> list[str]:
@@ -52,7 +54,7 @@ class Table:
         """What a column needs, so that no number in it is broken."""
         cells = self._cells(k)
         if _of_numbers(cells):
-            lines = [*cells, *_folded_head(self.columns[k], cells).splitlines()]
+            lines = [*cells, *_folded_head(printable(self.columns[k]), cells).splitlines()]
             return max(map(len, lines))
         words = " ".join([*cells, self.columns[k]]).split()
         return min(_WORD, max(map(len, words), default=0))
@@ -69,7 +71,7 @@ class Table:
             used += needed
         yield part
 
-    def _grid(self, title: str, part: Sequence[int]):
+    def _grid(self, title: str, part: Sequence[int], roomy: bool):
         from rich import box
         from rich.table import Table as Grid
         from rich.text import Text
@@ -87,8 +89,9 @@ class Table:
         for k in part:
             cells = self._cells(k)
             if _of_numbers(cells):
-                head = Text(_folded_head(self.columns[k], cells))
-                grid.add_column(head, no_wrap=True, justify="right")
+                head = printable(self.columns[k])
+                head = head if roomy else _folded_head(head, cells)
+                grid.add_column(Text(head), no_wrap=True, justify="right")
             else:
                 grid.add_column(Text(printable(self.columns[k])), overflow="fold")
         for number, row in enumerate(self.rows):
@@ -117,7 +120,7 @@ def _folded_head(head: str, cells: Sequence[str]) -> str:
     """The head of a column of numbers, hardly wider than they are."""
     word = min(_WORD, max(map(len, head.split()), default=1))
     width = max(word, *map(len, cells))
-    return "\n".join(textwrap.wrap(printable(head), width))
+    return "\n".join(textwrap.wrap(head, width))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
