@@ -44,6 +44,7 @@ ALLOWED = {
         *("outputs", "plots", "tables", "catalog", "console", "work", "runtime"),
     },
     "testing": {"effects", "swarm"},
+    "howto": set(),
     "runtime": {"terminal"},
     "cli": {"commands", "console", "work"},
     "__main__": {"cli"},
