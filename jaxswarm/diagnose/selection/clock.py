@@ -23,9 +23,9 @@ def allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term])
     """Move the clocks against each other where they are apart; whether they were moved."""
     if len(search.skews) == _MOST_SKEWS:
         return False
-    # What is not surely more than half a sample is the clock's, but no clock is off by more than that.
-    half, moved = 0.5 * min(m.interval for m in search.current.motions), sum(search.skews)
-    late = float(np.clip(moved + clock_skew(lin, eligible, search.seed), -half, half)) - moved
+    late = clock_skew(lin, eligible, search.seed)
+    if abs(late) > min(m.interval for m in search.current.motions):
+        return False  # not surely a delay, and too much for a clock
     if abs(late) <= _LEAST_SKEW:
         return False
     search.skews.append(late)

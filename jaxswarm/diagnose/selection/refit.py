@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import CERTAIN, MOST_DAMPING, NEEDED
+from jaxswarm.diagnose.decision.rules import CERTAIN, IN_PLACE, MOST_DAMPING, NEEDED
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
@@ -29,12 +29,16 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     """The estimate with one more term, without those it contains; None if the cost does not fall, a
     coefficient leaves its physical bounds or the torque leaves the finite numbers.
 
-    Where it comes to nothing beside terms that it may replace, it is fitted without these.
+    Where it comes to nothing beside terms that it may replace, it is fitted without these, and has to take
+    nearly as much off its joint's error as it promised beside them.
     """
-    law = chosen.candidate.term.law
+    law, joint = chosen.candidate.term.law, chosen.joint
     after = _refit_without(current, chosen, law.contains)
     if after is None and law.replaces:
         after = _refit_without(current, chosen, law.contains + law.replaces)
+        if after is not None:
+            one, two = (float((e.fit.residual[:, joint] ** 2).sum()) for e in (current, after))
+            after = after if 1.0 - two / one >= IN_PLACE * chosen.share else None
     return after
 
 
