@@ -119,10 +119,7 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
     share = float(per_joint[joint] / before[joint])
     rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
     rms /= crossfit.weight[:, joint].max()
-    allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
     p_value = slope_p_value(inner[:, told].sum(axis=1), square[:, told].sum(axis=1))
-    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value), 1e-9)
-    allowed = allowed and candidate.term.law.credible(whole[0], interval, doubt)
     own = gains[:, told].sum(axis=1)
     weighty = np.abs(own) > WEIGHTY * abs(own.mean())
     return Score(
@@ -136,11 +133,21 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
         p_value=p_value,
         repeats=float((own[weighty] > 0).mean()) if weighty.any() else 0.0,
         coefficients=whole,
-        allowed=bool(allowed),
+        allowed=_can_be(candidate, [*signs, whole], p_value, interval),
         over_noise=float(rms / crossfit.noise[joint]),
         over_torque=float(rms / max(crossfit.size[joint], 1e-300)),
         own=None if told == slice(None) else own,
     )
+
+
+def _can_be(
+    candidate: Candidate, found: Sequence[np.ndarray], p_value: float, interval: float
+) -> bool:
+    """Whether the coefficients of the halves and of all rows, the last, agree with physics."""
+    whole = found[-1]
+    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value), 1e-9)
+    positive = not candidate.positive or all(a[0] > 0 for a in found)
+    return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))
 
 
 def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:

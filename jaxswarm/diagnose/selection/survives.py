@@ -63,7 +63,7 @@ def survives(
     other: Sequence[Motion] = (),
     rules: Rules | None = None,
 ) -> str | None:
-    """Why an addition does not survive; None if it does, or if there is no other motion to ask.
+    """Why an addition does not survive; None if it does.
 
     The error of its own joint has to fall, and that of all joints, in units of their noise. Where more is
     missing, one that is true may raise a joint's error until the rest is found; what does so in the end
@@ -76,13 +76,17 @@ def survives(
         rules: Thresholds.
     """
     why = _confirmed(before, after, joint, rules or Rules())
-    if why is None and not other:
-        why = _predicts_stretches(before, after, joint)
     if why:
         return why
     noise = noise_of(before)
     names = before.model.robot.joints
-    for one, two, falls, where in errors_elsewhere(before, after, other):
+    stretches = [] if other else _predicted_stretches(before, after, joint)
+    if any(two > one for one, two in stretches):
+        return f"raises the error of {names[joint]} on stretches that the rest of the log predicts"
+    elsewhere = list(errors_elsewhere(before, after, other))
+    if not stretches and not elsewhere:
+        return "cannot be shown: no part of the log predicts another, so record another motion"
+    for one, two, falls, where in elsewhere:
         worse = (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
         if worse.any():
             j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
@@ -110,17 +114,21 @@ def _confirmed(before: Estimate, after: Estimate, joint: int, rules: Rules) -> s
     return None
 
 
-def _predicts_stretches(before: Estimate, after: Estimate, joint: int) -> str | None:
-    """The stretch of time whose error an addition raises when it is fitted to the others; None if none."""
+def _predicted_stretches(
+    before: Estimate, after: Estimate, joint: int
+) -> list[tuple[float, float]]:
+    """RMS errors of a joint on stretches of time fitted to the others, without and with an addition.
+
+    A pair for each number of stretches, where the rest of the log predicts them.
+    """
     used = rows_of_both(before, after)
-    fitted = rms(before.fit.residual[used, joint])
+    fitted, pairs = rms(before.fit.residual[used, joint]), []
     for count in STRETCHES:
         stretch = time_blocks(before.regression.log, count)
         one, two = (rms(held_out_residual(e, block=stretch)[used, joint]) for e in (before, after))
-        if one < PREDICTABLE * fitted and two > one:
-            own = before.model.robot.joints[joint]
-            return f"raises the error of {own} on stretches that the rest of the log predicts"
-    return None
+        if one < PREDICTABLE * fitted:
+            pairs.append((float(one), float(two)))
+    return pairs
 
 
 def _total(error: np.ndarray, noise: np.ndarray) -> float:
