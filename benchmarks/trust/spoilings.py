@@ -119,13 +119,13 @@ def _resting(log: Log, j: int, rng) -> Log:
 
 
 SPOILINGS: dict[str, Spoiling] = {
-    "torque sign": Spoiling(_torque(np.negative), ("torque_sign", "position_sign")),
-    "position sign": Spoiling(_position(np.negative), ("position_sign", "torque_sign")),
+    "torque sign": Spoiling(_torque(np.negative), ("torque_sign", "position_sign"), hides=True),
+    "position sign": Spoiling(_position(np.negative), ("position_sign", "torque_sign"), hides=True),
     "torques swapped": Spoiling(
         lambda log, j, rng: replace(log, tau=_swapped(log.tau, j)), ("swapped_channels", "torque_scale")),
     "torque halved": Spoiling(_torque(lambda x: 0.5 * x), ("torque_scale",), ("drive_gain",), True),
     "torque 20 ms late": Spoiling(_late, ("late_torque",), ("time_delay",), True),
-    "encoder scale 2": Spoiling(_position(lambda x: 2.0 * x), ("encoder_scale",)),
+    "encoder scale 2": Spoiling(_position(lambda x: 2.0 * x), ("encoder_scale",), hides=True),
     "time scale 2": Spoiling(
         lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",), hides=True),
     "encoder zero 0.3 rad": Spoiling(
