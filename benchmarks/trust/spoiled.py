@@ -29,18 +29,20 @@ _SHOWS = 0.1
 AS_IT_IS = "as it is"
 
 
-def spoiled(arms: int, judged: int) -> None:
+def spoiled(arms: int, judged: int, first: int = 0) -> None:
     """Spoil the logs of so many arms in every way and ask the checks; rows that exist are not made again.
 
     Args:
         arms: How many.
         judged: On so many of them, what the checks do not say is diagnosed, which takes a minute each.
+        first: Number of the first one: thresholds were set on arms below 40, so that others are a fair trial.
     """
     done = {(row["arm"], row["spoiling"], row["judged"]) for row in read_rows("spoiled")}
     ways = {AS_IT_IS: Spoiling(lambda log, j, rng: log, ()), **SPOILINGS}
-    for number in range(arms):
+    for number in range(first, first + arms):
         for name, spoiling in ways.items():
-            place = (number, name, number < judged)
+            asked = number < first + judged
+            place = (number, name, asked)
             if place in done or (number, name, True) in done:
                 continue
             arm = any_arm(number)
@@ -52,7 +54,7 @@ def spoiled(arms: int, judged: int) -> None:
             if row["outcome"] == UNSAID and spoiling.hides:
                 row["shows"] = left(arm, log) - left(arm, arm.log)
                 row["outcome"] = UNSAID if row["shows"] > _SHOWS else HIDDEN
-            if row["outcome"] == UNSAID and number < judged:
+            if row["outcome"] == UNSAID and asked:
                 row = diagnosed(arm, spoiling, log)
             seconds = time.perf_counter() - start
             told = {"arm": number, "of": arm.name, "lacks": arm.effects, "spoiling": name}
