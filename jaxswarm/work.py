@@ -4,11 +4,15 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from jaxswarm import console, terminal
 from jaxswarm.claim import claim
 from jaxswarm.errors import InputError, shown_message
+
+# Where this command has finished its files; None: it writes none, or not yet.
+_FINISHED: ContextVar[Path | None] = ContextVar("finished", default=None)
 
 
 def run(command: Callable[[], None]) -> None:
@@ -20,6 +24,7 @@ def run(command: Callable[[], None]) -> None:
     """
     terminal.prepare_streams()
     terminal.show_notices(console.note)
+    _FINISHED.set(None)
     try:
         with terminal.catch_termination():
             try:
@@ -65,9 +70,13 @@ def _say_unprinted(error: OSError) -> int:
     terminal.drop_stdout()
     if isinstance(error, BrokenPipeError):
         return terminal.PIPE_CLOSED  # whoever reads has seen enough: no failure worth a word
+    if error.filename is not None:  # a file, which no stream of ours has a name like
+        print(f"error: {shown_message(f'{error.filename}: {error.strerror}')}", file=sys.stderr)
+        return 2
+    done = _FINISHED.get()
+    kept = "" if done is None else f"; what --out {shown_message(str(done))} names is complete"
     print(
-        f"error: cannot print the result ({error.strerror}); files in --out are complete, "
-        "print to another place",
+        f"error: cannot print the result ({error.strerror}){kept}; print to another place",
         file=sys.stderr,
     )
     return 2
@@ -90,6 +99,7 @@ def work(
         files = [path for path in inputs if path is not None and os.path.isfile(path)]
         with claim(out, inputs, names), console.working(files) as progress:
             yield progress
+        _FINISHED.set(out)
     except KeyboardInterrupt:
         if resumable:
             print(f"the same command goes on from what is kept in {out}", file=sys.stderr)

@@ -1,5 +1,6 @@
 """The command as a process: streams that are narrow, full or closed, signals, no home, odd names."""
 
+import errno
 import json
 import os
 import signal
@@ -61,6 +62,7 @@ def test_stdout_full_closed_or_unread():
     with open("/dev/full", "wb") as full:
         code, _, err = finish(start("effects", stdout=full))
     assert code == 2 and err.startswith("error: cannot print the result (No space left on device)")
+    assert "--out" not in err  # there is none: the command only prints
     reader, writer = os.pipe()
     os.close(reader)
     code, _, err = finish(start("effects", "--json", stdout=writer))
@@ -68,6 +70,23 @@ def test_stdout_full_closed_or_unread():
     assert (code, err) == (141, "")
     closed = start("effects", "--json", preexec_fn=lambda: os.close(1), stdout=None)
     assert finish(closed)[0] == 0
+
+
+def test_a_full_stdout_names_the_files_that_are_complete(tmp_path, log):
+    out = tmp_path / "seen"
+    with open("/dev/full", "wb") as full:
+        code, _, err = finish(start("inspect", log, "--out", out, stdout=full))
+    assert code == 2 and "cannot print the result" in err and str(out) in err
+    assert (out / "inspection.json").is_file()
+
+
+def test_a_failing_file_is_named_and_not_taken_for_a_full_stdout(capsys):
+    def command():
+        raise OSError(errno.EIO, "Input/output error", "/mnt/arm.csv")
+
+    with pytest.raises(SystemExit, match="2"):
+        work.run(command)
+    assert capsys.readouterr().err == "error: /mnt/arm.csv: Input/output error\n"
 
 
 def test_a_user_without_name_and_home(tmp_path, log):
