@@ -15,7 +15,7 @@ from typing import Any
 
 import jax
 
-from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.optimizers.base import at_least, dimensions
 from jaxswarm.swarm.optimizers.cma_es import default_population
 from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
 from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es
@@ -44,8 +44,9 @@ class Auto:
     noisy: bool = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> Any:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> Any:
         """The first state of the strategy for so many dimensions."""
+        num_dims = dimensions(num_dims)
         return self.choose(num_dims).init(key, num_dims, dtype)
 
     def update(self, key: jax.Array, state: Any, value: jax.Array):

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.success_history import draw_pair, remember, successes
 from jaxswarm.swarm.pytree import pytree, static
@@ -90,8 +90,9 @@ class SHADE:
     num_memories: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> SHADEState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> SHADEState:
         """Uniform first trials; every remembered pair is (1/2, 1/2)."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         n = self.num_particles or max(SMALLEST, TRIALS_PER_DIMENSION * num_dims)
         total = max(n, self.population or self.num_particles or PER_DIMENSION * num_dims)
