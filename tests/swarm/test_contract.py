@@ -117,8 +117,8 @@ def test_the_contract_finds_faults(fault, message):
 
 
 @pytree
-class Scaled:
-    """Steps by the share of the spread: sound until the spread is lost in rounding."""
+class Cooled:
+    """Divides by what has shrunk: sound for some hundred updates, until that is zero."""
 
     inner: Any
 
@@ -127,15 +127,15 @@ class Scaled:
 
     def update(self, key, state, value):
         new, info = self.inner.update(key, state, value)
-        share = info.diversity / state.position.std()
-        return new._replace(velocity=new.velocity * jnp.clip(share, 1.0, 1.0)), info
+        heat = jnp.asarray(0.9, value.dtype) ** state.count
+        return new._replace(velocity=new.velocity * heat / heat), info
 
 
-def test_only_long_runs_find_what_a_collapse_breaks():
-    optimizer = Scaled(pso(8))
+def test_only_long_runs_find_what_wears_off():
+    optimizer = Cooled(pso(8))
     testing.check_optimizer(optimizer, num_updates=20)
-    with pytest.raises(AssertionError, match="sphere, after 3000 updates.*velocity holds NaN"):
-        testing.check_optimizer(optimizer, num_updates=3000)
+    with pytest.raises(AssertionError, match="sphere, after 1500 updates: state.* holds NaN"):
+        testing.check_optimizer(optimizer, num_updates=1500)
 
 
 @jax.tree_util.register_static
