@@ -22,10 +22,10 @@ import jax
 from jaxswarm.swarm.optimizers.base import at_least, dimensions
 from jaxswarm.swarm.optimizers.cma_es import default_population
 from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
+from jaxswarm.swarm.optimizers.crowd import default_trials
 from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es
 from jaxswarm.swarm.optimizers.lshade import lshade
 from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es
-from jaxswarm.swarm.optimizers.shade import default_trials
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import check_source
 

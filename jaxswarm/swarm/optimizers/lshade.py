@@ -11,7 +11,8 @@ Reference:
 from typing import Any
 
 from jaxswarm.swarm.optimizers.base import at_least
-from jaxswarm.swarm.optimizers.shade import SHADE, Crowd, shade
+from jaxswarm.swarm.optimizers.crowd import Crowd
+from jaxswarm.swarm.optimizers.shade import SHADE, shade
 from jaxswarm.swarm.pytree import replace
 from jaxswarm.swarm.schedules import BY_HAND, linear, run_length
 

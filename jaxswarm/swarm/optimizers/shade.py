@@ -10,7 +10,7 @@ one around a remembered pair (M_F, M_CR). After a generation the oldest pair is 
 the F and CR that succeeded, weighted by the improvement (Lehmer mean for F).
 
 L-SHADE shrinks the population linearly to 4, from as many members as the run is long enough for
-(:class:`Crowd`). Shapes are part of a compiled program, so the trials of a
+(:class:`~jaxswarm.swarm.optimizers.crowd.Crowd`). Shapes are part of a compiled program, so the trials of a
 step stay n. While more members than that live, a generation takes several steps, each for the next n
 targets, and a trial replaces its target at once; memory, order and size of the population change when all
 have had their turn. Once fewer live, member i is the target of the trials i, i + m, i + 2 m, ... and the
@@ -28,38 +28,17 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
+from jaxswarm.swarm.optimizers.crowd import PER_DIMENSION, Crowd, default_trials, members_at_first
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.success_history import draw_pair, remember, successes
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
-__all__ = ["Crowd", "SHADE", "SHADEState", "default_trials", "shade"]
+__all__ = ["SHADE", "SHADEState", "shade"]
 
 FEWEST = 4
 """Members that are always alive: a target and three others."""
-PER_DIMENSION = 18
-"""Members of L-SHADE per dimension, as published."""
-TRIALS_PER_DIMENSION = 2
-"""Its trials in a step: a ninth of that, so that few are left over when few members live."""
-SMALLEST = 8
-MEANT_FOR = 10_000.0
-"""Evaluations a dimension for which the published population is meant."""
-CROWDING = 0.5
-"""Exponent with which shorter runs begin with fewer: chosen on BBOB's functions, 100 and 1,000 evaluations a
-dimension, where it stands between what is best for one valley and for many."""
-
-
-@pytree
-class Crowd:
-    """Share of the population with which a run of ``num_steps`` updates begins."""
-
-    num_steps: Any
-    of_run: bool = static()
-
-    def __call__(self, n: int, d: int) -> Any:
-        """The share for n trials an update in d dimensions."""
-        return jnp.clip(self.num_steps * n / (d * MEANT_FOR), 0.0, 1.0) ** CROWDING
 
 
 class SHADEState(NamedTuple):
@@ -141,7 +120,9 @@ class SHADE:
     def update(self, key: jax.Array, state: SHADEState, value: jax.Array):
         """Select; after a generation remember, order and shrink; mutate."""
         random, dtype = Random(key, self.random), state.position.dtype
-        state = state._replace(alive=jnp.where(state.born, state.alive, self._at_first(state)))
+        state = state._replace(
+            alive=jnp.where(state.born, state.alive, members_at_first(self.crowd, state))
+        )
         value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
@@ -168,16 +149,9 @@ class SHADE:
         )
         return new, info
 
-    def _at_first(self, state):
-        """Members with which the search begins, int32; the others are never born."""
-        total, (n, d) = state.member_value.size, state.position.shape
-        if self.crowd is None:
-            return jnp.asarray(total, jnp.int32)
-        return jnp.clip(jnp.round(total * self.crowd(n, d)), min(n, total), total).astype(jnp.int32)
-
     def _generation(self, state):
         """All members have had their turn: remember what succeeded, order, shrink."""
-        first, dtype = self._at_first(state), state.position.dtype
+        first, dtype = members_at_first(self.crowd, state), state.position.dtype
         weight, rate, slot = remember(state, state.success)
         living = evaluate("living", self.living, state.count + 1, dtype)
         alive = jnp.round(FEWEST + (first - FEWEST) * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
@@ -244,11 +218,6 @@ class SHADE:
             archived=archived.astype(jnp.int32),
         )
         return new, gain
-
-
-def default_trials(num_dims: int) -> int:
-    """Return the trials of a step of L-SHADE: two a dimension, at least eight."""
-    return max(SMALLEST, TRIALS_PER_DIMENSION * num_dims)
 
 
 def shade(
