@@ -57,7 +57,8 @@ SWARM_LEVEL = {
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
     **dict.fromkeys(("start", "standing", "stopping", "result"), "minimize"),
-    **dict.fromkeys(("polish", "checkpoint", "resume", "sharding", "contract"), "tools"),
+    **dict.fromkeys(("polish", "checkpoint", "resume", "sharding"), "tools"),
+    **dict.fromkeys(("contract", "endurance"), "tools"),
     **dict.fromkeys(("driver", "noise", "handling", "constraints"), "tools"),
     **dict.fromkeys(("pareto", "objectives", "nsga2", "mopso", "plots", "own"), "tools"),
 }

@@ -6,6 +6,7 @@ would take both sides of it, so their runs follow one another (``lax.map``).
 
 from collections.abc import Callable
 from functools import partial
+from inspect import signature
 from typing import Any
 
 import jax
@@ -15,26 +16,33 @@ from benchmarks.bbob.problems import BOUND, Record
 from jaxswarm.swarm import OPTIMIZERS, fold, restart
 from jaxswarm.swarm.schedules import for_run
 
-Build = Callable[[], Any]
+Build = Callable[[int], Any]
+
+
+def _defaults(factory: Callable[..., Any]) -> Build:
+    """Build with defaults, but for the number of evaluations where that is asked for."""
+    asked = "num_evaluations" in signature(factory).parameters
+    return lambda budget: factory(num_evaluations=budget) if asked else factory()
+
 
 OURS: dict[str, Build] = {
-    **{f"jaxswarm {name}": entry.factory for name, entry in OPTIMIZERS.items()},
-    "jaxswarm restart(cma_es)": lambda: restart(OPTIMIZERS["cma_es"].factory()),
+    **{f"jaxswarm {name}": _defaults(entry.factory) for name, entry in OPTIMIZERS.items()},
+    "jaxswarm restart(cma_es)": lambda budget: restart(OPTIMIZERS["cma_es"].factory()),
 }
-"""Label -> what builds the optimizer with its defaults."""
+"""Label -> what builds the optimizer for a number of evaluations, with its defaults."""
 
 
 def solve(build: Build, record: Record, dims: int, seeds: np.ndarray) -> None:
     """Run until the budget is spent or all targets are reached, by asking and telling.
 
     Args:
-        build: Makes the optimizer.
+        build: Makes the optimizer for a number of evaluations.
         record: Its problems are the runs.
         dims: Of all problems.
         seeds: One a run.
     """
     keys = jax.vmap(jax.random.key)(np.asarray(seeds, np.uint32))
-    optimizer = build()
+    optimizer = build(record.budget)
     state = jax.jit(jax.vmap(lambda key: optimizer.init(key, dims)))(keys)
     candidates = state.position.shape[1]
     steps = max(1, record.budget // candidates)

@@ -73,7 +73,7 @@ def restore(path: str | os.PathLike, like: Any, **header: Any) -> Any:
     Args:
       path: file to read.
       like: tree of arrays or ``jax.ShapeDtypeStruct`` with the structure, shapes and dtypes
-        expected, e.g. ``jax.eval_shape(lambda key: optimizer.init(key, num_dims), key)``.
+        expected, e.g. ``jax.eval_shape(optimizer.init, key, space)``.
       **header: what the file must say of itself.
 
     Raises:

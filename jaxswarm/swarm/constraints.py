@@ -60,7 +60,7 @@ class Constrained:
         """Numbers that an objective returns for a candidate."""
         return 1 + self.num_constraints
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> ConstrainedState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> ConstrainedState:
         """The first candidates of the wrapped optimizer; no numbers yet."""
         inner = self.inner.init(fold(key, 1), num_dims, dtype=dtype)
         if self.handling.adapts and hasattr(inner, "inner"):

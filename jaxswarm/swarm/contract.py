@@ -13,6 +13,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.swarm.endurance import NUM_UPDATES, endure, faults
+
 __all__ = ["check_optimizer"]
 
 FIELDS = ("position", "best_position", "best_value", "count")
@@ -26,6 +28,7 @@ def check_optimizer(
     key: jax.Array | None = None,
     dtype: Any = None,
     thorough: bool = True,
+    num_updates: int = NUM_UPDATES,
 ) -> None:
     """Raise ``AssertionError``, saying what is wrong, unless ``optimizer`` keeps the contract.
 
@@ -33,7 +36,9 @@ def check_optimizer(
     ()`` and keeps its structure, shapes and dtypes; positions lie in [0, 1]; the best value never
     rises and is that of a candidate; ``count`` counts; the same key gives the same step and another
     key another; ``jit`` and ``vmap`` change nothing; a second step, or other numbers in the
-    optimizer, compile nothing; NaN and infinite values are survived, also if there are no others.
+    optimizer, compile nothing; NaN and infinite values are survived, also if there are no others;
+    ten thousand updates past convergence, and where values do not differ, leave no NaN behind, in
+    float32 too (:mod:`~jaxswarm.swarm.endurance`).
 
     Args:
       optimizer: anything with ``init`` and ``update``.
@@ -41,10 +46,12 @@ def check_optimizer(
       num_steps: updates in a row.
       key: JAX key; default ``jax.random.key(0)``.
       dtype: of the positions; default JAX's float.
-      thorough: whether to compare with the eager and the mapped update, which takes longest.
+      thorough: whether to compare with the eager and the mapped update and to make the long runs,
+        which takes longest.
+      num_updates: length of the long runs.
 
     >>> from jaxswarm.swarm import pso
-    >>> check_optimizer(pso(5))
+    >>> check_optimizer(pso(5), num_updates=100)
     """
     dtype = jnp.result_type(float if dtype is None else dtype)
     key = jax.random.key(0) if key is None else key
@@ -60,6 +67,11 @@ def check_optimizer(
         _check_jit(optimizer, jitted, keys, states[1])
         _check_vmap(optimizer, jitted, keys, states[1])
     _check_bad_values(optimizer, jitted, keys, states[1])
+    if thorough:
+        for precision in dict.fromkeys([dtype, jnp.dtype("float32")]):  # whose digits end first
+            runs = endure(optimizer, num_dims, keys[0], precision, num_updates)
+            found = faults(runs)
+            _require(not found, "; ".join(found))
 
 
 def _check_state(state, num_dims, dtype):

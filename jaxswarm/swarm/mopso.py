@@ -17,7 +17,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.objectives import lowest_mean, objectives_of
-from jaxswarm.swarm.optimizers.base import at_least, candidate_info
+from jaxswarm.swarm.optimizers.base import at_least, candidate_info, dimensions
 from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.operators import polynomial
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
@@ -64,8 +64,9 @@ class MOPSO:
     size: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> MOPSOState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> MOPSOState:
         """Uniform positions at rest; an empty archive."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         n, k = self.num_particles, self.num_values
         position = Random(key, self.random).uniform("position", (n, num_dims), dtype)

@@ -56,7 +56,7 @@ class Reevaluate:
 
     inner: Any
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> ReevaluateState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> ReevaluateState:
         """The candidates of the wrapped optimizer twice: nothing is remembered yet."""
         inner = self.inner.init(fold(key, 1), num_dims, dtype=dtype)
         require_memory(inner, "reevaluate")

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.objectives import lowest_mean, objectives_of
-from jaxswarm.swarm.optimizers.base import at_least, candidate_info
+from jaxswarm.swarm.optimizers.base import at_least, candidate_info, dimensions
 from jaxswarm.swarm.optimizers.operators import polynomial, sbx, tournament
 from jaxswarm.swarm.pareto import survivors
 from jaxswarm.swarm.pytree import as_part, pytree, static
@@ -47,8 +47,9 @@ class NSGA2:
     num_particles: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> NSGA2State:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> NSGA2State:
         """Uniform first children; no parents yet."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         n = self.num_particles
         position = Random(key, self.random).uniform("position", (n, num_dims), dtype)

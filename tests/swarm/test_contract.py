@@ -1,6 +1,6 @@
 """Every optimizer keeps the contract, alone and inside every wrapper; and the contract can fail."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import chex
 import jax
@@ -24,6 +24,7 @@ from jaxswarm.swarm import (
     shade,
     spso,
 )
+from jaxswarm.swarm.own import pytree
 
 WRAPPERS = {
     "elitist_learning": elitist_learning,
@@ -36,7 +37,8 @@ WRAPPERS = {
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
 def test_optimizer(name):
-    testing.check_optimizer(OPTIMIZERS[name].factory(8))
+    # The long runs of all are those of test_long_runs.
+    testing.check_optimizer(OPTIMIZERS[name].factory(8), num_updates=20)
 
 
 @pytest.mark.parametrize("name", ["gpso", "aelspso", "spso2011", "ga", "lshade", "cma_es"])
@@ -57,7 +59,7 @@ def test_threefry():
 @pytest.mark.parametrize("wrapper", WRAPPERS)
 def test_wrapped(name, wrapper):
     optimizer = WRAPPERS[wrapper](OPTIMIZERS[name].factory(8))
-    testing.check_optimizer(optimizer, thorough=name == "spso", num_steps=3)
+    testing.check_optimizer(optimizer, thorough=name == "spso", num_steps=3, num_updates=20)
 
 
 @pytest.mark.parametrize("outer", WRAPPERS)
@@ -112,6 +114,28 @@ def test_the_contract_finds_faults(fault, message):
     optimizer = Broken(fault)
     with pytest.raises(AssertionError, match=message):
         testing.check_optimizer(_Static(optimizer), thorough=False)
+
+
+@pytree
+class Cooled:
+    """Divides by what has shrunk: sound for some hundred updates, until that is zero."""
+
+    inner: Any
+
+    def init(self, key, num_dims, dtype=None):
+        return self.inner.init(key, num_dims, dtype)
+
+    def update(self, key, state, value):
+        new, info = self.inner.update(key, state, value)
+        heat = jnp.asarray(0.9, value.dtype) ** state.count
+        return new._replace(velocity=new.velocity * heat / heat), info
+
+
+def test_only_long_runs_find_what_wears_off():
+    optimizer = Cooled(pso(8))
+    testing.check_optimizer(optimizer, num_updates=20)
+    with pytest.raises(AssertionError, match="sphere, after 1500 updates: state.* holds NaN"):
+        testing.check_optimizer(optimizer, num_updates=1500)
 
 
 @jax.tree_util.register_static

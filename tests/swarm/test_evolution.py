@@ -23,6 +23,7 @@ from jaxswarm.swarm.optimizers.cma_distribution import Rates
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.rules import Swarm
 from jaxswarm.swarm.random import Random
+from jaxswarm.swarm.schedules import for_run
 
 KEY = jax.random.key(0)
 RANDOM = Random(KEY)
@@ -145,6 +146,20 @@ def test_lshade_shrinks_and_keeps_the_best_alive():
         assert int(state.alive) == round(12 - 8 * (k + 1) / 10)
         assert float(state.member_value[0]) == float(state.best_value)
         assert bool((jnp.diff(state.member_value) >= 0).all())
+
+
+@pytest.mark.parametrize("steps, first", [(50_000, 90), (5000, 90), (500, 28), (50, 10)])
+def test_lshade_begins_a_short_run_with_fewer(steps, first):
+    """90 members in 5-D for 10,000 evaluations a dimension, the root of the share of that else."""
+    optimizer = lshade(num_steps=steps)
+    state, update = optimizer.init(KEY, 5), jax.jit(optimizer.update)
+    for k in range(-(-first // 10)):
+        value = jnp.sum((state.position - 0.3) ** 2, axis=1)
+        state, _ = update(jax.random.key(k), state, value)
+    assert bool(state.born) and int(jnp.isfinite(state.member_value).sum()) == first
+    assert int(state.alive) <= first
+    unbound = for_run(lshade(), float(steps))
+    assert unbound.crowd == optimizer.crowd and lshade(population=90).crowd is None
 
 
 def test_a_generation_of_lshade_takes_several_steps():

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import least_squares
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm import Space, minimize, polish, pso
+from jaxswarm.swarm import Space, de, lshade, minimize, polish, pso, restart
+from jaxswarm.swarm.polish import _candidates, _distinct
 
 SPACE = Space(a=(0.1, 5.0), b=(0.1, 5.0))
 T = np.linspace(0.0, 2.0, 20)
@@ -71,3 +72,25 @@ def test_bad_calls_are_named():
         polish(residuals, SPACE, RESULT.state, DATA)
     with pytest.raises(InputError, match="needs residuals"):
         polish(value, SPACE, RESULT.state, DATA, method="levenberg_marquardt")
+
+
+@pytest.mark.parametrize("build", [lambda: de(30), lambda: restart(de(30)), lambda: lshade(20)])
+def test_the_best_of_a_population_that_differ_are_where_it_starts(build):
+    """Many valleys, of which a population holds several: the members are ranked by NumPy here."""
+    space = Space.vector([-5.0] * 2, [5.0] * 2)
+
+    def valleys(x, _):
+        return jnp.sum(x**2 / 10.0 - jnp.cos(2.0 * np.pi * x))
+
+    result = minimize(valleys, build(), space, jax.random.key(2), num_steps=4)
+    inner = getattr(result.state, "inner", result.state)
+    members = np.unique(np.asarray(inner.members), axis=0)
+    values = np.array([valleys(10.0 * x - 5.0, None) for x in members])
+    points = _candidates(result.state)
+    starts = _distinct(points, jax.vmap(lambda x: valleys(space.decode(x), None))(points), 5)
+    np.testing.assert_allclose(starts, members[np.argsort(values)[:5]])
+    # From every one of them, as the lowest of all that lie in their valleys.
+    each = [polish(valleys, space, start, num_steps=30).value for start in starts]
+    polished = polish(valleys, space, result.state, num_steps=30, top=5)
+    assert len({round(float(value), 3) for value in each}) > 1
+    np.testing.assert_allclose(polished.value, min(each), atol=1e-12)

@@ -1,7 +1,9 @@
 """What an optimizer or a space may be given, and what is refused at once, with the remedy."""
 
+import functools
 from typing import Any, NamedTuple
 
+import chex
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -91,9 +93,24 @@ def test_another_number_of_values_is_refused(name, shape):
         jax.eval_shape(optimizer.update, KEY, state, jax.ShapeDtypeStruct(shape, float))
 
 
-def test_the_prototype_of_a_state_needs_no_numbers():
-    state = jax.eval_shape(lambda key: SWARM.init(key, 3), KEY)
-    assert state.position.shape == (6, 3)
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_the_prototype_of_a_state_needs_no_numbers(name):
+    optimizer = elitist_learning(restart(islands(OPTIMIZERS[name].factory(8), 2)))
+    state = jax.eval_shape(optimizer.init, KEY, SPACE)
+    chex.assert_trees_all_equal_shapes_and_dtypes(state, optimizer.init(KEY, SPACE.size))
+    for init in (optimizer.init, OPTIMIZERS[name].factory().init):
+        with pytest.raises(InputError, match="num_dims is traced.*give a Space.*partial"):
+            jax.eval_shape(init, KEY, 2)
+    closed = jax.eval_shape(functools.partial(optimizer.init, num_dims=2), KEY)
+    chex.assert_trees_all_equal_shapes_and_dtypes(state, closed)
+
+
+def test_a_number_of_dimensions_is_a_whole_number():
+    for wrong in (0, 2.5, True):
+        with pytest.raises(InputError, match="num_dims="):
+            SWARM.init(KEY, wrong)
+    held = freeze(SWARM, [True, False], [0.5, 0.5])
+    assert held.init(KEY, SPACE).position.shape == (6, 2)
 
 
 def test_bounds_are_mapped_and_differentiated():

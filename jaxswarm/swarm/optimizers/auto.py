@@ -6,19 +6,25 @@ how many candidates are evaluated side by side, and whether values are noisy. Th
     d above 200                                      lm_ma_es: a matrix of d^2 numbers is not learned
     fewer than 3 d^2 evaluations, d at least 10      sep_cma_es: too few to learn correlations
     noisy                                            ipop_cma_es from a population four times the default
+    d at most 5, 50 d^2 to 3000 d evaluations        lshade: one population that sees many valleys
     else                                             bipop_cma_es: nothing is known, so a bit of everything
 
-``python -m benchmarks.bbob`` shows what they rest on. The state is that of the strategy taken.
+A number of candidates to evaluate side by side rules ``lshade`` out, whose population follows the budget.
+``python -m benchmarks.bbob`` shows what they rest on: of the targets in 5-D with 1,000 evaluations a
+dimension 0.73 by lshade and 0.69 by bipop_cma_es, with 100 a dimension 0.20 and 0.24, in 10-D 0.48 and
+0.61. The state is that of the strategy taken.
 """
 
 from typing import Any
 
 import jax
 
-from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.optimizers.base import at_least, dimensions
 from jaxswarm.swarm.optimizers.cma_es import default_population
 from jaxswarm.swarm.optimizers.cma_restarts import bipop_cma_es, ipop_cma_es
+from jaxswarm.swarm.optimizers.crowd import default_trials
 from jaxswarm.swarm.optimizers.lm_ma_es import lm_ma_es
+from jaxswarm.swarm.optimizers.lshade import lshade
 from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import check_source
@@ -31,6 +37,9 @@ LEARNING = 3
 """Evaluations over d^2 below which CMA-ES has not learned more than scales."""
 FEW = 10
 """Dimensions below which learning correlations takes no time worth saving."""
+FEW_FOR_POPULATIONS = 5
+FROM, UP_TO = 50, 3000
+"""Dimensions, evaluations over d^2 and evaluations over d between which L-SHADE reaches more targets."""
 AGAINST_NOISE = 4
 """Times the default population: the mean over more candidates is what averages noise out."""
 
@@ -44,8 +53,9 @@ class Auto:
     noisy: bool = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> Any:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> Any:
         """The first state of the strategy for so many dimensions."""
+        num_dims = dimensions(num_dims)
         return self.choose(num_dims).init(key, num_dims, dtype)
 
     def update(self, key: jax.Array, state: Any, value: jax.Array):
@@ -62,6 +72,9 @@ class Auto:
             return sep_cma_es(n, random=random)
         if self.noisy:
             return ipop_cma_es(n or AGAINST_NOISE * default_population(num_dims), random=random)
+        small = num_dims <= FEW_FOR_POPULATIONS and budget is not None and n is None
+        if small and FROM * num_dims**2 <= budget <= UP_TO * num_dims:
+            return lshade(num_steps=budget / default_trials(num_dims), random=random)
         return bipop_cma_es(n, random=random)
 
 

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.pytree import as_part
+from jaxswarm.swarm.space import Space
 
 __all__ = [
     "Info",
@@ -26,6 +27,7 @@ __all__ = [
     "best_of",
     "candidate_info",
     "comparable",
+    "dimensions",
     "finished",
     "num_values",
     "once",
@@ -68,17 +70,41 @@ class Optimizer(Protocol):
     """Anything with these two functions.
 
     A frozen pytree dataclass, whose numbers can change without compiling; a NamedTuple of closures; an
-    object with methods. The size ``num_dims`` is part of the program: where a function must be closed
-    over it, as in ``jax.eval_shape``, write ``jax.eval_shape(lambda key: optimizer.init(key, 3), key)``.
+    object with methods. ``num_dims`` is a size, thus part of the program, and JAX's transformations
+    trace every argument: hand them a ``Space`` in its place, which knows its size while it is traced,
+    as in ``jax.eval_shape(optimizer.init, key, space)``, or close over the number.
     """
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> Any:
-        """Return the first state; ``dtype`` is that of the positions (default: JAX's float)."""
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> Any:
+        """Return the first state.
+
+        Args:
+          key: JAX key.
+          num_dims: d, a whole number or a ``Space`` of that size.
+          dtype: of the positions; default JAX's float.
+        """
         ...
 
     def update(self, key: jax.Array, state: Any, value: jax.Array) -> tuple[Any, Info]:
         """Return the next state, given the values (n,) of ``state.position``; lower is better."""
         ...
+
+
+def dimensions(num_dims: Any) -> int:
+    """Return the number of coordinates d that was asked for, as a number or by a ``Space``.
+
+    Raises:
+      InputError: a traced number, which cannot be a size; no whole number; none at all.
+    """
+    if isinstance(num_dims, Space):
+        return num_dims.size
+    if isinstance(num_dims, jax.core.Tracer):
+        raise InputError(
+            "num_dims is traced, but sizes are part of the program: give a Space in its place, as in "
+            "jax.eval_shape(optimizer.init, key, space), or close over the number, as in "
+            "jax.eval_shape(functools.partial(optimizer.init, num_dims=3), key)."
+        )
+    return at_least("num_dims", num_dims, 1, "a search has coordinates")
 
 
 def comparable(value: jax.Array, like: Any) -> jax.Array:

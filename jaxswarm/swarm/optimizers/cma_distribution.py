@@ -8,9 +8,15 @@ the weighted mean of the best half, two evolution paths accumulate the moves, an
 
 The worse half has negative weights (active CMA), with y_i scaled to the length sqrt(d) so that C
 stays positive definite; without them an ill-conditioned ellipsoid took far more evaluations. The
-weights, rates and damping are the tutorial's defaults. The distribution lives in all of
-R^d, walls are seen by :mod:`~jaxswarm.swarm.optimizers.outside` alone; an eigendecomposition is made
-only as often as C changes noticeably.
+weights and rates are the tutorial's defaults, and so is the damping
+
+    d_sigma = 1 + c_sigma + 2 max(0, r sqrt((mu_eff - 1) / (d + 1)) - 1),    r = max(1, 3 (1 - 2^(-d / 9)))
+
+but for r, 1 up to five dimensions, which pycma has had since its version 4: with the tutorial's r = 1 the
+step of a large population in 20 dimensions falls sooner than it has found its way over the steps of
+BBOB's f7. The distribution lives in all of R^d, walls are seen by
+:mod:`~jaxswarm.swarm.optimizers.outside` alone; an eigendecomposition is made only as often as C changes
+noticeably.
 
 Long after a search has converged, or where values do not depend on the candidates, sigma and C drift.
 Then the samples keep apart by the rounding of the cube at least, C is brought back to eigenvalues
@@ -34,6 +40,9 @@ LARGEST = 1e4
 """Standard deviation along the longest axis: far outside what a search in the unit cube can use."""
 UNSCALED = 1e8
 """Largest eigenvalue of C, or its inverse, up to which sigma and C are left as they are."""
+
+SLOWER, HALF_AS_SLOW = 3.0, 9.0
+"""How much more a large population damps its step in many dimensions, and in how many half as much."""
 
 
 class Distribution(NamedTuple):
@@ -87,7 +96,8 @@ class Rates(NamedTuple):
         worse = xp.where((rank >= n // 2) & (rank < n), raw, 0.0)
         mass = better.sum() ** 2 / xp.sum(better**2)
         c_sigma = (mass + 2.0) / (d + mass + 5.0)
-        wide = xp.sqrt(xp.maximum((mass - 1.0) / (d + 1.0), 0.0)) - 1.0
+        slow = max(1.0, SLOWER * (1.0 - 0.5 ** (d / HALF_AS_SLOW)))
+        wide = slow * xp.sqrt(xp.maximum((mass - 1.0) / (d + 1.0), 0.0)) - 1.0
         d_sigma = 1.0 + 2.0 * xp.maximum(0.0, wide) + c_sigma
         c_c = (4.0 + mass / d) / (d + 4.0 + 2.0 * mass / d)
         c_1 = 2.0 / ((d + 1.3) ** 2 + mass)

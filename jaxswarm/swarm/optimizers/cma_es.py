@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.cma_distribution import (
     Distribution,
     Rates,
@@ -70,8 +70,9 @@ class CMAES:
     num_particles: int | None = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> CMAESState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> CMAESState:
         """Round distribution around a uniform point."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         n = self.num_particles or default_population(num_dims)
         random = Random(key, self.random)

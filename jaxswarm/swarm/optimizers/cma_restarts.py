@@ -103,10 +103,10 @@ class CMARestarts:
     two_kinds: bool = static()
     num_doublings: int = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> CMARestartsState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> CMARestartsState:
         """The first life: that of ``cma_es``."""
         first = self.inner.init(key, num_dims, dtype)
-        n, dtype = first.position.shape[0], first.position.dtype
+        (n, d), dtype = first.position.shape, first.position.dtype
         rows = n * 2**self.num_doublings
         zero, nothing = jnp.zeros((), jnp.int32), jnp.zeros((), dtype)
         never = jnp.asarray(jnp.inf, dtype)
@@ -116,7 +116,7 @@ class CMARestarts:
         return CMARestartsState(
             position=first.position,
             sample=first.sample,
-            pool=jnp.zeros((rows, num_dims), dtype),
+            pool=jnp.zeros((rows, d), dtype),
             pool_value=jnp.zeros((rows,), dtype),
             filled=zero,
             search=first.search,

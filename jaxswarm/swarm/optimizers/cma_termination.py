@@ -1,4 +1,4 @@
-r"""When a CMA-ES has nothing more to find: the criteria of the tutorial's appendix B.3.
+r"""When a CMA-ES has nothing more to find: the criteria of the tutorial's appendix B.3, and a plateau.
 
     tol_x          standard deviations of all coordinates and sigma p_c below tol_x sigma_0
     tol_fun        the best values of the last 10 + ceil(30 d / n) generations are all equal, or they
@@ -9,6 +9,11 @@ r"""When a CMA-ES has nothing more to find: the criteria of the tutorial's appen
     no effect      0.1 standard deviations along an axis, or 0.2 along a coordinate, are lost in the
                    rounding of the mean
     diverged       the longest axis has grown 1e4 times
+    plateau        the best candidate is no better than the one at three quarters of the generation, twice
+                   in a row (as in pycma)
+
+On steps, such as BBOB's f7, ranks among equal values are chance: sigma and C walk at random, and values
+differ now and then, so that the criteria of equal values took most of the evaluations of a life.
 
 The first that holds is kept. The search may go on: ``restart`` begins anew, a stop rule ends it.
 Histories have a fixed length. Of a search longer than five times the shortest window only one in
@@ -37,11 +42,14 @@ REASONS = (
     "a step along an axis is lost in rounding",
     "a step along a coordinate is lost in rounding",
     "the distribution has grown without bound",
+    "most values of a generation are equal",
 )
 """Text of each code of :class:`Watch`."""
 
 CONDITION = 1e14
 GROWTH = 1e4
+EQUAL_SHARE, EQUAL_TIMES = 0.75, 2
+"""Of a generation, and generations in a row: as many are equal by chance on steps that can be walked."""
 SHARE = 0.3
 """First and latest part of a history that are compared."""
 LOOK = 8
@@ -57,6 +65,7 @@ class Watch(NamedTuple):
       recent_value: (r,) best values of the last generations, in a ring.
       best_value, median_value: (w,) of entered generations, in a ring.
       entered: () int32, entries made.
+      equal: () int32, latest generations in a row most of whose values were equal.
       code: () int32, index into ``REASONS``, 0 as long as none holds.
     """
 
@@ -64,6 +73,7 @@ class Watch(NamedTuple):
     best_value: jax.Array
     median_value: jax.Array
     entered: jax.Array
+    equal: jax.Array
     code: jax.Array
 
 
@@ -72,7 +82,8 @@ def unwatched(n: int, d: int, dtype: Any) -> Watch:
     window = 120 + math.ceil(30 * d / n)
     zero = jnp.zeros((), jnp.int32)
     blank = jnp.full((window,), jnp.inf, dtype)
-    return Watch(jnp.full((10 + math.ceil(30 * d / n),), jnp.inf, dtype), blank, blank, zero, zero)
+    recent = jnp.full((10 + math.ceil(30 * d / n),), jnp.inf, dtype)
+    return Watch(recent, blank, blank, entered=zero, equal=zero, code=zero)
 
 
 def watch(
@@ -102,6 +113,8 @@ def watch(
     look = due & (entered >= window) & (entered % LOOK == 0)
     no_better = lambda: _no_better(jnp.stack(history), entered)  # noqa: E731
     stale = jax.lax.cond(look, no_better, lambda: jnp.asarray(False))
+    level = jnp.asarray(EQUAL_SHARE * n).astype(jnp.int32)
+    equal = jnp.where(value[level] == best, old.equal + 1, 0)
     here = jnp.stack(
         [
             _small(now, tol_x * sigma),
@@ -111,10 +124,11 @@ def watch(
             _lost_axis(now),
             jnp.any(now.mean == now.mean + 0.2 * deviations(now)),
             now.sigma * now.spread.max() > GROWTH * sigma,
+            equal >= EQUAL_TIMES,
         ]
     )
     code = jnp.where(here.any(), 1 + jnp.argmax(here), 0).astype(jnp.int32)
-    return Watch(recent, *history, entered, jnp.where(old.code > 0, old.code, code))
+    return Watch(recent, *history, entered, equal, jnp.where(old.code > 0, old.code, code))
 
 
 def _put(ring, place, value):

@@ -22,7 +22,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
@@ -59,8 +59,9 @@ class DE:
     num_particles: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> DEState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> DEState:
         """Uniform first trials."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         shape = (self.num_particles, num_dims)
         position = Random(key, self.random).uniform("position", shape, dtype)

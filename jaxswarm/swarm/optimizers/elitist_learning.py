@@ -51,7 +51,7 @@ class ElitistLearning:
     extra: bool = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> ElitistLearningState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> ElitistLearningState:
         """The first candidates of the wrapped optimizer, and a first trial."""
         inner = self.inner.init(fold(key, 1), num_dims, dtype=dtype)
         worst = inner.position.shape[0] - 1

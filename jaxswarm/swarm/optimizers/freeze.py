@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import as_optimizer
+from jaxswarm.swarm.optimizers.base import as_optimizer, dimensions
 from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
@@ -33,8 +33,9 @@ class Freeze:
     values: Any
     mask: tuple[bool, ...] = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> FreezeState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> FreezeState:
         """The wrapped optimizer with as many dimensions as are free."""
+        num_dims = dimensions(num_dims)
         if num_dims != len(self.mask):
             raise InputError(
                 f"mask has {len(self.mask)} entries, the space {num_dims} coordinates."

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.operators import (
     arithmetic,
     polynomial,
@@ -56,8 +56,9 @@ class GA:
     num_elites: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> GAState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> GAState:
         """Uniform first children; no parents yet."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         shape = (self.num_particles, num_dims)
         position = Random(key, self.random).uniform("position", shape, dtype)

@@ -44,10 +44,10 @@ class Islands:
     migrate_every: float
     num: int = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> IslandsState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> IslandsState:
         """Islands with keys of their own."""
         inner = jax.vmap(lambda k: self.inner.init(k, num_dims, dtype=dtype))(self._keys(key))
-        position = inner.position.reshape(-1, num_dims)
+        position = inner.position.reshape(-1, inner.position.shape[-1])
         count = jnp.zeros((), jnp.int32)
         return IslandsState(inner, position, inner.best_position[0], inner.best_value[0], count)
 

@@ -26,7 +26,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.cma_distribution import LARGEST, Rates
 from jaxswarm.swarm.optimizers.cma_es import default_population
 from jaxswarm.swarm.optimizers.outside import inside, ranks
@@ -66,8 +66,9 @@ class LMMAES:
     num_directions: int | None = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> LMMAESState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> LMMAESState:
         """Round distribution around a uniform point."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         n = self.num_particles or default_population(num_dims)
         random = Random(key, self.random)

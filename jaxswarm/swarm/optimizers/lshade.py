@@ -11,9 +11,10 @@ Reference:
 from typing import Any
 
 from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.optimizers.crowd import Crowd
 from jaxswarm.swarm.optimizers.shade import SHADE, shade
 from jaxswarm.swarm.pytree import replace
-from jaxswarm.swarm.schedules import linear
+from jaxswarm.swarm.schedules import BY_HAND, linear, run_length
 
 __all__ = ["lshade"]
 
@@ -27,14 +28,14 @@ def lshade(
 ) -> SHADE:
     """SHADE whose population falls linearly to 4 over ``num_steps``, with six remembered pairs.
 
-    The published population is meant for 10,000 evaluations a dimension. With 1,000 a dimension
-    ``lshade(60)`` reached more of the targets of eleven BBOB functions in 20 dimensions: 0.44, not 0.32.
+    The published population is meant for 10,000 evaluations a dimension; shorter runs begin with fewer.
 
     Args:
       num_particles: n, trials in every step, at least 8; default two a dimension, known when the search
         begins.
       num_steps: updates over which the population shrinks; default as many as ``minimize`` makes.
-      population: members at the start, at least n; default n if that is given, else 18 a dimension.
+      population: members at the start, at least n; default n if that is given, else 18 a dimension times
+        the square root of the run's evaluations over 10,000 a dimension, where that is less.
       **options: further keyword arguments of :func:`~jaxswarm.swarm.optimizers.shade.shade`.
 
     >>> import jax
@@ -47,6 +48,11 @@ def lshade(
     n = None if num_particles is None else optimizer.num_particles
     if population is not None:
         population = at_least("population", population, n or 1, "every trial has a target")
+    free = population is None and n is None
     return replace(
-        optimizer, living=linear(1.0, 0.0, num_steps), num_particles=n, population=population
+        optimizer,
+        living=linear(1.0, 0.0, num_steps),
+        crowd=Crowd(*run_length(num_steps, BY_HAND)) if free else None,
+        num_particles=n,
+        population=population,
     )

@@ -24,7 +24,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
@@ -62,8 +62,9 @@ class OpenES:
     num_particles: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> OpenESState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> OpenESState:
         """Mirrored samples around a uniform point."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         random = Random(key, self.random)
         mean, zero = random.uniform("mean", (num_dims,), dtype), jnp.zeros((), jnp.int32)

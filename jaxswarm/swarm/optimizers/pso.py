@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable, once
+from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable, dimensions, once
 from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
 from jaxswarm.swarm.optimizers.topologies import global_best
@@ -80,8 +80,9 @@ class PSO:
     num_particles: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> PSOState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> PSOState:
         """Uniform positions; velocities a share of the way to another such point, within the limit."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         shape = (self.num_particles, num_dims)
         random = Random(key, self.random)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 
@@ -32,8 +32,9 @@ class RandomSearch:
     num_particles: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> RandomSearchState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> RandomSearchState:
         """Uniform candidates."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         shape = (self.num_particles, num_dims)
         position = Random(key, self.random).uniform("position", shape, dtype)

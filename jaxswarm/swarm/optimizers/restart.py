@@ -52,7 +52,7 @@ class Restart:
     diversity: Any
     keep: bool = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> RestartState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> RestartState:
         """The first life."""
         inner = self.inner.init(fold(key, 1), num_dims, dtype=dtype)
         zero = jnp.zeros((), jnp.int32)

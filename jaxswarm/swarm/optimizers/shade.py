@@ -9,7 +9,8 @@ and every trial draws F_i from a Cauchy distribution (positive, at most 1) and C
 one around a remembered pair (M_F, M_CR). After a generation the oldest pair is replaced by means of
 the F and CR that succeeded, weighted by the improvement (Lehmer mean for F).
 
-L-SHADE shrinks the population linearly to 4. Shapes are part of a compiled program, so the trials of a
+L-SHADE shrinks the population linearly to 4, from as many members as the run is long enough for
+(:class:`~jaxswarm.swarm.optimizers.crowd.Crowd`). Shapes are part of a compiled program, so the trials of a
 step stay n. While more members than that live, a generation takes several steps, each for the next n
 targets, and a trial replaces its target at once; memory, order and size of the population change when all
 have had their turn. Once fewer live, member i is the target of the trials i, i + m, i + 2 m, ... and the
@@ -26,7 +27,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
+from jaxswarm.swarm.optimizers.crowd import PER_DIMENSION, Crowd, default_trials, members_at_first
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.success_history import draw_pair, remember, successes
 from jaxswarm.swarm.pytree import pytree, static
@@ -37,11 +39,6 @@ __all__ = ["SHADE", "SHADEState", "shade"]
 
 FEWEST = 4
 """Members that are always alive: a target and three others."""
-PER_DIMENSION = 18
-"""Members of L-SHADE per dimension, as published."""
-TRIALS_PER_DIMENSION = 2
-"""Its trials in a step: a ninth of that, so that few are left over when few members live."""
-SMALLEST = 8
 
 
 class SHADEState(NamedTuple):
@@ -85,15 +82,17 @@ class SHADE:
 
     greediness: ScalarOrSchedule
     living: ScalarOrSchedule
+    crowd: Crowd | None
     num_particles: int | None = static()
     population: int | None = static()
     num_memories: int = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> SHADEState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> SHADEState:
         """Uniform first trials; every remembered pair is (1/2, 1/2)."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
-        n = self.num_particles or max(SMALLEST, TRIALS_PER_DIMENSION * num_dims)
+        n = self.num_particles or default_trials(num_dims)
         total = max(n, self.population or self.num_particles or PER_DIMENSION * num_dims)
         position = Random(key, self.random).uniform("position", (n, num_dims), dtype)
         half, blank = jnp.asarray(0.5, dtype), jnp.zeros((total, num_dims), dtype)
@@ -121,6 +120,9 @@ class SHADE:
     def update(self, key: jax.Array, state: SHADEState, value: jax.Array):
         """Select; after a generation remember, order and shrink; mutate."""
         random, dtype = Random(key, self.random), state.position.dtype
+        state = state._replace(
+            alive=jnp.where(state.born, state.alive, members_at_first(self.crowd, state))
+        )
         value = comparable(value, state.position)
         best = best_of(state.position, value, state.best_position, state.best_value)
         best_position, best_value, improved = best
@@ -149,10 +151,10 @@ class SHADE:
 
     def _generation(self, state):
         """All members have had their turn: remember what succeeded, order, shrink."""
-        total, dtype = state.member_value.size, state.position.dtype
+        first, dtype = members_at_first(self.crowd, state), state.position.dtype
         weight, rate, slot = remember(state, state.success)
         living = evaluate("living", self.living, state.count + 1, dtype)
-        alive = jnp.round(FEWEST + (total - FEWEST) * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
+        alive = jnp.round(FEWEST + (first - FEWEST) * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
         order = jnp.argsort(state.member_value)
         return state._replace(
             members=state.members[order],
@@ -240,6 +242,7 @@ def shade(
     return SHADE(
         greediness=coefficient("greediness", greediness, lower=0.0, upper=1.0),
         living=1.0,
+        crowd=None,
         num_particles=size,
         population=size,
         num_memories=at_least("num_memories", num_memories, 1, "something must be remembered"),

@@ -20,7 +20,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable
+from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.cma_distribution import LARGEST
 from jaxswarm.swarm.optimizers.cma_es import default_population
 from jaxswarm.swarm.optimizers.outside import evaluated, inside, ranks
@@ -51,8 +51,9 @@ class SNES:
     num_particles: int | None = static()
     random: str = static()
 
-    def init(self, key: jax.Array, num_dims: int, dtype: Any = None) -> SNESState:
+    def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> SNESState:
         """Round distribution around a uniform point."""
+        num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
         n = self.num_particles or default_population(num_dims)
         random = Random(key, self.random)
