@@ -7,6 +7,7 @@ import numpy as np
 from jaxswarm.diagnose.discovery.front import Point, point, ranked, region_folds
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.reach import tame
 from jaxswarm.diagnose.discovery.screening import screen
 from jaxswarm.diagnose.discovery.sums import Sum, joined, polished
 
@@ -73,5 +74,6 @@ def _one_more(problem: Joint, pieces, lead: Sum | None, folds, seed: int) -> lis
     done = []
     for trial in trials[:_TRIED]:
         formula = polished(problem, joined(lead, trial), whole)
-        done.append(point(problem, formula, folds))
+        if tame(problem, formula):
+            done.append(point(problem, formula, folds))
     return [one for one in done if np.isfinite(one.error)]
