@@ -67,6 +67,28 @@ class Discovery:
     rivals: tuple[Rival, ...] = ()
 
 
+def bared(diagnosis: Diagnosis, joint: int) -> Diagnosis | None:
+    """The diagnosis without the laws of the catalog that were added on a joint; None: there are none.
+
+    Several of them together may have bent themselves to a law that nobody knows, and what they leave of it has
+    another form than it has.
+    """
+    own = [step for step in diagnosis.kept if step.added.joint == joint and not step.removed]
+    gone = {step.added.identity for step in own}
+    if not own:
+        return None
+    rest = refit(
+        diagnosis.final, tuple(t for t in diagnosis.final.model.terms if t.identity not in gone)
+    )
+    return replace(
+        diagnosis,
+        final=rest,
+        steps=tuple(chain([s for s in diagnosis.steps if s.added.identity not in gone])),
+        crossfit=cross_fit(rest),
+        withdrawn=(*diagnosis.withdrawn, *(step.added for step in own)),
+    )
+
+
 def without_stand_ins(
     diagnosis: Diagnosis, found: Discovery, seed: int
 ) -> tuple[Diagnosis, Discovery]:
