@@ -1,8 +1,9 @@
 r"""Simulated logs with one effect that is not declared, none, or one that no catalog holds.
 
-The size of an effect is its ratio: RMS of its torque, orthogonal to what the declared model can absorb,
-over the white torque noise of its joint. A case is visible at a ratio of one half. Amplitudes are solved
-for from the wanted ratio; soft joints and backlash come from the forward simulation with fixed parameters.
+The size of an effect is its ratio: RMS of its torque, orthogonal to what the declared model can absorb (and the
+law that it extends, if it does), over the white torque noise of its joint. A case is visible at a ratio of one
+half. Amplitudes are solved for from the wanted ratio; soft joints and backlash come from the forward simulation
+with fixed parameters.
 """
 
 from dataclasses import dataclass, replace
@@ -12,8 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from scipy import signal
 
-from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, WHOLE_ARM, Drawn
+from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, LATER, WHOLE_ARM, Drawn
 from benchmarks.diagnosis_soft import closed_loop
+from jaxswarm.effects.base import REGISTRY
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
@@ -161,14 +164,24 @@ def _sized(case, arm, declared, motion, base, rng):
     hidden = KNOWN.get(case.effect, Drawn("", {}))
     drawn = {k: draw(rng) for k, draw in hidden.others.items()}
     size = hidden.size
+    told = (*declared, *_extended(case, drawn))
     for _ in range(3):
         terms, log = log_with(size)
-        ratio = hidden_ratio(arm, declared, motion, log.tau).max()
+        ratio = hidden_ratio(arm, told, motion, log.tau).max()
         if ratio < 1e-3 * size:  # the declared model absorbs it whatever its size
             break
         size = min(size * wanted / ratio, hidden.most)
     terms, log = log_with(size)
     return tuple(t for t in terms if t.effect == case.effect and t.joint in (case.joint, None)), log
+
+
+def _extended(case, drawn) -> tuple[Term, ...]:
+    """The law beside which alone a law is asked: only what it adds to that one tells it."""
+    name = REGISTRY[case.effect].extends if case.effect in LATER else ""
+    if not isinstance(REGISTRY.get(name), TorqueLaw):
+        return ()
+    usual = REGISTRY[name].nominal()
+    return (Term(name, case.joint, values={k: drawn.get(k, v) for k, v in usual.items()}),)
 
 
 def _terms(case, declared, drawn, size):
