@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
-from jaxswarm.diagnose.decision.rules import MOST_LEFT, OF_SMOOTH
+from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, MOST_LEFT, OF_SMOOTH
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import candidate_of
@@ -114,14 +114,14 @@ def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
 def _discover_instead(
     diagnosis: Diagnosis, left: _Open, other: Sequence[Motion], seed: int
 ) -> tuple[Diagnosis, Discovery | NoFormula]:
-    """Search one joint in place of the laws that were added on it; where that leaves more, beside them."""
+    """Search one joint in place of what may stand in for its law; if that is not clearly better, beside it."""
     bare = bared(diagnosis, left.joint)
     again = [] if bare is None else [o for o in _unlawful(bare, seed) if o.joint == left.joint]
     if again:
         outcome = _discover_on(bare, again[0], other, seed)
         if isinstance(outcome, Discovery):
             now, then = (remainders(one)[left.joint] for one in (outcome.after, diagnosis.final))
-            if now.over_noise < then.over_noise:
+            if now.over_noise < CLEARLY_LESS * then.over_noise:
                 return bare, outcome
     return diagnosis, _discover_on(diagnosis, left, other, seed)
 
