@@ -106,7 +106,7 @@ def _eddy(p, q, dq, *_):
 
 
 def _clutch(p, q, dq, *_):
-    """A centrifugal brake whose shoes touch beyond a speed."""
+    """A centrifugal brake whose shoes engage beyond a speed."""
     return np.maximum(np.abs(dq) - p["speed"], 0.0) * np.sign(dq)
 
 

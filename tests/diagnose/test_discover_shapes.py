@@ -16,7 +16,7 @@ from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.postfix import evaluate, fields_of
 
 # Of unit size: a buffer from one side, a spring with play, a magnet whose tails are powers, an eddy-current
-# brake, a shoe that touches beyond a speed, a belt to the partner that stiffens.
+# brake, a shoe that engages beyond a speed, a belt to the partner that stiffens.
 MECHANISMS = {
     "buffer": lambda q, dq, other: np.maximum(q - 0.1, 0.0) ** 2,
     "play": lambda q, dq, other: q - 0.1 - np.clip(q - 0.1, -0.15, 0.15),

@@ -117,7 +117,7 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
 
 
 def _hinges(beyond: Program) -> tuple[Program, Program]:
-    """Twice what lies beyond zero, on either side: stops, slack cables, shoes that touch."""
+    """Twice what lies beyond zero, on either side: stops, slack cables, shoes that engage."""
     return (*beyond, "abs", *beyond, "+"), (*beyond, "abs", *beyond, "-")
 
 
