@@ -19,7 +19,7 @@ def run(command: Callable[[], None]) -> None:
             signal where one ended the work, and whatever the command itself ends with.
     """
     terminal.prepare_streams()
-    terminal.show_notices()
+    terminal.show_notices(console.note)
     try:
         with terminal.catch_termination():
             try:
@@ -33,12 +33,23 @@ def run(command: Callable[[], None]) -> None:
         raise SystemExit(_say_unprinted(error)) from None
     except (SystemExit, KeyboardInterrupt) as end:
         raise SystemExit(_explain(end)) from None
+    except ImportError as error:
+        # Compiled modules turn a signal that arrives while they load into a failed import.
+        if not any(isinstance(cause, KeyboardInterrupt) for cause in _causes(error)):
+            raise
+        raise SystemExit(_explain(error)) from None
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    cause: BaseException | None = error
+    while cause is not None:
+        yield cause
+        cause = cause.__context__
 
 
 def _explain(end: BaseException) -> int | str | None:
     """Exit code; the library for the command line ends without a word on interrupts and closed pipes."""
-    cause: BaseException | None = end
-    while cause is not None:
+    for cause in _causes(end):
         if isinstance(cause, terminal.Terminated):
             print("terminated", file=sys.stderr)
             return terminal.TERMINATED
@@ -47,7 +58,6 @@ def _explain(end: BaseException) -> int | str | None:
             return terminal.INTERRUPTED
         if isinstance(cause, BrokenPipeError):
             return _say_unprinted(cause)
-        cause = cause.__context__
     return end.code if isinstance(end, SystemExit) else 1
 
 

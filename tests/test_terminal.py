@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from slide import EFFECTS, assert_refused, identify, run, slide_log
 
-from jaxswarm import terminal
+from jaxswarm import terminal, work
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -135,6 +135,24 @@ work.run(lambda: exec(text, {"os": os, "signal": signal, "time": time}))
     )
     code, _, err = finish(process)
     assert (code, err) == (130, "interrupted\n")
+
+
+def test_an_interrupt_while_a_compiled_module_loads(capsys):
+    def load():
+        try:
+            raise terminal.Interrupted
+        except KeyboardInterrupt as signal_in_between:
+            raise ImportError("error while initializing the extension") from signal_in_between
+
+    with pytest.raises(SystemExit) as ended:
+        work.run(load)
+    assert ended.value.code == 130 and capsys.readouterr().err == "interrupted\n"
+
+    def miss():
+        raise ImportError("no such module")
+
+    with pytest.raises(ImportError, match="no such module"):
+        work.run(miss)
 
 
 def test_names_that_are_no_unicode_or_too_long(tmp_path):
