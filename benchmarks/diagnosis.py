@@ -1,12 +1,16 @@
 """Logs with an undeclared effect: is it named, on its joint, and is nothing else?
 
-    python -m benchmarks.diagnosis practice|suite|pairs|real|discover [--fast] [--only NAME,...] [--share K/N]
+    python -m benchmarks.diagnosis practice|suite|pairs|real [--fast] [--only NAME,...] [--share K/N]
+    python -m benchmarks.diagnosis discover|mechanisms|rivals|limits [--fast] [--share K/N]
     python -m benchmarks.diagnosis worlds --help
 
 ``practice``: the cases of another simulator under ``cases/`` (``JAXSWARM_DATA``, default ``../shared``);
 ``suite``: simulated logs with one effect, see :mod:`benchmarks.diagnosis_cases`; ``pairs``: with two or
 three, see :mod:`benchmarks.diagnosis_pairs`; ``real``: measured robots; ``discover``: laws drawn from the
-grammar of formulas, see :mod:`benchmarks.diagnosis_discover`; ``worlds``: arms, controllers and
+grammar of formulas, see :mod:`benchmarks.diagnosis_discover`; ``mechanisms``: magnets, cables, linkages,
+brakes, see :mod:`benchmarks.diagnosis_mechanisms`; ``rivals``: the same given to PySINDy and gplearn, see
+:mod:`benchmarks.diagnosis_rivals`; ``limits``: effects at multiples of the visible ratio, see
+:mod:`benchmarks.diagnosis_limits`; ``worlds``: arms, controllers and
 loggers simulated by MuJoCo, see :mod:`benchmarks.worlds`. Rows go to
 ``benchmarks/results/`` as JSON lines, tables beside them. The suite goes through its cases in a random
 order, so that a part of it says what the whole would; it skips what is finished already, and several
@@ -98,7 +102,17 @@ def main() -> None:
         return worlds(sys.argv[2:])
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "part", choices=["practice", "suite", "pairs", "real", "discover", "worlds"]
+        "part",
+        choices=[
+            "practice",
+            "suite",
+            "pairs",
+            "real",
+            "discover",
+            "mechanisms",
+            "rivals",
+            "worlds",
+        ],
     )
     parser.add_argument(
         "--fast", action="store_true", help="suite: one case per effect; pairs: four"
@@ -119,6 +133,18 @@ def main() -> None:
         from benchmarks.diagnosis_discover import run_discover
 
         run_discover(options.fast, options.share)
+    elif options.part == "mechanisms":
+        from benchmarks.diagnosis_mechanisms import run_mechanisms
+
+        run_mechanisms(options.fast, options.share)
+    elif options.part == "limits":
+        from benchmarks.diagnosis_limits import run_limits
+
+        run_limits(options.fast, only, options.share)
+    elif options.part == "rivals":
+        from benchmarks.diagnosis_rivals import run_rivals
+
+        run_rivals(options.fast)
     elif options.part == "practice":
         practice(only)
     else:

@@ -1,8 +1,9 @@
 r"""Simulated logs with one effect that is not declared, none, or one that no catalog holds.
 
-The size of an effect is its ratio: RMS of its torque, orthogonal to what the declared model can absorb,
-over the white torque noise of its joint. A case is visible at a ratio of one half. Amplitudes are solved
-for from the wanted ratio; soft joints and backlash come from the forward simulation with fixed parameters.
+The size of an effect is its ratio: RMS of its torque, orthogonal to what the declared model can absorb (and the
+law that it extends, if it does), over the white torque noise of its joint. A case is visible at a ratio of one
+half. Amplitudes are solved for from the wanted ratio; soft joints and backlash come from the forward simulation
+with fixed parameters.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from scipy import signal
 
+from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, LATER, WHOLE_ARM, Drawn
 from benchmarks.diagnosis_soft import closed_loop
+from jaxswarm.effects.base import REGISTRY
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
@@ -28,32 +32,6 @@ RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
 SILENT = Noise(0.0, 0.0)
 
 
-def _uniform(low, high):
-    return lambda rng: float(rng.uniform(low, high))
-
-
-def _log(low, high):
-    return lambda rng: float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-# Effect: amplitude (scaled to the wanted ratio) and the parameters that are drawn.
-DRAWN = {
-    "stribeck_friction": ("df", {"vs": _log(0.04, 0.2), "delta": lambda rng: 2.0}),
-    "torque_ripple": ("sine", {"n": _uniform(6.0, 60.0), "cosine": lambda rng: 0.0}),
-    "joint_spring": ("k", {"tau0": lambda rng: 0.0}),
-    "load_dependent_friction": ("mu", {"inertial": _uniform(0.0, 1.0)}),
-    "hysteresis": ("fc", {"x0": _log(0.03, 0.15)}),
-    "torque_offset": ("tau0", {}),
-    "thermal_drift": ("fc", {"tc": _log(5.0, 20.0)}),
-    "transmission_coupling": ("b", {"fc": lambda rng: 0.0, "ia": lambda rng: 0.0}),
-    "quadratic_drag": ("c", {}),
-    "nonlinear_viscous_friction": ("c", {"alpha": _uniform(0.3, 0.6)}),
-    "coulomb_friction": ("fc", {}),
-    "rotor_inertia": ("ia", {}),
-    "time_delay": ("seconds", {}),
-    "drive_gain": ("gain", {}),
-    "base_tilt": ("gx", {"gy": lambda rng: 0.0}),
-}
 # Softness [N m/rad, N m s/rad] and dead zone [rad], mild to severe.
 SOFT = {
     "joint_elasticity": [
@@ -67,13 +45,14 @@ CLEAN = ("white", "colored", "quantized")
 
 @dataclass(frozen=True)
 class Case:
-    """One log to make: effect, its level (index), joint, noise level and seed."""
+    """One log to make: effect, its level (index), joint, noise level and seed; or times the visible ratio."""
 
     effect: str
     level: int
     joint: int
     noise: float
     seed: int
+    times: float | None = None
 
     @property
     def name(self) -> str:
@@ -163,7 +142,7 @@ def _sized(case, arm, declared, motion, base, rng):
     """The hidden term with its amplitude solved for from the wanted ratio."""
     if case.effect in CLEAN:
         return (), base
-    wanted = RATIOS[case.level] * case.noise
+    wanted = (RATIOS[case.level] if case.times is None else case.times * VISIBLE) * case.noise
     if case.effect in UNLISTED:
         j, q, dq = case.joint, motion.q, motion.dq
         sign = np.tanh(dq[:, j] / WIDTH)
@@ -182,19 +161,27 @@ def _sized(case, arm, declared, motion, base, rng):
         log = synthetic_log(arm, terms, case.seed, noise=SILENT, motion_seed=case.seed)
         return terms, log
 
-    drawn = (
-        {k: draw(rng) for k, draw in DRAWN[case.effect][1].items()} if case.effect in DRAWN else {}
-    )
-    size = {"time_delay": 0.004, "drive_gain": 0.05, "base_tilt": 0.3}.get(case.effect, 1.0)
+    hidden = KNOWN.get(case.effect, Drawn("", {}))
+    drawn = {k: draw(rng) for k, draw in hidden.others.items()}
+    size = hidden.size
+    told = (*declared, *_extended(case, drawn))
     for _ in range(3):
         terms, log = log_with(size)
-        ratio = hidden_ratio(arm, declared, motion, log.tau).max()
+        ratio = hidden_ratio(arm, told, motion, log.tau).max()
         if ratio < 1e-3 * size:  # the declared model absorbs it whatever its size
             break
-        limit = {"time_delay": 0.03, "drive_gain": 0.4, "base_tilt": 2.0}.get(case.effect, 200.0)
-        size = min(size * wanted / ratio, limit)
+        size = min(size * wanted / ratio, hidden.most)
     terms, log = log_with(size)
     return tuple(t for t in terms if t.effect == case.effect and t.joint in (case.joint, None)), log
+
+
+def _extended(case, drawn) -> tuple[Term, ...]:
+    """The law beside which alone a law is asked: only what it adds to that one tells it."""
+    name = REGISTRY[case.effect].extends if case.effect in LATER else ""
+    if not isinstance(REGISTRY.get(name), TorqueLaw):
+        return ()
+    usual = REGISTRY[name].nominal()
+    return (Term(name, case.joint, values={k: drawn.get(k, v) for k, v in usual.items()}),)
 
 
 def _terms(case, declared, drawn, size):
@@ -206,12 +193,12 @@ def _terms(case, declared, drawn, size):
             *(t for t in declared if t.joint != case.joint),
             Term(case.effect, case.joint, values=values),
         )
-    amplitude = DRAWN[case.effect][0]
+    amplitude = KNOWN[case.effect].amplitude
     value = 1.0 + size if amplitude == "gain" else size
-    glob = case.effect in ("time_delay", "base_tilt")
-    other = (case.joint + 1) % 3 if case.effect == "transmission_coupling" else None
+    joint = None if case.effect in WHOLE_ARM else case.joint
+    other = (case.joint + 1) % 3 if case.effect in BETWEEN_TWO else None
     values = {**drawn, amplitude: value}
-    return (*declared, Term(case.effect, None if glob else case.joint, other, values))
+    return (*declared, Term(case.effect, joint, other, values))
 
 
 def noisy(case: Case, log: Log, rng: np.random.Generator) -> Log:

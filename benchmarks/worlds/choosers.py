@@ -47,11 +47,11 @@ def by_bic(x, y, fold) -> list[int]:
 
 def by_validation(x, y, fold) -> list[int]:
     chosen, _ = _forward(x, y, _MOST)
-    errors = [_held_out(x, y, fold, chosen[:k]) for k in range(len(chosen) + 1)]
+    errors = [held_out(x, y, fold, chosen[:k]) for k in range(len(chosen) + 1)]
     return chosen[: int(np.argmin(errors))]
 
 
-def _held_out(x, y, fold, chosen) -> float:
+def held_out(x, y, fold, chosen) -> float:
     """Squared error of unseen blocks."""
     if not chosen:
         return float(y @ y)
@@ -66,7 +66,7 @@ def _held_out(x, y, fold, chosen) -> float:
 def stlsq(x, y, fold) -> list[int]:
     size = np.linalg.norm(y)
     kept = [_thresholded(x, y, t * size) for t in _THRESHOLDS]
-    errors = [_held_out(x, y, fold, k) for k in kept]
+    errors = [held_out(x, y, fold, k) for k in kept]
     return kept[int(np.argmin(errors))]
 
 

@@ -9,8 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from benchmarks.worlds.along import bristle
 from benchmarks.worlds.arm import GRAVITY, Arm
+from benchmarks.worlds.laws import LAWS
+from benchmarks.worlds.memory import along
 from benchmarks.worlds.plain import Plain, Prepared
 from benchmarks.worlds.rigid import declared_columns
 
@@ -71,7 +72,7 @@ def joint_library(arm, log, sign, load, tilts, j) -> Iterator[tuple[str, np.ndar
     for time in _WARMING:
         yield "thermal_drift" + at, np.expm1(-(log.t - log.t[0]) / time) * s
     for length in _BRISTLES:
-        yield "hysteresis" + at, bristle(log.t, dq, length * scale["length"])
+        yield "hysteresis" + at, _bend(log.t, dq, length * scale["length"])
     for order in np.array(_ORDERS) * scale["order"]:
         yield "torque_ripple" + at, np.sin(order * q)
         yield "torque_ripple" + at, np.cos(order * q)
@@ -96,3 +97,8 @@ def joint_library(arm, log, sign, load, tilts, j) -> Iterator[tuple[str, np.ndar
             yield f"product{pair}", np.sin(log.q[:, i])
             yield f"product{pair}", np.cos(log.q[:, i])
             yield f"product{pair}", log.q[:, i] * s
+
+
+def _bend(t: np.ndarray, dq: np.ndarray, x0: float) -> np.ndarray:
+    """Bend of bristles along a motion (T,), in units of their level."""
+    return along(LAWS["hysteresis"], {"x0": x0}, t, dq)

@@ -1,5 +1,6 @@
 """The command ``predict``, from files to a file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.model import Model, load_model, model_torque
+from jaxswarm.identify.forward.seen import beyond_seen
 from jaxswarm.identify.run import refuse_missing_channels
 from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.clock import with_sample_times
@@ -64,4 +66,5 @@ def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
         predicted = model_torque(model, motion)
         for j, column in enumerate(predicted.T):
             torque[part, j] = np.interp(own[part], motion.t, column)
+    noted = replace(noted, notes=(*noted.notes, *beyond_seen(model, motions)))
     return noted, torque, motions

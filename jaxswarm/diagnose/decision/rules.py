@@ -118,5 +118,8 @@ HARM_ON_THE_WAY = 1.5
 OF_SMOOTH = 0.8
 # Share of the joint's squared error that it may leave in regions it was not fitted to: more right than wrong.
 MOST_LEFT = 0.5
+# A formula takes the place of named laws, or of a sign of another width, where it leaves this part of what they
+# do: what is known by name is preferred to what fits a little better.
+CLEARLY_LESS = 0.9
 # Formulas whose errors differ by fewer standard errors than this, or by less than this part, fit alike.
 FORMULA_TIE, FORMULA_NEAR = 2.0, 1.2

@@ -7,14 +7,15 @@ import numpy as np
 from jaxswarm.diagnose.discovery.front import Point, point, ranked, region_folds
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.reach import tame
 from jaxswarm.diagnose.discovery.screening import screen
 from jaxswarm.diagnose.discovery.sums import Sum, joined, polished
 
 # Terms of a sum at most, programs that a term more is tried of, and those that get one.
 _TERMS, _TRIED, _LEADS = 3, 30, 2
-# A term more is looked for where more than the first share of the joint's squared error is left, and where the
-# last one took the second share of what was left before it.
-_LITTLE, _WORTH = 0.05, 0.1
+# A term more is looked for while the joint is not near its noise, and while the last one took this share of the
+# squared error that was left before it.
+_WORTH = 0.1
 
 
 def candidates(
@@ -43,7 +44,7 @@ def candidates(
         best = min((p.error for p in points), default=1.0)
         points = ranked([*points, *found], log)
         least = min(p.error for p in found)
-        if least < _LITTLE or least > (1.0 - _WORTH) * best or _near_noise(problem, points[0]):
+        if least > (1.0 - _WORTH) * best or _near_noise(problem, points[0]):
             break
         size = max(len(p.formula.pieces) for p in found)
         leads = [p.formula for p in points if len(p.formula.pieces) == size][:_LEADS]
@@ -73,5 +74,6 @@ def _one_more(problem: Joint, pieces, lead: Sum | None, folds, seed: int) -> lis
     done = []
     for trial in trials[:_TRIED]:
         formula = polished(problem, joined(lead, trial), whole)
-        done.append(point(problem, formula, folds))
+        if tame(problem, formula):
+            done.append(point(problem, formula, folds))
     return [one for one in done if np.isfinite(one.error)]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
-from jaxswarm.diagnose.decision.rules import MOST_LEFT, OF_SMOOTH
+from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, MOST_LEFT, OF_SMOOTH
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import candidate_of
@@ -20,7 +20,7 @@ from jaxswarm.diagnose.discovery.front import Point, front
 from jaxswarm.diagnose.discovery.grammar import programs
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.rivals import fit_alike, fitted_rivals
-from jaxswarm.diagnose.discovery.stand_ins import Discovery, without_stand_ins
+from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stand_ins
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -92,7 +92,7 @@ def discover(
         if not waiting:
             return diagnosis, Search(tuple(found), tuple(vain))
         progress(f"searching a formula for {joints[waiting[0].joint]}")
-        outcome = _discover_on(diagnosis, waiting[0], other, seed)
+        diagnosis, outcome = _discover_instead(diagnosis, waiting[0], other, seed)
         if isinstance(outcome, NoFormula):
             vain.append(outcome)
             continue
@@ -109,6 +109,21 @@ def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
     known = {one.joint for one in told}
     far = [r for r in remains if not r.near and r.joint not in known]
     return told + [_Open(r.joint, (), 0.0) for r in sorted(far, key=lambda r: -r.over_noise)]
+
+
+def _discover_instead(
+    diagnosis: Diagnosis, left: _Open, other: Sequence[Motion], seed: int
+) -> tuple[Diagnosis, Discovery | NoFormula]:
+    """Search one joint in place of what may stand in for its law; if that is not clearly better, beside it."""
+    bare = bared(diagnosis, left.joint)
+    again = [] if bare is None else [o for o in _unlawful(bare, seed) if o.joint == left.joint]
+    if again:
+        outcome = _discover_on(bare, again[0], other, seed)
+        if isinstance(outcome, Discovery):
+            now, then = (remainders(one)[left.joint] for one in (outcome.after, diagnosis.final))
+            if now.over_noise < CLEARLY_LESS * then.over_noise:
+                return bare, outcome
+    return diagnosis, _discover_on(diagnosis, left, other, seed)
 
 
 def _discover_on(

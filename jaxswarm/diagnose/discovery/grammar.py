@@ -46,6 +46,7 @@ def programs(
     for three in combinations([name for name in groups if " " not in name], 3):
         found += [product(*own) for own in pairs(*(groups[n] for n in three)) if _plain(own)]
     found += _composed(data, units)
+    found += _devices(data, units, angles)
     kept: dict[tuple, Piece] = {}
     for one in found:
         fits = len(one.program) <= LENGTHS[-1] and stack_depth(one.program) <= DEPTH
@@ -71,6 +72,20 @@ def _of_one_variable(groups: Mapping[str, Sequence[Piece]]) -> Iterator[Piece]:
             yield product(*own)
             if "dq" in groups:
                 yield product(*own, Piece(("direction",)))
+
+
+def _devices(
+    data: Mapping[str, np.ndarray], units: Mapping[str, Unit], angles: bool
+) -> Iterator[Piece]:
+    """Mechanisms on one position, alone and with the direction; and on two in an unknown ratio."""
+    for name in [n for n in ("q", "q_other") if n in data]:
+        for piece in p.of_devices((name,), p.range_of(data[name]), units[name]):
+            yield piece
+            if "dq" in data:
+                yield product(piece, Piece(("direction",)))
+    if {"q", "q_other"} <= set(data) and units["q"] == units["q_other"]:
+        around = p.range_of(data["q"] - data["q_other"])
+        yield from p.of_ratio(around, units["q"], angles)
 
 
 def _plain(own: Sequence[Piece]) -> bool:

@@ -85,6 +85,10 @@ def _rate(x: Range, unit: Unit) -> Parameter:
 
 
 _PHASE = Parameter("p", "1", -np.pi, np.pi, False, 0.0, "phase", "linear")
+# How narrow the wells of a wave are: from a plain wave to a tenth of its length.
+_NARROW = Parameter("w", "1", 0.3, 10.0, False, 2.0, "narrowness", "log")
+# What a partner's position counts for beside the joint's own.
+_RATIO = Parameter("r", "1", -3.0, 3.0, False, 1.0, "ratio", "linear")
 
 
 def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
@@ -109,6 +113,49 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
     yield Piece((*x, "c", "-", "cube"), (_center(r, u),))
     yield Piece((*x, "k", "*", "exp"), (_rate(r, u),))
     yield Piece((*x, "k", "*", "neg", "exp"), (_rate(r, u),))
+    yield from (Piece(one, (_center(r, u),)) for one in _hinges((*x, "c", "-")))
+
+
+def _hinges(beyond: Program) -> tuple[Program, Program]:
+    """Twice what lies beyond zero, on either side: stops, slack cables, shoes that engage."""
+    return (*beyond, "abs", *beyond, "+"), (*beyond, "abs", *beyond, "-")
+
+
+def of_devices(x: Program, r: Range, u: Unit) -> Iterator[Piece]:
+    """What stands by itself: buffers, springs with a play, and magnets.
+
+    The wells of magnets have the tails of a power law; several poles repeat every so many parts of a turn.
+    """
+    for hinge in _hinges((*x, "c", "-")):
+        yield Piece((*hinge, "square"), (_center(r, u),))
+        yield Piece((*hinge, "cube"), (_center(r, u),))
+    near = (*x, "c", "-", "s", "/")
+    yield Piece((*near, *near, "sat", "-"), (_center(r, u), _width(r, u)))
+    table = (_center(r, u), _width(r, u))
+    for steeper in ((), ("square",), ("cube",)):
+        yield Piece((*near, *near, "square", "2", "+", *steeper, "/"), table)
+    turned = (*x, "c", "-", "k", "*")
+    yield Piece(
+        (*turned, "sin", *turned, "cos", "w", "*", "exp", "*"),
+        (_center(r, u), _order(r, u), _NARROW),
+    )
+
+
+def of_ratio(r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
+    """Shapes over a joint's position with an unknown part of its partner's: belts, cables, differentials."""
+    x = ("q", "q_other", "r", "*", "-")
+    yield Piece((*x, "square"), (_RATIO,))
+    yield Piece((*x, "cube"), (_RATIO,))
+    if angle:
+        yield Piece((*x, "sin"), (_RATIO,))
+        yield Piece((*x, "cos"), (_RATIO,))
+    yield Piece((*x, "s", "/", "tanh"), (_RATIO, scale(r, u)))
+    yield Piece((*x, "k", "*", "p", "+", "sin"), (_RATIO, _order(r, u), _PHASE))
+    yield Piece((*x, "c", "-", "cube"), (_RATIO, _center(r, u)))
+    yield Piece((*x, "c", "-", "abs"), (_RATIO, _center(r, u)))
+    for hinge in _hinges((*x, "c", "-")):
+        yield Piece(hinge, (_RATIO, _center(r, u)))
+        yield Piece((*hinge, "square"), (_RATIO, _center(r, u)))
 
 
 def of_velocity(x: Program, r: Range, u: Unit, direction: Program) -> Iterator[Piece]:
@@ -122,6 +169,9 @@ def of_velocity(x: Program, r: Range, u: Unit, direction: Program) -> Iterator[P
     yield Piece((*x, "s", "/", "sat"), (scale(r, u),))
     yield Piece((*x, "s", "/", "square", "neg", "exp"), (scale(r, u),))
     yield Piece((*x, "abs", "s", "/", "neg", "exp"), (scale(r, u),))
+    yield Piece((*x, *x, "s", "/", "square", "2", "+", "/"), (scale(r, u),))
+    yield Piece((*x, "s", "/", *x, "s", "/", "sat", "-"), (scale(r, u),))
+    yield Piece((*x, "square", *x, "cube", "*"))
     if direction:
         yield Piece(direction)
         yield Piece((*x, "s", "/", "square", "neg", "exp", *direction, "*"), (scale(r, u),))

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import Score, passes
@@ -12,7 +14,7 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import chain, find_term
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model
 
 
@@ -65,6 +67,58 @@ class Discovery:
     removed: tuple[Term, ...] = ()
     rest: Model | None = None
     rivals: tuple[Rival, ...] = ()
+
+
+# A sign so many times wider than those of the other joints of its kind has taken up something else.
+_WIDE = 4.0
+
+
+def bared(diagnosis: Diagnosis, joint: int) -> Diagnosis | None:
+    """The diagnosis without what may stand in for a law that nobody knows on a joint; None: there is nothing.
+
+    That are laws of the catalog which were added there and together have bent themselves to it, and a sign far
+    wider than those of other joints, which imitates any drag that saturates: what they leave of the law has
+    another form than it has.
+    """
+    own = [step for step in diagnosis.kept if step.added.joint == joint and not step.removed]
+    gone = {step.added.identity for step in own}
+    final = diagnosis.final
+    width = _usual_width(final.model, joint)
+    if not own and width is None:
+        return None
+    terms = tuple(t for t in final.model.terms if t.identity not in gone)
+    rest = refit(final, terms) if width is None else _fitted(final, terms, width)
+    return replace(
+        diagnosis,
+        final=rest,
+        steps=tuple(chain([s for s in diagnosis.steps if s.added.identity not in gone])),
+        crossfit=cross_fit(rest),
+        withdrawn=(*diagnosis.withdrawn, *(step.added for step in own)),
+    )
+
+
+def _fitted(current: Estimate, terms: tuple[Term, ...], width: tuple[float, ...]) -> Estimate:
+    """Terms fitted to the logs of an estimate with signs of given widths, which stay."""
+    return estimate(
+        current.model.robot,
+        terms,
+        current.motions,
+        width=width,
+        refine_width=False,
+        bounded=False,
+        rigids=current.rigids,
+        start=np.asarray(current.model.robot.parameters).ravel(),
+    )
+
+
+def _usual_width(model: Model, joint: int) -> tuple[float, ...] | None:
+    """The widths of all signs with a far too wide one as those of the other joints; None: it is not wide."""
+    kinds = model.robot.kinds
+    others = [w for k, w in enumerate(model.width) if k != joint and kinds[k] == kinds[joint]]
+    if not others or model.width[joint] < _WIDE * np.median(others):
+        return None
+    usual = float(np.median(others))
+    return tuple(usual if k == joint else w for k, w in enumerate(model.width))
 
 
 def without_stand_ins(

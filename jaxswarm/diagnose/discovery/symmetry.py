@@ -13,7 +13,7 @@ _SLIGHT = 0.01
 # Relative size below which two torques are the same, and share of the top speed that is rest.
 _SAME, _REST = 1e-6, 0.05
 _MOVING = ("dq", "direction")
-_OWN_MOTION = {"q", "dq", "direction", "ddq"}
+_OWN_MOTION, _LOADS = {"q", "dq", "direction", "ddq"}, {"load", "static_load"}
 POTENTIAL, FRICTION = "potential force", "friction"
 
 
@@ -98,6 +98,9 @@ def _kind(program: Program, parity: str) -> str:
         return POTENTIAL
     if parity == "odd" and not fields & {"ddq", "ddq_other"}:
         return FRICTION
+    # A load presses where something rubs, or is a gain; with a position alone it is no law of a mechanism.
+    if fields & _LOADS and "q" in fields:
+        return "mixed"
     if fields - _OWN_MOTION:
         return "coupling"
     return "inertial" if "ddq" in fields else "mixed"

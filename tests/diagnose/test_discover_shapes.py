@@ -1,0 +1,75 @@
+"""Shapes of mechanisms are among the programs, and what explodes behind its range is not proposed."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from planted import declared_fit, log_with
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.discovery.grammar import programs
+from jaxswarm.diagnose.discovery.pieces import Piece
+from jaxswarm.diagnose.discovery.problem import joint_problem
+from jaxswarm.diagnose.discovery.reach import tame
+from jaxswarm.diagnose.discovery.screening import screen
+from jaxswarm.diagnose.discovery.sums import Sum
+from jaxswarm.effects.postfix import evaluate, fields_of
+
+# Of unit size: a buffer from one side, a spring with play, a magnet whose tails are powers, an eddy-current
+# brake, a shoe that engages beyond a speed, a belt to the partner that stiffens.
+MECHANISMS = {
+    "buffer": lambda q, dq, other: np.maximum(q - 0.1, 0.0) ** 2,
+    "play": lambda q, dq, other: q - 0.1 - np.clip(q - 0.1, -0.15, 0.15),
+    "magnet": lambda q, dq, other: (q - 0.1) / ((q - 0.1) ** 2 + 0.02) ** 2.5,
+    "eddy brake": lambda q, dq, other: dq / (1.0 + (dq / 0.4) ** 2),
+    "shoe": lambda q, dq, other: np.maximum(np.abs(dq) - 0.6, 0.0) * np.sign(dq),
+    "belt": lambda q, dq, other: (q - 0.6 * other) ** 3,
+}
+EXPLODING = {
+    "power times exponential": ("q", "cube", "q", "k", "*", "exp", "*"),
+    "powers of all": ("q", "cube", "dq", "cube", "*"),
+}
+CALM = {
+    "cubic spring": ("q", "cube"),
+    "fifth power of the speed": ("dq", "square", "dq", "cube", "*"),
+    "exponential": ("q", "k", "*", "exp"),
+}
+
+
+@cache
+def problem():
+    found, crossfit = declared_fit(log_with())
+    return joint_problem(Linearization(found, crossfit), 1, 0)
+
+
+@cache
+def simple():
+    """Programs of one variable, or of two positions in a ratio."""
+    joint = problem()
+    pieces = programs(joint.data, joint.units, joint.angles)
+    return [
+        one
+        for one in pieces
+        if len(fields_of(one.program)) == 1 or any(p.name == "r" for p in one.constants)
+    ]
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_a_program_says_what_a_mechanism_does(name):
+    joint = problem()
+    truth = MECHANISMS[name](joint.data["q"], joint.data["dq"], joint.data["q_other"])
+    fold = joint.lin.crossfit.whole
+    hidden = fold.free_rows(joint.lin.on_joint(truth[:, None], 1)[:, 1], 1)[:, 0]
+    rows = joint.rows_of(fold)._replace(residual=np.float32(hidden[joint.rows]))
+    best = screen(joint, rows, simple())[0]
+    assert best.share > 0.995, best.piece.program
+
+
+@pytest.mark.parametrize("name", [*EXPLODING, *CALM])
+def test_what_explodes_behind_its_range_is_no_law(name):
+    joint = problem()
+    program = {**EXPLODING, **CALM}[name]
+    rate = 5.0 / np.ptp(joint.data["q"])
+    formula = Sum((Piece(program),), {"k": rate} if "k" in program else {})
+    assert np.isfinite(evaluate(program, {**joint.data, **formula.values}, np)).all()
+    assert tame(joint, formula) is (name in CALM)
