@@ -168,16 +168,19 @@ def identify_files(
         refuse_resting_joints(logs, robot)
         refuse_weak(fitted, 10 * robot.num_joints, options.accept)
         refuse_missing_channels(terms, read)
+        told = {"findings": findings(read), "validation_logs": described(validated)}
+        summaries = described(logs)
+        # A long log is as large as all that is made of it, and its samples are not asked for again.
+        del read, logs, validated
         progress("fitting")
         found = estimate(robot, terms, fitted)
         found, search = _searched(found, options, progress)
-        found, told, bodies = refined(found, options, progress)
+        found, estimator, bodies = refined(found, options, progress)
         longest = max(unseen or found.motions, key=lambda motion: len(motion.t))
         order_pictures(drawing, found, longest, search)
         progress("scoring")
-        report = report_of(found, logs, unseen, validation, search)
-        report |= {"estimator": told, "physical_consistency": bodies, "findings": findings(read)}
-        report["validation_logs"] = described(validated)
+        report = report_of(found, summaries, unseen, validation, search)
+        report |= {"estimator": estimator, "physical_consistency": bodies, **told}
         progress("writing")
         outputs.write_results(
             out,

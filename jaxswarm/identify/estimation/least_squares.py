@@ -15,6 +15,7 @@ W. K. Newey, K. D. West, Econometrica 55 (1987); D. W. K. Andrews, Econometrica 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -160,6 +161,19 @@ def weighted_cost(residual: np.ndarray, sigma: np.ndarray) -> float:
     return float(((residual / sigma) ** 2).sum())
 
 
+class Solved(NamedTuple):
+    """What :func:`fit` finds but for how certain it is; ``triangle`` is the factor of ``[R z; 0 rho]``."""
+
+    base: BaseParameters
+    values: np.ndarray
+    sigma: np.ndarray
+    triangle: np.ndarray
+    residual: np.ndarray
+    at_bound: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+
 def fit(
     regression: Regression,
     lower: np.ndarray | None = None,
@@ -178,6 +192,30 @@ def fit(
         sigma: Weights to use, shape (n,); None: iterated from the residual.
         above: Rows whose products with the full parameters must not be negative, (m, p).
     """
+    found = solved(regression, lower, upper, base, sigma, above)
+    size, triangle = found.base.size, found.triangle
+    factor, target = triangle[:size, :size], triangle[:size, size]
+    error = found.residual / found.sigma
+    u = scored(factor, regression.columns, found.base.kept, found.sigma, error)
+    covariance, effective = sandwich(factor, u, error, regression.log)
+    covariance[found.at_bound, :] = 0.0
+    covariance[:, found.at_bound] = 0.0
+    cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
+    return Fit(
+        found.base, found.values, covariance, found.sigma, factor, target, cost, found.residual,
+        found.at_bound, effective, found.lower, found.upper,
+    )  # fmt: skip
+
+
+def solved(
+    regression: Regression,
+    lower: np.ndarray | None = None,
+    upper: np.ndarray | None = None,
+    base: BaseParameters | None = None,
+    sigma: np.ndarray | None = None,
+    above: np.ndarray | None = None,
+) -> Solved:
+    """The solution of :func:`fit`, with its arguments, where nobody asks how certain it is."""
     joints = regression.torque.shape[1]
     factors = joint_factors(regression)
     fixed = sigma is not None
@@ -200,17 +238,7 @@ def fit(
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
             sigma = np.maximum(new, 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12))
-    size = base.size
-    factor, target = triangle[:size, :size], triangle[:size, size]
-    error = residual / sigma
-    u = scored(factor, regression.columns, base.kept, sigma, error)
-    covariance, effective = sandwich(factor, u, error, regression.log)
-    covariance[at_bound, :] = 0.0
-    covariance[:, at_bound] = 0.0
-    cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
-    return Fit(
-        base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective, low, high
-    )  # fmt: skip
+    return Solved(base, values, sigma, triangle, residual, at_bound, low, high)
 
 
 def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:

@@ -44,11 +44,13 @@ def low_columns(
     robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, decimator: Decimator
 ) -> np.ndarray:
     """Decimated rigid columns (T', n, 10 n); those of a part of the log at a time."""
-    parts = [
-        decimator.apply(rigid_columns(robot, q[part], dq[part], ddq[part]))
-        for part in decimator.blocks(len(q), _BLOCK)
-    ]
-    return np.concatenate(parts)
+    joints = robot.num_joints
+    low, row = np.empty((len(decimator.kept(len(q))), joints, 10 * joints)), 0
+    for part in decimator.blocks(len(q), _BLOCK):
+        own = decimator.apply(rigid_columns(robot, q[part], dq[part], ddq[part]))
+        low[row : row + len(own)] = own
+        row += len(own)
+    return low
 
 
 @dataclass(frozen=True)
