@@ -119,3 +119,53 @@ def test_missing_samples_are_found_part_by_part(log, monkeypatch):
     whole = lost.lost_samples(short)
     monkeypatch.setattr(lost, "_ROWS", 97)
     assert lost.lost_samples(short) == whole and len(whole) == 1
+
+
+def test_laws_of_a_model_share_the_load_they_go_by(log, monkeypatch):
+    made = []
+
+    def counted(*given):
+        made.append(given)
+        return along(*given)
+
+    along = columns.load_along
+    monkeypatch.setattr(columns, "load_along", counted)
+    counts = []
+    for effects in ("@joint2", "@joint1,load_dependent_friction@joint2"):
+        terms = parse_terms(f"load_dependent_friction{effects}", rx60().joints)
+        made.clear()
+        found = estimate(rx60(), terms, [prepare(log)], width=0.01, refine_width=False)
+        counts.append(len(made))
+    # A law more asks for more tangents, and with each for the load at the same parameters.
+    assert counts[1] <= counts[0] + 6
+    rigid, rng = found.rigids[0], np.random.default_rng(0)
+    for pi in rng.normal(size=(3, 30)):
+        for _ in range(2):
+            own = rigid.load(pi)
+            motion = rigid.motion
+            fresh = along(rigid.robot, (motion.q, motion.dq, motion.ddq), pi)
+            np.testing.assert_array_equal(own.full, fresh.full)
+            np.testing.assert_array_equal(own.static, fresh.static)
+
+
+def test_no_more_columns_stand_in_memory_than_a_search_looks_at(log, monkeypatch):
+    import gc
+    import weakref
+
+    steps = importlib.import_module("jaxswarm.identify.estimation.gauss_newton")
+    alive, most = weakref.WeakSet(), []
+
+    def counted(*given):
+        gc.collect()
+        most.append(len(alive))
+        made = build(*given)
+        alive.add(made)
+        return made
+
+    build = steps.build_regression
+    monkeypatch.setattr(steps, "build_regression", counted)
+    estimate(
+        rx60(), parse_terms("viscous_friction,coulomb_friction", rx60().joints), [prepare(log)]
+    )
+    # Where the search stands, while the next place is built.
+    assert len(most) > 3 and max(most) == 1
