@@ -306,3 +306,12 @@ def test_references_are_their_own_derivatives_within_the_limits(family):
     assert rms(np.gradient(dq, t, axis=0) - ddq).max() < 5e-2 * rms(ddq).max()
     for x, limit in ((q, ARM.reach), (dq, ARM.speed), (ddq, ARM.acceleration)):
         assert (np.abs(x) <= 1.01 * limit).all()
+
+
+def test_dry_friction_that_a_law_takes_from_is_told_where_nothing_is_declared():
+    """World 895: a drift takes from friction that was raised for its sake, and the truth has to say so."""
+    world = make_world(895, longest=3.0)
+    assert not world.arm.coulomb.any() and not world.declared
+    drift = next(e for e in world.effects if e.kind == "thermal_drift")
+    dry = [e for e in world.effects if (e.kind, e.joint) == ("coulomb_friction", drift.joint)]
+    assert len(dry) == 1 and dry[0].params["fc"] > drift.params["fc"]

@@ -116,6 +116,8 @@ def _draw(number: int, attempt: int, longest: float | None) -> World:
     ground = make_ground(world, run)
     if effects:
         arm, effects = _sized(rng, ground, effects, seconds)
+        if wanted.declared == "nothing":
+            arm, effects = _dry_friction_told(arm, effects)
         world = replace(world, arm=arm, effects=effects)
         run = world.run("train")
         _check(run, torque)
@@ -160,3 +162,16 @@ def _sized(rng, ground: Ground, effects, seconds: float):
             own = np.arange(arm.size) == effect.joint
             arm = replace(arm, coulomb=np.where(own, np.maximum(arm.coulomb, needed), arm.coulomb))
     return arm, tuple(sized)
+
+
+def _dry_friction_told(arm: Arm, effects) -> tuple[Arm, tuple[Effect, ...]]:
+    """The arm without dry friction, and the effects with it: what is not declared is an effect."""
+    told = []
+    for joint in np.flatnonzero(arm.coulomb):
+        own = ("coulomb_friction", joint)
+        there = sum(e.params["fc"] for e in effects if (e.kind, e.joint) == own)
+        told.append(
+            Effect("coulomb_friction", int(joint), params={"fc": float(arm.coulomb[joint] + there)})
+        )
+        effects = tuple(e for e in effects if (e.kind, e.joint) != own)
+    return replace(arm, coulomb=np.zeros(arm.size)), (*effects, *told)

@@ -49,6 +49,8 @@ class Effect:
         reference: Where it comes from.
         meaning: What it means on a real arm and what to do about it, in one sentence or two.
         contains: Names of effects of the same joint that it makes redundant.
+        replaces: Names of effects of the same joint that it is fitted without where the fit with them comes
+            to values that cannot be.
         extends: Name of an effect of the same place beside which alone it is asked: what it adds to that
             one has to be worth as much as any other effect.
         exclusive_with: Names of effects that cannot act on the same joint beside it.
@@ -81,6 +83,7 @@ class Effect:
     reference: str
     meaning: str = ""
     contains: tuple[str, ...] = ()
+    replaces: tuple[str, ...] = ()
     extends: str = ""
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
@@ -160,8 +163,14 @@ class Effect:
         """Whether the two cannot act on one joint together."""
         return other.name in self.exclusive_with or self.name in other.exclusive_with
 
-    def credible(self, change: float, interval: float) -> bool:
-        """Whether a candidate's coefficient can be a matter of the robot at this sampling interval [s]."""
+    def credible(self, change: float, interval: float, doubt: float) -> bool:
+        """Whether a candidate's coefficient can be a matter of the robot.
+
+        Args:
+            change: The coefficient.
+            interval: Of the log's samples [s].
+            doubt: What the coefficient may be off by.
+        """
         return True
 
     def check(self) -> None:

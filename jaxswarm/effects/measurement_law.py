@@ -56,11 +56,11 @@ class MeasurementLaw(Effect):
         """All parameters."""
         return [p.name for p in self.parameters]
 
-    def credible(self, change: float, interval: float) -> bool:
+    def credible(self, change: float, interval: float, doubt: float) -> bool:
         """Less than half a sample is no delay: a torque sampled and held is late by that much already."""
         if not self.clock:
             return True
-        return abs(change) > 0.5 * interval and abs(change) < self.parameters[0].upper
+        return abs(change) - doubt > 0.5 * interval and abs(change) < self.parameters[0].upper
 
     def check(self) -> None:
         """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""

@@ -221,3 +221,14 @@ def test_evidence_for_a_law_of_a_joint_is_that_of_its_joint(case, truth):
     told = score(spread, crossfit)
     alone = replace(spread, term=Term("base_tilt"))
     assert told.p_value < score(alone, crossfit).p_value
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_equals_the_one_that_bends_least_is_chosen(case, order):
+    """A spring before a cubic one, whichever gains a hair more."""
+    q, ripple = position(case), 0.001 * np.cos(5 * position(case))
+    plain = candidate(case, (q + order * ripple)[:, None], effect="joint_spring")
+    bent = candidate(case, (q - order * ripple)[:, None], effect="cubic_spring")
+    crossfit = case[1]
+    chosen, rivals = choose([score(c, crossfit) for c in (plain, bent)], Rules(), crossfit)
+    assert chosen.candidate is plain and rivals[0].candidate is bent

@@ -60,6 +60,25 @@ def test_moved_clocks_hold_for_the_error_before_too(fitted, monkeypatch, steps):
     assert not clock.allow_for_skew(search, None, [])
 
 
+def test_clocks_are_not_moved_by_more_than_a_sample(fitted, monkeypatch):
+    """What is not surely a delay is the clock's, unless no clock could be so far off."""
+    found, _ = fitted
+    interval = found.motions[0].interval
+    monkeypatch.setattr(clock, "clock_skew", lambda *a: -0.8 * interval)
+    search = search_of(found)
+    assert clock.allow_for_skew(search, None, [])
+    assert search.current.motions[0].skew == pytest.approx(-0.8 * interval)
+    monkeypatch.setattr(clock, "clock_skew", lambda *a: -1.2 * interval)
+    assert not clock.allow_for_skew(search, None, [])
+
+
+def test_a_delay_has_to_be_beyond_half_a_sample_for_sure():
+    law = Term("time_delay").law
+    assert law.credible(-0.0044, interval=0.008, doubt=1e-4)
+    assert not law.credible(-0.0044, interval=0.008, doubt=1e-3)
+    assert Term("torque_offset", 0).law.credible(0.1, interval=0.008, doubt=1.0)
+
+
 def test_a_refused_event_is_not_asked_again_and_another_one_is_no_reason(fitted):
     found, _ = fitted
     search = search_of(found)

@@ -26,7 +26,8 @@ def refined(
     """Values of a law's searched parameters where its columns explain most of a fold, and the columns.
 
     Gauss-Newton steps in the unit cube, the linear parameters and the current model free to follow; a step
-    is made only if the fold's training rows are left with less.
+    is made only if the fold's training rows are left with less, and if a coefficient that physics wants
+    positive stays so: c |dq|^alpha beside a viscous term falls on through alpha = 1, where c changes its sign.
 
     Args:
         lin: The current model, linearized.
@@ -78,7 +79,7 @@ def _descend(
             there = {**values, **_at(moving, np.clip(here + part * step, 0.0, 1.0))}
             other = lin.law(replace(term, values=there))
             found, coefficients = _left(fold, other, term.joint)
-            if found < left:
+            if found < left and (coefficients[0] > 0.0 or not term.law.positive):
                 break
         else:
             break

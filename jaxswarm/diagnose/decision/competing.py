@@ -64,7 +64,8 @@ def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score
 
     The best is the one that gains most; of laws that show on its joint, the one that gains most there.
     Rivals say the same as the best, gain within ``rules.tie`` standard errors of it, and are beaten by
-    none of the others. Among them the one with the fewest parameters is chosen.
+    none of the others. Among them the one with the fewest parameters is chosen, and of those the one with the
+    fewest that bend its shape: a spring before a cubic one.
     """
     ranked = sorted(passed, key=lambda s: -s.gain)
     first = ranked[0]
@@ -82,7 +83,11 @@ def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score
     standing = [
         s for s in close if not any(beats(r, s, rules, crossfit) for r in close if r is not s)
     ]
-    chosen = min(standing or close, key=lambda s: (s.candidate.size, -s.beside(best).sum()))
+
+    def plainness(s: Score) -> tuple[int, int, float]:
+        return s.candidate.size, len(s.candidate.term.law.nonlinear), -s.beside(best).sum()
+
+    chosen = min(standing or close, key=plainness)
     rivals = [
         s
         for s in standing

@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.rules import DENSE, SELECTED, WEIGHTY, Rules
+from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, SELECTED, WEIGHTY, Rules
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 
 
@@ -119,8 +119,7 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
     share = float(per_joint[joint] / before[joint])
     rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
     rms /= crossfit.weight[:, joint].max()
-    allowed = not candidate.positive or all(s[0] > 0 for s in (*signs, whole))
-    allowed = allowed and candidate.term.law.credible(whole[0], interval)
+    p_value = slope_p_value(inner[:, told].sum(axis=1), square[:, told].sum(axis=1))
     own = gains[:, told].sum(axis=1)
     weighty = np.abs(own) > WEIGHTY * abs(own.mean())
     return Score(
@@ -131,14 +130,24 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
         share=share,
         trained=trained,
         joint=joint,
-        p_value=slope_p_value(inner[:, told].sum(axis=1), square[:, told].sum(axis=1)),
+        p_value=p_value,
         repeats=float((own[weighty] > 0).mean()) if weighty.any() else 0.0,
         coefficients=whole,
-        allowed=bool(allowed),
+        allowed=_can_be(candidate, [*signs, whole], p_value, interval),
         over_noise=float(rms / crossfit.noise[joint]),
         over_torque=float(rms / max(crossfit.size[joint], 1e-300)),
         own=None if told == slice(None) else own,
     )
+
+
+def _can_be(
+    candidate: Candidate, found: Sequence[np.ndarray], p_value: float, interval: float
+) -> bool:
+    """Whether the coefficients of the halves and of all rows, the last, agree with physics."""
+    whole = found[-1]
+    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value), 1e-9)
+    positive = not candidate.positive or all(a[0] > 0 for a in found)
+    return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))
 
 
 def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
@@ -181,6 +190,11 @@ def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
     """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
     before = np.maximum((residual**2).sum(axis=0), 1e-300)
     return float(max(0.0, (1.0 - ((residual - predicted) ** 2).sum(axis=0) / before).max()))
+
+
+def certainty(p_value: float) -> float:
+    """Standard errors that a one-sided p-value is worth; below zero where it is above a half."""
+    return float(-scipy.special.ndtri(max(p_value, 1e-300)))
 
 
 def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-import scipy
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.score import certainty
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
@@ -24,6 +24,8 @@ def allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term])
     if len(search.skews) == _MOST_SKEWS:
         return False
     late = clock_skew(lin, eligible, search.seed)
+    if abs(late) > min(m.interval for m in search.current.motions):
+        return False  # not surely a delay, and too much for a clock
     if abs(late) <= _LEAST_SKEW:
         return False
     search.skews.append(late)
@@ -41,8 +43,8 @@ def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:
     """
     for s in score_terms(lin, [t for t in of_kind(terms, MeasurementLaw) if t.law.clock], seed):
         if not s.allowed and s.gain > 0:
-            certainty = float(-scipy.special.ndtri(max(s.p_value, 1e-300)))
-            return float(s.coefficients[0]) * max(0.0, 1.0 - 1.0 / max(certainty, 1e-9) ** 2)
+            shrunk = max(0.0, 1.0 - 1.0 / max(certainty(s.p_value), 1e-9) ** 2)
+            return float(s.coefficients[0]) * shrunk
     return 0.0
 
 

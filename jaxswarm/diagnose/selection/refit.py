@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import CERTAIN, MOST_DAMPING, NEEDED
+from jaxswarm.diagnose.decision.rules import CERTAIN, IN_PLACE, MOST_DAMPING, NEEDED
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
@@ -28,33 +28,54 @@ _INSIDE = 0.95
 def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     """The estimate with one more term, without those it contains; None if the cost does not fall, a
     coefficient leaves its physical bounds or the torque leaves the finite numbers.
+
+    Where it comes to nothing beside terms that it may replace, it is fitted without these, and has to take
+    nearly as much off its joint's error as it promised beside them.
     """
+    law, joint = chosen.candidate.term.law, chosen.joint
+    after = _refit_without(current, chosen, law.contains)
+    if after is None and law.replaces:
+        after = _refit_without(current, chosen, law.contains + law.replaces)
+        if after is not None:
+            one, two = (float((e.fit.residual[:, joint] ** 2).sum()) for e in (current, after))
+            after = after if 1.0 - two / one >= IN_PLACE * chosen.share else None
+    return after
+
+
+def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -> Estimate | None:
+    """As :func:`refit_with`, without the terms of these names on the same joint."""
     term = _with_start(chosen)
     weight = row_weight(current)
 
     def cost(one: Estimate) -> float:
         return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
 
+    kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in dropped)]
     after = None
     for start in _starts(term):
-        after = _refit_without_contained(current, start, chosen.candidate.start)
+        try:
+            after = refit(current, (*kept, start), chosen.candidate.start)
+        except Diverged:  # what was found to first order cannot be: a link runs away
+            after = None
         if after is not None and cost(after) < cost(current):
             break
     if after is None:
         return None
+    return after if _holds(after, term, 1.0 - cost(after) / cost(current)) else None
+
+
+def _holds(after: Estimate, term: Term, fall: float) -> bool:
+    """Whether a fitted term can be, and is needed for the fall of the cost."""
     fitted, errors = next(
         (t, e)
         for t, e in zip(after.model.terms, after.std_errors, strict=True)
         if t.identity == term.identity
     )
-    linear = term.law.linear
-    physical = all(fitted.values[p.name] >= p.lower for p in linear)
+    physical = all(fitted.values[p.name] >= p.lower for p in term.law.linear)
     physical = physical and stands_for_itself(fitted, errors)
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
-    fall = 1.0 - cost(after) / cost(current)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
-    needed = fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
-    return after if physical and needed else None
+    return physical and fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
 
 
 def _starts(term: Term) -> list[Term]:
@@ -63,16 +84,6 @@ def _starts(term: Term) -> list[Term]:
         return [term]
     narrow = replace(term, values={**term.values, "gap": _NARROW * term.values["gap"]})
     return [term, narrow]
-
-
-def _refit_without_contained(current: Estimate, term: Term, start) -> Estimate | None:
-    """The fit with a term, without those it contains; None where a link runs away."""
-    inner = term.law.contains
-    kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in inner)]
-    try:
-        return refit(current, (*kept, term), start)
-    except Diverged:  # what was found to first order cannot be
-        return None
 
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:

@@ -20,8 +20,10 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
+from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
 
 
 def choose_again(
@@ -32,6 +34,7 @@ def choose_again(
     rules: Rules,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    other: Sequence[Motion] = (),
 ) -> tuple[list[Step], Estimate, bool]:
     """The steps and the model after every choice was made again, and whether one changed.
 
@@ -43,9 +46,10 @@ def choose_again(
         rules: Thresholds.
         seed: Seed of the searches.
         progress: Called with one line per effect.
+        other: Logs of other motion; what changes may not raise the error there.
     """
     if len(steps) > 1:
-        done, found, changed = reconsider(steps, current, asked, rules, seed, progress)
+        done, found, changed = reconsider(steps, current, asked, rules, seed, progress, other)
         if changed:
             return done, found, True
         steps = done
@@ -70,11 +74,12 @@ def reconsider(
     rules: Rules,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    other: Sequence[Motion] = (),
 ) -> tuple[list[Step], Estimate, bool]:
     """Choose every added effect anew among its competitors, the others in place.
 
     Args:
-        steps, current, asked, rules, seed, progress: As for :func:`choose_again`.
+        steps, current, asked, rules, seed, progress, other: As for :func:`choose_again`.
 
     Returns:
         The steps, the model, and whether an effect was exchanged or dropped.
@@ -105,7 +110,7 @@ def reconsider(
         chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == own
         instead = _replacement(
-            _simpler(chosen, passed) if same else [chosen], chosen, rest, current
+            _simpler(chosen, passed) if same else [chosen], chosen, rest, current, other
         )
         if instead is None:
             if same:
@@ -125,12 +130,16 @@ def reconsider(
 
 
 def _replacement(
-    picks: Sequence[Score], chosen: Score, rest: Estimate, current: Estimate
+    picks: Sequence[Score],
+    chosen: Score,
+    rest: Estimate,
+    current: Estimate,
+    other: Sequence[Motion],
 ) -> tuple[Score, Estimate] | None:
     """The first pick that may stand in the current model's place, with its fit; None if none may.
 
     The chosen law itself may leave about what the former one left on its joint; one that is simpler has
-    to do as well as the chosen one.
+    to do as well as the chosen one. Neither may raise the error of other motion.
     """
     for pick in picks:
         after = refit_with(rest, pick)
@@ -140,7 +149,7 @@ def _replacement(
             fits = _cost(after, pick.joint, rest) <= PRICE * _cost(current, pick.joint, rest)
         else:
             fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
-        if fits:
+        if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
             return pick, after
     return None
 

@@ -25,6 +25,7 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
+from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
@@ -159,6 +160,7 @@ def _choose_again(search: Search) -> bool:
         search.rules,
         search.seed,
         search.progress,
+        search.other,
     )
     held = {s.added.identity for s in search.steps}
     if changed:
@@ -176,10 +178,15 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term)
         return True
     search.progress(f"adding {term.label(joints)}")
-    after, removed = add(current, chosen)
+    after = refit_with(current, chosen)
     if after is None:
         search.refuse(term)
         return True
+    near = near_ones(chosen, best, crossfit)
+    if search.other and near:
+        chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
+        term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
+    removed = _superseded(current, after)
     why = None
     if not term.law.in_one_log:
         why = survives(current, after, chosen.joint, search.other, search.rules)
@@ -189,7 +196,6 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     added = find_term(after, term)
     ranked = sorted(scores, key=lambda s: -s.gain)
     others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
-    near = near_ones(chosen, best, crossfit)
     told = tuple(rivals), tuple(others)
     search.steps.append(Step(added, chosen, *told, current, after, removed, near))
     search.current = after
@@ -210,21 +216,19 @@ def _add_further_events(search: Search, first: Term) -> None:
         told = score_terms(lin, [replace(first, values={})], search.seed)
         if not told or not passes(told[0], search.asked, search.rules):
             return
-        after, removed = add(current, told[0])
+        after = refit_with(current, told[0])
         if after is None:
             return
+        removed = _superseded(current, after)
         added = find_term(after, told[0].candidate.term)
         search.steps.append(Step(added, told[0], (), (), current, after, removed))
         search.current = after
 
 
-def add(current: Estimate, chosen: Score) -> tuple[Estimate | None, tuple[Term, ...]]:
-    """Refit with the chosen term, without what it contains; None if the refit does not confirm it."""
-    after = refit_with(current, chosen)
-    if after is None:
-        return None, ()
+def _superseded(current: Estimate, after: Estimate) -> tuple[Term, ...]:
+    """Terms that a model no longer has."""
     kept = {t.identity for t in after.model.terms}
-    return after, tuple(t for t in current.model.terms if t.identity not in kept)
+    return tuple(t for t in current.model.terms if t.identity not in kept)
 
 
 def _error(one: Estimate) -> float:

@@ -31,16 +31,17 @@ from jaxswarm.diagnose.decision.unexplained import (
     with_smooth_terms,
 )
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.elsewhere import (
+    errors_elsewhere,
+    log_residual,
+    rms,
+    rows_of_both,
+)
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual, time_blocks
-from jaxswarm.identify.forward.model import Model, model_torque
-from jaxswarm.logs.motion import Motion, shift_motion
-
-# Time [s] at either end of another log that is left out.
-_ENDS = 0.25
+from jaxswarm.logs.motion import Motion
 
 
 def stands_in(chosen: Score, current: Estimate, crossfit: CrossFit, seed: int) -> bool:
@@ -62,7 +63,7 @@ def survives(
     other: Sequence[Motion] = (),
     rules: Rules | None = None,
 ) -> str | None:
-    """Why an addition does not survive; None if it does, or if there is no other motion to ask.
+    """Why an addition does not survive; None if it does.
 
     The error of its own joint has to fall, and that of all joints, in units of their noise. Where more is
     missing, one that is true may raise a joint's error until the rest is found; what does so in the end
@@ -75,18 +76,22 @@ def survives(
         rules: Thresholds.
     """
     why = _confirmed(before, after, joint, rules or Rules())
-    if why is None and not other:
-        why = _predicts_stretches(before, after, joint)
     if why:
         return why
     noise = noise_of(before)
     names = before.model.robot.joints
-    for one, two, where in _errors(before, after, other):
+    stretches = [] if other else _predicted_stretches(before, after, joint)
+    if any(two > one for one, two in stretches):
+        return f"raises the error of {names[joint]} on stretches that the rest of the log predicts"
+    elsewhere = list(errors_elsewhere(before, after, other))
+    if not stretches and not elsewhere:
+        return "cannot be shown: no part of the log predicts another, so record another motion"
+    for one, two, falls, where in elsewhere:
         worse = (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
         if worse.any():
             j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
             return f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
-        if two[joint] > GAIN * one[joint]:
+        if not falls[joint]:
             return f"does not lower the error of {names[joint]} {where}"
         if _total(two, noise) > _total(one, noise):
             return f"does not lower the error of all joints {where}"
@@ -100,8 +105,8 @@ def _confirmed(before: Estimate, after: Estimate, joint: int, rules: Rules) -> s
     and little beside the noise, which holds what is unknown of the motion.
     """
     own = before.model.robot.joints[joint]
-    used = _used(before, after)
-    one, two = (_rms(e.fit.residual[used, joint]) for e in (before, after))
+    used = rows_of_both(before, after)
+    one, two = (rms(e.fit.residual[used, joint]) for e in (before, after))
     if two > GAIN * one:
         return f"does not lower the error of {own} once all is fitted with it"
     if np.sqrt(one**2 - two**2) < rules.over_noise * noise_of(before)[joint]:
@@ -109,25 +114,21 @@ def _confirmed(before: Estimate, after: Estimate, joint: int, rules: Rules) -> s
     return None
 
 
-def _predicts_stretches(before: Estimate, after: Estimate, joint: int) -> str | None:
-    """The stretch of time whose error an addition raises when it is fitted to the others; None if none."""
-    used = _used(before, after)
-    fitted = _rms(before.fit.residual[used, joint])
+def _predicted_stretches(
+    before: Estimate, after: Estimate, joint: int
+) -> list[tuple[float, float]]:
+    """RMS errors of a joint on stretches of time fitted to the others, without and with an addition.
+
+    A pair for each number of stretches, where the rest of the log predicts them.
+    """
+    used = rows_of_both(before, after)
+    fitted, pairs = rms(before.fit.residual[used, joint]), []
     for count in STRETCHES:
         stretch = time_blocks(before.regression.log, count)
-        one, two = (_rms(held_out_residual(e, block=stretch)[used, joint]) for e in (before, after))
-        if one < PREDICTABLE * fitted and two > one:
-            own = before.model.robot.joints[joint]
-            return f"raises the error of {own} on stretches that the rest of the log predicts"
-    return None
-
-
-def _used(before: Estimate, after: Estimate) -> np.ndarray:
-    """Rows (T,) that both fits use."""
-    used = np.ones(len(before.regression.log), bool)
-    for one in (before, after):
-        used &= True if one.regression.used is None else one.regression.used
-    return used
+        one, two = (rms(held_out_residual(e, block=stretch)[used, joint]) for e in (before, after))
+        if one < PREDICTABLE * fitted:
+            pairs.append((float(one), float(two)))
+    return pairs
 
 
 def _total(error: np.ndarray, noise: np.ndarray) -> float:
@@ -148,7 +149,7 @@ def harmful(
     """
     noise = noise_of(final)
     names = final.model.robot.joints
-    for one, two, where in _errors(declared, final, other):
+    for one, two, _, where in errors_elsewhere(declared, final, other):
         worse = (two > HARM * one) & (two > ABOVE_NOISE * noise)
         if not worse.any():
             continue
@@ -157,7 +158,7 @@ def harmful(
         for step in steps:
             if step.added.law.in_one_log:
                 continue
-            rises = [b[j] - a[j] for a, b, _ in _errors(step.before, step.after, other)]
+            rises = [b[j] - a[j] for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
             raised.append((max(rises, default=0.0), step))
         rise, step = max(raised, key=lambda item: item[0], default=(0.0, None))
         if step is not None and rise > 0.0:
@@ -178,7 +179,7 @@ def proven(
     for item in left:
         if item.term is not None:
             model = with_smooth_terms(found, [item])
-            pairs = [[_rms(_log_residual(found, m, x)) for x in (None, model)] for m in other]
+            pairs = [[rms(log_residual(found, m, x)) for x in (None, model)] for m in other]
             helps = pairs and all(
                 (two <= HARM * one).all() and two[item.joint] < GAIN * one[item.joint]
                 for one, two in pairs
@@ -189,34 +190,3 @@ def proven(
             item = item if helps else replace(item, term=None)
         told.append(item)
     return told
-
-
-def _errors(before: Estimate, after: Estimate, other: Sequence[Motion]):
-    """RMS errors (n,) without and with, and where."""
-    if other:
-        for motion in other:
-            yield (
-                *(_rms(_log_residual(e, motion)) for e in (before, after)),
-                "on " + motion.source,
-            )
-        return
-    label = regions(before)
-    if label is None or len(label) != len(after.regression.torque):
-        return
-    used = _used(before, after)
-    pair = (_rms(held_out_residual(e, block=label)[used]) for e in (before, after))
-    yield (*pair, "on held-out regions of the motion")
-
-
-def _log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
-    """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
-    motion = shift_motion(motion, found.motions[0].skew - motion.skew)
-    predicted = model_torque((model or found.model).during(None), motion)
-    left = motion.decimator.apply(motion.tau - predicted)
-    kept = motion.t[motion.decimator.kept(len(motion.t))]
-    inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)
-    return left[inside] if inside.any() else left
-
-
-def _rms(x: np.ndarray) -> np.ndarray:
-    return np.sqrt((x**2).mean(axis=0))

@@ -1,0 +1,57 @@
+"""Laws that one log hardly tells apart, told apart by the error they leave on other motion.
+
+Where a user has given a second log, what a law is worth there decides between those that came near each other:
+the shape of friction between two joints' speeds, say, is a matter of how often either speed was reached.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.rules import GAIN
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.selection.elsewhere import log_residual, rms
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
+
+
+def left_elsewhere(after: Estimate, before: Estimate, joint: int, other: Sequence[Motion]) -> float:
+    """Largest ratio, over other logs, of a joint's errors under two fits."""
+    pairs = [[rms(log_residual(e, motion))[joint] for e in (after, before)] for motion in other]
+    return float(max(one / max(two, 1e-300) for one, two in pairs))
+
+
+def best_elsewhere(
+    current: Estimate,
+    chosen: Score,
+    after: Estimate,
+    rivals: Sequence[Score],
+    near: Sequence[Score],
+    other: Sequence[Motion],
+) -> tuple[Score, Estimate, list[Score]]:
+    """The law to add, its fit, and the rivals that other motion does not tell from it.
+
+    Args:
+        current: The model without any of them.
+        chosen, after: What one log prefers, and the fit with it.
+        rivals: What that log does not tell from it.
+        near: What passed too, gains nearly as much and says the same.
+        other: Logs of other motion.
+    """
+    fits = {id(chosen): (chosen, after)}
+    for score in (*rivals, *near):
+        if score.joint == chosen.joint and id(score) not in fits:
+            fits[id(score)] = (score, refit_with(current, score))
+    left = {
+        key: np.inf if fit is None else left_elsewhere(fit, current, chosen.joint, other)
+        for key, (_, fit) in fits.items()
+    }
+    best = min(left, key=left.get)
+    if left[best] > GAIN * left[id(chosen)]:
+        best = id(chosen)
+    told = [chosen, *(s for s in rivals if s is not chosen)] if best != id(chosen) else rivals
+    kept = [
+        s for s in told if id(s) != best and (id(s) not in left or GAIN * left[id(s)] <= left[best])
+    ]
+    return *fits[best], kept

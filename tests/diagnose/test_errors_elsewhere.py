@@ -1,0 +1,32 @@
+"""Errors on other motion, where joints move and where they stand."""
+
+import numpy as np
+
+from jaxswarm.diagnose.selection.elsewhere import compared
+
+
+def residuals(moving_error: float, standing_error: float, rows: int = 200):
+    """Residual (T, 1) of a joint that moves in the first half, and when it does."""
+    moving = (np.arange(rows) < rows // 2)[:, None]
+    return np.where(moving, moving_error, standing_error), moving
+
+
+def test_what_dry_friction_holds_at_rest_does_not_hide_what_motion_shows():
+    before, moving = residuals(0.25, 2.8)
+    after, _ = residuals(0.15, 2.8)
+    one, two, falls = compared(before, after, moving)
+    assert two[0] / one[0] > 0.99
+    assert falls[0]
+
+
+def test_what_helps_at_rest_alone_is_a_fall_too():
+    before, moving = residuals(0.25, 2.8)
+    after, _ = residuals(0.25, 1.0)
+    assert compared(before, after, moving)[2][0]
+
+
+def test_neither_a_standing_joint_nor_an_equal_error_falls():
+    before, moving = residuals(0.25, 0.0)
+    assert not compared(before, before, moving)[2][0]
+    assert not compared(before * 0.0, before * 0.0, moving)[2][0]
+    assert not compared(before, before, np.zeros_like(moving))[2][0]
