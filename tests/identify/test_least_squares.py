@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from small_problems import make_regression, waves
 
+from jaxswarm.identify.estimation.bounded import solve
 from jaxswarm.identify.estimation.covariance import correlation_length, moving_sums
 from jaxswarm.identify.estimation.least_squares import (
     compress,
     fit,
     joint_factors,
-    solve,
     weighted_factor,
 )
 from jaxswarm.identify.estimation.validate import held_out_residual

@@ -21,8 +21,8 @@ import numpy as np
 import scipy
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
+from jaxswarm.identify.estimation.bounded import solve, solve_within
 from jaxswarm.identify.estimation.covariance import sandwich, scored
-from jaxswarm.identify.estimation.inequalities import solve_above
 from jaxswarm.identify.forward.regression import Regression
 
 _BLOCK_ROWS = 512
@@ -122,40 +122,6 @@ def weighted_factor(factors: list[np.ndarray], sigma: np.ndarray) -> np.ndarray:
     return scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
 
 
-def solve(
-    factor: np.ndarray, lower: np.ndarray, upper: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Minimize ``||R theta - z||`` for the triangle ``[R z; 0 rho]`` within bounds.
-
-    Returns:
-        The minimizer (b,) and whether each component sits on a bound (b,).
-    """
-    size = factor.shape[1] - 1
-    scale = np.linalg.norm(factor[:size, :size], axis=0)
-    # Of a column that is zero in these rows, such as a contact at another time, they say nothing.
-    scale[scale == 0] = 1.0
-    matrix, target = factor[:size, :size] / scale, factor[:size, size]
-    theta = scipy.linalg.lstsq(matrix, target, check_finite=False)[0] / scale
-    outside = (theta < lower) | (theta > upper)
-    if not outside.any():
-        return theta, outside
-    bounded = scipy.optimize.lsq_linear(
-        matrix, target, (lower * scale, upper * scale), method="bvls"
-    )
-    theta = np.clip(bounded.x / scale, lower, upper)
-    return theta, (theta == lower) | (theta == upper)
-
-
-def _solve_above(factor, lower, upper, rows):
-    """:func:`solve` where ``rows @ theta`` must not be negative either."""
-    has_low, has_high = np.isfinite(lower), np.isfinite(upper)
-    unit = np.eye(len(lower))
-    every = np.concatenate([rows, unit[has_low], -unit[has_high]])
-    least = np.concatenate([np.zeros(len(rows)), lower[has_low], -upper[has_high]])
-    theta = np.clip(solve_above(factor, every, least), lower, upper)
-    return theta, (theta == lower) | (theta == upper)
-
-
 def weighted_cost(residual: np.ndarray, sigma: np.ndarray) -> float:
     """Sum of squares of a residual (T, n) in units of ``sigma`` (n,)."""
     return float(((residual / sigma) ** 2).sum())
@@ -233,7 +199,7 @@ def solved(
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
         if above is not None and (above[:, base.kept] @ values < 0).any():
-            values, at_bound = _solve_above(triangle, low, high, above[:, base.kept])
+            values, at_bound = solve_within(triangle, low, high, above[:, base.kept])
         residual = regression.target - regression.columns @ base.expand(values)
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
