@@ -1,11 +1,12 @@
 """Widths of the smooth sign that joints share, or have of their own."""
 
 import numpy as np
+import pytest
 from small_problems import make_motion, planar_arm
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.estimation.estimate import _apart
+from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
 
 LAWS = tuple(Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2))
 
@@ -32,17 +33,29 @@ def test_joints_of_clearly_different_widths_have_their_own():
 
 def test_a_single_joint_apart_frees_those_that_are_known_well_enough():
     x, error = np.array([0.9, -0.5, 0.1, 0.6]), np.array([0.02, 0.03, 0.02, 1.5])
-    assert _apart(x, error).tolist() == [0, 1, 2]
+    assert apart(x, error).tolist() == [0, 1, 2]
 
 
 def test_no_joint_is_freed_for_what_may_be_chance():
     x, error = np.array([0.2, -0.4, 0.1]), np.array([0.07, 0.1, 0.05])
-    assert not len(_apart(x, error))
-    assert not len(_apart(np.zeros(0), np.zeros(0)))
+    assert not len(apart(x, error))
+    assert not len(apart(np.zeros(0), np.zeros(0)))
 
 
 def test_a_sign_far_off_is_freed_though_its_error_is_large():
     """What another joint lacks widens all errors; a sign four times too wide is still one."""
     x = np.array([-1.35, -0.12, -1.24, -1.49, -0.75, 0.04, 0.06])
     error = np.array([0.327, 0.041, 0.303, 0.292, 0.254, 0.016, 0.043])
-    assert {0, 2, 3} <= set(_apart(x, error).tolist())
+    assert {0, 2, 3} <= set(apart(x, error).tolist())
+
+
+def test_what_a_log_hardly_tells_leans_on_what_it_tells_of_the_others():
+    groups, split = [(0, 1, 2, 3)], [(2, 3), (0,), (1,)]
+    width = (0.01, 0.02, 0.002, 0.002)
+    middle = np.sqrt(0.01 * 0.02)
+    told = [told_by_the_others(groups, split, width, {2: e, 3: e}) for e in (1e-3, 0.25, 100.0)]
+    assert all(w[:2] == width[:2] and w[2] == w[3] for w in told)
+    assert told[0][2] == pytest.approx(0.002, rel=1e-3)
+    assert 0.002 < told[1][2] < middle
+    assert told[2][2] == pytest.approx(middle, rel=1e-3)
+    assert told_by_the_others(groups, groups, width, {2: 1.0, 3: 1.0}) == width

@@ -48,7 +48,7 @@ def choose_again(
         progress: Called with one line per effect.
         other: Logs of other motion; what changes may not raise the error there.
     """
-    if len(steps) > 1:
+    if len(steps) > 1 or _doubtful(steps, current):
         done, found, changed = reconsider(steps, current, asked, rules, seed, progress, other)
         if changed:
             return done, found, True
@@ -65,6 +65,15 @@ def choose_again(
         if told:
             return (*told, True)
     return list(steps), current, False
+
+
+def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
+    """Whether what was added is no longer certain, since clocks were moved, say."""
+    errors = {
+        t.identity: (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
+    }
+    added = [step.added.identity for step in steps]
+    return any(not is_certain(*errors[key]) for key in added if key in errors)
 
 
 def reconsider(

@@ -86,8 +86,8 @@ def survives(
     elsewhere = list(errors_elsewhere(before, after, other))
     if not stretches and not elsewhere:
         return "cannot be shown: no part of the log predicts another, so record another motion"
-    for one, two, falls, where in elsewhere:
-        worse = (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
+    for one, two, falls, rises, where in elsewhere:
+        worse = rises & (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
         if worse.any():
             j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
             return f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
@@ -149,8 +149,8 @@ def harmful(
     """
     noise = noise_of(final)
     names = final.model.robot.joints
-    for one, two, _, where in errors_elsewhere(declared, final, other):
-        worse = (two > HARM * one) & (two > ABOVE_NOISE * noise)
+    for one, two, _, rises, where in errors_elsewhere(declared, final, other):
+        worse = rises & (two > HARM * one) & (two > ABOVE_NOISE * noise)
         if not worse.any():
             continue
         j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
@@ -158,8 +158,8 @@ def harmful(
         for step in steps:
             if step.added.law.in_one_log:
                 continue
-            rises = [b[j] - a[j] for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
-            raised.append((max(rises, default=0.0), step))
+            more = [b[j] - a[j] for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
+            raised.append((max(more, default=0.0), step))
         rise, step = max(raised, key=lambda item: item[0], default=(0.0, None))
         if step is not None and rise > 0.0:
             told = f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"

@@ -23,6 +23,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
     widths_apart,
 )
 from jaxswarm.identify.estimation.least_squares import Fit
+from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
 from jaxswarm.identify.estimation.sign_width import best_widths, width_groups, width_range
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.body import tilted
@@ -33,15 +34,6 @@ from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
-
-# Widths of one kind of joint differ where one is apart from what they share by so many standard errors: on
-# clean practice logs of equal widths the largest ratio was 4.3 (q02, joint 7), on nine worlds whose widths
-# differ the largest of each log was 8 to 40. Standard errors of widths are too small by this factor, since
-# what is wrong with them is the motion near zero velocity: the same logs. A sign twice as sharp or as wide is
-# believed at three: beside another joint's missing law a width four times too large had no more, and
-# two Stribeck laws of three times the dry friction were put on top of it.
-_CLEARLY, _DOUBTED = 6.0, 2.0
-_FAR, _FAR_CLEARLY = np.log(2.0), 3.0
 
 
 @dataclass(frozen=True)
@@ -112,10 +104,16 @@ def estimate(
     moving = free_parameters(terms, _free_widths(motions, groups, width))
     # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
     here = newton(problem, moving, settle(problem, Place(terms, width), pi))
-    split = _own_widths(problem, here, groups) if groups else groups
+    split, doubt = _own_widths(problem, here, groups) if groups else (groups, {})
     if split != groups:
         moving = free_parameters(terms, _free_widths(motions, split, here.place.width))
         here = newton(problem, moving, here)
+        told = told_by_the_others(groups, split, here.place.width, doubt)
+        if told != here.place.width:
+            known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
+            moving = free_parameters(terms, _free_widths(motions, known, told))
+            there = here.place._replace(width=told), here.pi
+            here = newton(problem, moving, settle(problem, *there))
     return _finish(problem, here, moving)
 
 
@@ -129,8 +127,12 @@ def _free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter
     ]
 
 
-def _own_widths(problem: Problem, here: Settled, groups) -> list[tuple[int, ...]]:
-    """The groups, without the joints whose sign is another than their group's."""
+def _own_widths(
+    problem: Problem, here: Settled, groups
+) -> tuple[list[tuple[int, ...]], dict[int, float]]:
+    """The groups without the joints whose sign is another than their group's, and what joints' widths are
+    doubted by (logarithms).
+    """
     alone = [
         width_parameter((j,), width_range(problem.motions, group))
         for group in groups
@@ -139,34 +141,18 @@ def _own_widths(problem: Problem, here: Settled, groups) -> list[tuple[int, ...]
     ]
     alone = [one for one in alone if one.lower < here.place.width[one.joints[0]] < one.upper]
     if not alone:
-        return groups
+        return groups, {}
     change, doubt = widths_apart(problem, alone, here)
     scale = np.array([np.log(one.upper / one.lower) for one in alone])
-    log_ratio, error = change * scale, doubt * scale
+    joints = [one.joints[0] for one in alone]
+    ratio, error = (dict(zip(joints, x * scale, strict=True)) for x in (change, doubt))
     own = set()
     for group in groups:
-        rows = [k for k, one in enumerate(alone) if one.joints[0] in group]
-        own |= {alone[rows[k]].joints[0] for k in _apart(log_ratio[rows], error[rows])}
+        rows = [j for j in group if j in ratio]
+        found = apart(np.array([ratio[j] for j in rows]), np.array([error[j] for j in rows]))
+        own |= {rows[k] for k in found}
     rest = [tuple(j for j in group if j not in own) for group in groups]
-    return [*(group for group in rest if group), *((j,) for j in sorted(own))]
-
-
-def _apart(x: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Which joints of a kind have widths of their own, from the logarithms (m,) of theirs over the shared one.
-
-    None, unless one is clearly apart. Then widths do differ, by a spread that is found by moments
-    (R. DerSimonian, N. Laird, Controlled Clinical Trials 7 (1986)), and all those are freed that are known
-    better than that.
-    """
-    clear = (np.abs(x) > _CLEARLY * error) | (
-        (np.abs(x) > _FAR) & (np.abs(x) > _FAR_CLEARLY * error)
-    )
-    if not clear.any():
-        return np.zeros(0, dtype=int)
-    weight = 1.0 / (_DOUBTED * error) ** 2
-    excess = (weight * (x - np.average(x, weights=weight)) ** 2).sum() - (len(x) - 1)
-    spread = np.sqrt(max(excess, 0.0) / (weight.sum() - (weight**2).sum() / weight.sum()))
-    return np.flatnonzero((_DOUBTED * error < spread) | clear)
+    return [*(group for group in rest if group), *((j,) for j in sorted(own))], error
 
 
 def _uncertainty(solution: Fit) -> Uncertainty:
