@@ -10,7 +10,7 @@ the keys, and gets a result whose arrays are spread over all devices: a host rea
 ``array.addressable_shards``, as ``status.message`` and the text of a result do.
 
 With ``initialize(..., heartbeat_timeout_seconds=30)`` a host that is lost ends the others within a minute;
-what they print names it, ``task:1`` for process 1. A search that has to outlive that is
+what they print names it by its number. A search that has to outlive that is
 ``minimize_resumable`` on every host, with its share of the keys and a path of its own: the same call goes on.
 """
 
