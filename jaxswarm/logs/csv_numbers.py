@@ -47,7 +47,8 @@ def _read(path: Path, file: TextIO) -> Table:
     refuse_large(path, _NUMBER * most * len(names))
     # Memory that nothing is written to is none, so that a few rows too many cost nothing.
     values, lines = np.empty((len(names), most)), np.empty(most, dtype=int)
-    rows, notes = 0, []
+    rows = 0
+    notes: list[str] = []
     while body := [*first, *islice(numbered, _LINES)]:
         first = []
         if delimiter != ",":

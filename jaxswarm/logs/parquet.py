@@ -69,7 +69,8 @@ def _numbers(name: str, column: Any) -> tuple[np.ndarray | None, list[str]]:
     matrix = _matrix(column)
     if matrix is not None:
         return matrix, []
-    values, notes = column.to_numpy(), []
+    values = column.to_numpy()
+    notes: list[str] = []
     if values.dtype.kind in "Mm":
         values, notes = seconds(name, values)
     elif values.dtype.kind == "O":
