@@ -39,9 +39,8 @@ def read_csv(path: Path) -> Table:
     table = of_numbers(path) or _of_text(path)
     if "" not in table.columns and "" not in table.rejected:
         return table
-    columns, rejected = (
-        {name: x for name, x in given.items() if name} for given in (table.columns, table.rejected)
-    )
+    columns = {name: x for name, x in table.columns.items() if name}
+    rejected = {name: why for name, why in table.rejected.items() if name}
     note = "A column without a name in the header was left out."
     return replace(table, columns=columns, rejected=rejected, notes=(*table.notes, note))
 
