@@ -57,19 +57,23 @@ def told_by_the_others(
         width: As fitted, (n,).
         error: Standard error of the logarithm of a joint's own width.
 
-    >>> told_by_the_others([(0, 1, 2)], [(2,), (0,), (1,)], (0.01, 0.02, 0.001), {2: 100.0})
-    (0.01, 0.02, 0.0141421...)
+    >>> told = told_by_the_others([(0, 1, 2)], [(2,), (0,), (1,)], (0.01, 0.02, 0.001), {2: 100.0})
+    >>> [round(w, 5) for w in told]
+    [0.01, 0.02, 0.01414]
     """
     told = list(width)
     for group in groups:
         rest = next((g for g in split if g and set(g) < set(group) and len(split) > 1), ())
         freed = [j for j in group if j not in rest]
-        errors = [error[j] for j in rest if j in error]
-        if len(freed) < 2 or not errors:
+        if len(freed) < 2 or not any(j in error for j in rest):
             continue
         known = np.log([width[j] for j in freed])
-        spread, doubt = known.std(ddof=1), _DOUBTED * np.median(errors)
-        part = spread**2 / max(spread**2 + doubt**2, 1e-300)
+        spread = max(known.std(ddof=1), 1e-9)
+        # What a log does not tell at all has no error: it is told by the others alone.
+        doubts = [
+            _DOUBTED * error[j] if np.isfinite(error[j]) else np.inf for j in rest if j in error
+        ]
+        part = 1.0 / (1.0 + (np.median(doubts) / spread) ** 2)
         leaning = np.exp(known.mean() + part * (np.log(width[rest[0]]) - known.mean()))
         for j in rest:
             told[j] = float(leaning)
