@@ -127,9 +127,15 @@ def safe(content: Any) -> Any:
 
 def notes(logs: Sequence[dict]) -> None:
     """Print on stderr what was found in logs while they were read."""
-    for log in () if _QUIET.get() else logs:
-        for note in log.get("notes", ()):
-            print(f"note: {printable(str(log['source']))}: {printable(note)}", file=sys.stderr)
+    for log in logs:
+        for text in log.get("notes", ()):
+            note(f"{log['source']}: {text}")
+
+
+def note(text: str) -> None:
+    """Print on stderr what a user should know, unless nothing but errors is asked for."""
+    if not _QUIET.get():
+        print(f"note: {printable(text)}", file=sys.stderr)
 
 
 def table(rows: list[dict], json: bool, columns: tuple[str, ...]) -> None:

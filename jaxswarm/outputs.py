@@ -28,7 +28,7 @@ _UNSAFE = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|$\[\]]')
 # Characters of a stem or an ending: short enough for the usual limit of 255 bytes.
 _LONGEST_NAME = 60
 
-Content = str | bytes | Callable[[Path], None]
+Content = str | bytes | Callable[[Path], object]
 
 
 def check_folder(folder: Path) -> Path:

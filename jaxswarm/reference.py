@@ -3,11 +3,22 @@
 import inspect
 import re
 from collections.abc import Iterator
+from importlib import import_module
 from typing import Any
 
 import jaxswarm
 from jaxswarm.effects import REGISTRY, Effect
 from jaxswarm.swarm import OPTIMIZERS
+
+_HOW_TO = (
+    "jaxswarm.howto.your_robot",
+    "jaxswarm.howto.your_log",
+    "jaxswarm.howto.your_effect",
+    "jaxswarm.swarm.own",
+    "jaxswarm.howto.reading_a_verdict",
+    "jaxswarm.howto.scale",
+    "jaxswarm.howto.what_it_cannot_see",
+)
 
 
 def main() -> None:
@@ -16,8 +27,9 @@ def main() -> None:
 
 
 def markdown() -> str:
-    """All effects, optimizers, commands and public names, one chapter each."""
+    """How to go on, and all effects, optimizers, commands and public names, one chapter each."""
     chapters = (
+        ("How to", _how_to()),
         ("Effects", _effects()),
         ("Optimizers", _optimizers()),
         ("Commands", _commands()),
@@ -27,6 +39,16 @@ def markdown() -> str:
     for title, content in chapters:
         lines += ["", f"## {title}", *content]
     return "\n".join(lines)
+
+
+def _how_to() -> Iterator[str]:
+    for name in _HOW_TO:
+        words = inspect.cleandoc(import_module(name).__doc__ or "")
+        title, _, content = words.partition("\n\n")
+        yield from ("", f"### {title.rstrip('.')}")
+        for block in content.split("\n\n"):
+            shown = f"```python\n{block}\n```" if block.startswith(">>>") else block
+            yield from ("", shown.replace("``", "`") if shown is block else shown)
 
 
 def _effects() -> Iterator[str]:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from jaxswarm.errors import Notice, printable
+from jaxswarm.errors import Notice
 
 INTERRUPTED, TERMINATED, PIPE_CLOSED = 130, 143, 141  # 128 and the number of the signal
 
@@ -39,13 +39,13 @@ def prepare_streams() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def show_notices() -> None:
-    """Print notices as sentences on stderr, each time they are given."""
+def show_notices(note: Callable[[str], None]) -> None:
+    """Have notices told as sentences, each time they are given."""
     before = warnings.showwarning
 
     def show(message, category, *place, **more) -> None:
         if issubclass(category, Notice):
-            print(f"note: {printable(str(message))}", file=sys.stderr)
+            note(str(message))
         else:
             before(message, category, *place, **more)
 

@@ -4,11 +4,15 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from jaxswarm import console, terminal
 from jaxswarm.claim import claim
 from jaxswarm.errors import InputError, shown_message
+
+# Where this command has finished its files; None: it writes none, or not yet.
+_FINISHED: ContextVar[Path | None] = ContextVar("finished", default=None)
 
 
 def run(command: Callable[[], None]) -> None:
@@ -19,7 +23,8 @@ def run(command: Callable[[], None]) -> None:
             signal where one ended the work, and whatever the command itself ends with.
     """
     terminal.prepare_streams()
-    terminal.show_notices()
+    terminal.show_notices(console.note)
+    _FINISHED.set(None)
     try:
         with terminal.catch_termination():
             try:
@@ -33,12 +38,23 @@ def run(command: Callable[[], None]) -> None:
         raise SystemExit(_say_unprinted(error)) from None
     except (SystemExit, KeyboardInterrupt) as end:
         raise SystemExit(_explain(end)) from None
+    except ImportError as error:
+        # Compiled modules turn a signal that arrives while they load into a failed import.
+        if not any(isinstance(cause, KeyboardInterrupt) for cause in _causes(error)):
+            raise
+        raise SystemExit(_explain(error)) from None
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    cause: BaseException | None = error
+    while cause is not None:
+        yield cause
+        cause = cause.__context__
 
 
 def _explain(end: BaseException) -> int | str | None:
     """Exit code; the library for the command line ends without a word on interrupts and closed pipes."""
-    cause: BaseException | None = end
-    while cause is not None:
+    for cause in _causes(end):
         if isinstance(cause, terminal.Terminated):
             print("terminated", file=sys.stderr)
             return terminal.TERMINATED
@@ -47,7 +63,6 @@ def _explain(end: BaseException) -> int | str | None:
             return terminal.INTERRUPTED
         if isinstance(cause, BrokenPipeError):
             return _say_unprinted(cause)
-        cause = cause.__context__
     return end.code if isinstance(end, SystemExit) else 1
 
 
@@ -55,9 +70,13 @@ def _say_unprinted(error: OSError) -> int:
     terminal.drop_stdout()
     if isinstance(error, BrokenPipeError):
         return terminal.PIPE_CLOSED  # whoever reads has seen enough: no failure worth a word
+    if error.filename is not None:  # a file, which no stream of ours has a name like
+        print(f"error: {shown_message(f'{error.filename}: {error.strerror}')}", file=sys.stderr)
+        return 2
+    done = _FINISHED.get()
+    kept = "" if done is None else f"; what --out {shown_message(str(done))} names is complete"
     print(
-        f"error: cannot print the result ({error.strerror}); files in --out are complete, "
-        "print to another place",
+        f"error: cannot print the result ({error.strerror}){kept}; print to another place",
         file=sys.stderr,
     )
     return 2
@@ -80,6 +99,7 @@ def work(
         files = [path for path in inputs if path is not None and os.path.isfile(path)]
         with claim(out, inputs, names), console.working(files) as progress:
             yield progress
+        _FINISHED.set(out)
     except KeyboardInterrupt:
         if resumable:
             print(f"the same command goes on from what is kept in {out}", file=sys.stderr)

@@ -137,3 +137,16 @@ def test_a_dead_torque_is_refused_by_every_fit(folder, tmp_path):
     assert_refused(run("diagnose", log, *model, *given), "torque of slide", "dead")
     assert_refused(identify(folder / "log.csv", tmp_path / "out", "--validation", log), "dead")
     assert run("predict", model[1], log, "--out", tmp_path / "p.csv")[0] == 0
+
+
+def test_a_recording_that_is_a_folder_proves_nothing_about_itself(tmp_path):
+    from jaxswarm.errors import InputError
+    from jaxswarm.identify.run import refuse_repeated
+
+    for name, content in (("one", b"motion"), ("two", b"motion"), ("three", b"another")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "metadata.yaml").write_bytes(b"rosbag2")
+        (tmp_path / name / "bag.mcap").write_bytes(content)
+    refuse_repeated([tmp_path / "one", tmp_path / "three"])
+    with pytest.raises(InputError, match="two: holds the same as .*one"):
+        refuse_repeated([tmp_path / "one", tmp_path / "two"])

@@ -17,6 +17,20 @@ def text():
     return markdown()
 
 
+def test_how_to_go_on_comes_first_and_its_examples_are_run(text):
+    chapters = text.split("\n## ")[1].split("\n### ")
+    titles = [chapter.splitlines()[0] for chapter in chapters[1:]]
+    assert titles[:3] == ["Your robot", "Your log", "Your effect"] and len(titles) == 7
+    for chapter in chapters[1:]:
+        assert "```python\n>>> " in chapter, chapter.splitlines()[0]
+        assert chapter.count("```") % 2 == 0 and "``" not in chapter.replace("```", "")
+    options = {o for o in re.findall(r"`?(--[a-z-]+)", "".join(chapters))}
+    known = {
+        o for c in typer.main.get_command(app).commands.values() for p in c.params for o in p.opts
+    }
+    assert options <= known, options - known
+
+
 def test_every_effect_with_its_parameters_and_source(text):
     for law in REGISTRY.values():
         part = text.split(f"### `{law.name}`\n")[1].split("\n### ")[0]

@@ -1,5 +1,6 @@
 """The command as a process: streams that are narrow, full or closed, signals, no home, odd names."""
 
+import errno
 import json
 import os
 import signal
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 from slide import EFFECTS, assert_refused, identify, run, slide_log
 
-from jaxswarm import terminal
+from jaxswarm import terminal, work
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -61,6 +62,7 @@ def test_stdout_full_closed_or_unread():
     with open("/dev/full", "wb") as full:
         code, _, err = finish(start("effects", stdout=full))
     assert code == 2 and err.startswith("error: cannot print the result (No space left on device)")
+    assert "--out" not in err  # there is none: the command only prints
     reader, writer = os.pipe()
     os.close(reader)
     code, _, err = finish(start("effects", "--json", stdout=writer))
@@ -68,6 +70,23 @@ def test_stdout_full_closed_or_unread():
     assert (code, err) == (141, "")
     closed = start("effects", "--json", preexec_fn=lambda: os.close(1), stdout=None)
     assert finish(closed)[0] == 0
+
+
+def test_a_full_stdout_names_the_files_that_are_complete(tmp_path, log):
+    out = tmp_path / "seen"
+    with open("/dev/full", "wb") as full:
+        code, _, err = finish(start("inspect", log, "--out", out, stdout=full))
+    assert code == 2 and "cannot print the result" in err and str(out) in err
+    assert (out / "inspection.json").is_file()
+
+
+def test_a_failing_file_is_named_and_not_taken_for_a_full_stdout(capsys):
+    def command():
+        raise OSError(errno.EIO, "Input/output error", "/mnt/arm.csv")
+
+    with pytest.raises(SystemExit, match="2"):
+        work.run(command)
+    assert capsys.readouterr().err == "error: /mnt/arm.csv: Input/output error\n"
 
 
 def test_a_user_without_name_and_home(tmp_path, log):
@@ -135,6 +154,24 @@ work.run(lambda: exec(text, {"os": os, "signal": signal, "time": time}))
     )
     code, _, err = finish(process)
     assert (code, err) == (130, "interrupted\n")
+
+
+def test_an_interrupt_while_a_compiled_module_loads(capsys):
+    def load():
+        try:
+            raise terminal.Interrupted
+        except KeyboardInterrupt as signal_in_between:
+            raise ImportError("error while initializing the extension") from signal_in_between
+
+    with pytest.raises(SystemExit) as ended:
+        work.run(load)
+    assert ended.value.code == 130 and capsys.readouterr().err == "interrupted\n"
+
+    def miss():
+        raise ImportError("no such module")
+
+    with pytest.raises(ImportError, match="no such module"):
+        work.run(miss)
 
 
 def test_names_that_are_no_unicode_or_too_long(tmp_path):

@@ -32,6 +32,7 @@ def main() -> None:
     parser.add_argument("--commands", type=int, default=50, help="fuzz: whole commands")
     parser.add_argument("--kills", type=int, default=30, help="faults: kill -9 at random moments")
     parser.add_argument("--arms", type=int, default=3, help="spoiled, null: clean arms")
+    parser.add_argument("--first", type=int, default=0, help="spoiled: number of the first arm")
     parser.add_argument(
         "--judged", type=int, default=1, help="spoiled: arms that are diagnosed, too"
     )
@@ -51,7 +52,7 @@ def main() -> None:
     if options.part == "spoiled":
         from benchmarks.trust.spoiled import spoiled
 
-        spoiled(options.arms, options.judged)
+        spoiled(options.arms, options.judged, options.first)
     if options.part == "null":
         from benchmarks.trust.null import null
 

@@ -24,8 +24,8 @@ from jaxswarm.swarm import Space, cma_es, minimize_resumable, sepso, shade
 space = Space.vector([-5.0] * 8, [5.0] * 8)
 cost = lambda x, args: (x**2 - 10 * jax.numpy.cos(2 * jax.numpy.pi * x)).sum()
 for name, optimizer in {"cma_es": cma_es(), "shade": shade(), "sepso": sepso()}.items():
-    found = minimize_resumable(cost, optimizer, space, jax.random.key(1), num_steps=3000, path=name + ".ckpt",
-                               every=100)
+    found = minimize_resumable(cost, optimizer, space, jax.random.key(1), num_steps=1000, path=name + ".ckpt",
+                               every=50)
     Path("out").mkdir(exist_ok=True)
     Path("out/" + name).write_bytes(np.asarray(found.params).tobytes() + np.asarray(found.value).tobytes())
 """
@@ -36,7 +36,10 @@ JOBS: dict[str, tuple[str, ...]] = {
         *(*_COMMAND, "identify", "log.csv", *_ARM, "--out", OUT, "--effects", "viscous_friction"),
         *("--optimizer", "sepso", "--steps", "200"),
     ),
-    "diagnose": (*_COMMAND, "diagnose", "log.csv", *_ARM, "--out", OUT),
+    "diagnose": (
+        *(*_COMMAND, "diagnose", "log.csv", *_ARM, "--out", OUT),
+        *("--declare", "viscous_friction,coulomb_friction@joint1"),
+    ),
     "diagnose --model": (
         *(*_COMMAND, "diagnose", "log.csv", *_ARM, "--out", OUT),
         *("--model", "model.json"),

@@ -18,11 +18,14 @@ class Spoiling(NamedTuple):
         spoil: Takes the log, a joint and random numbers.
         said: Words one of which a right complaint holds: a check's name, or a part of a note.
         effects: Effects that are a right answer, too: the log is as if the arm had them.
+        hides: Whether it may change nothing that shows: another robot explains such a log as well, as with the
+            zero of a last joint, or the scale of a joint that nothing couples to the others.
     """
 
     spoil: Spoil
     said: tuple[str, ...]
     effects: tuple[str, ...] = ()
+    hides: bool = False
 
 
 def column(
@@ -116,15 +119,17 @@ def _resting(log: Log, j: int, rng) -> Log:
 
 
 SPOILINGS: dict[str, Spoiling] = {
-    "torque sign": Spoiling(_torque(np.negative), ("torque_sign", "position_sign")),
-    "position sign": Spoiling(_position(np.negative), ("position_sign", "torque_sign")),
+    "torque sign": Spoiling(_torque(np.negative), ("torque_sign", "position_sign"), hides=True),
+    "position sign": Spoiling(_position(np.negative), ("position_sign", "torque_sign"), hides=True),
     "torques swapped": Spoiling(
         lambda log, j, rng: replace(log, tau=_swapped(log.tau, j)), ("swapped_channels", "torque_scale")),
-    "torque halved": Spoiling(_torque(lambda x: 0.5 * x), ("torque_scale",), ("drive_gain",)),
-    "torque 20 ms late": Spoiling(_late, ("late_torque",), ("time_delay",)),
-    "encoder scale 2": Spoiling(_position(lambda x: 2.0 * x), ("encoder_scale",)),
-    "time scale 2": Spoiling(lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",)),
-    "encoder zero 0.3 rad": Spoiling(_position(lambda x: x + 0.3), ("encoder_offset",), ("encoder_offset",)),
+    "torque halved": Spoiling(_torque(lambda x: 0.5 * x), ("torque_scale",), ("drive_gain",), True),
+    "torque 20 ms late": Spoiling(_late, ("late_torque",), ("time_delay",), True),
+    "encoder scale 2": Spoiling(_position(lambda x: 2.0 * x), ("encoder_scale",), hides=True),
+    "time scale 2": Spoiling(
+        lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",), hides=True),
+    "encoder zero 0.3 rad": Spoiling(
+        _position(lambda x: x + 0.3), ("encoder_offset",), ("encoder_offset",), True),
     "0.1 % of spikes": Spoiling(_spikes, ("spikes",)),
     "pure noise": Spoiling(
         lambda log, j, rng: replace(log, tau=rng.normal(size=log.tau.shape)), ("no_relation", "torque_unit")),

@@ -3,7 +3,7 @@
 from collections import Counter
 
 from benchmarks.trust.rows import read_rows
-from benchmarks.trust.spoiled import AS_IT_IS, ELSE, QUIET, SAID, UNSAID, WRONG
+from benchmarks.trust.spoiled import AS_IT_IS, ELSE, HIDDEN, QUIET, SAID, UNSAID, WRONG
 
 
 def table() -> str:
@@ -75,10 +75,11 @@ def _spoiled() -> list[str]:
     lines = [
         f"| logs of {arms} arms spoiled in {len({r['spoiling'] for r in rows})} ways | {len(rows)} | "
         f"{counts[SAID]} said by name, {counts[UNSAID]} not before a fit, {counts[QUIET]} by none and no wrong "
-        f"effect, {counts[WRONG]} with a wrong effect, {counts[ELSE]} refused for another reason |",
+        f"effect, {counts[WRONG]} with a wrong effect, {counts[ELSE]} refused for another reason, "
+        f"{counts[HIDDEN]} that another robot explains as well |",
         f"| the same logs as they are | {len(clean)} | {sum(r['refused'] for r in clean)} refused |",
     ]
-    fell = Counter(row["spoiling"] for row in rows if row["outcome"] != SAID)
+    fell = Counter(row["spoiling"] for row in rows if row["outcome"] not in (SAID, HIDDEN))
     if fell:
         told = ", ".join(f"{name} ({n} of {arms})" for name, n in fell.most_common())
         lines.append(f"| not said by name | {sum(fell.values())} | {told} |")

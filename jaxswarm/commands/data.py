@@ -10,6 +10,7 @@ from jaxswarm.commands.logs import with_log_options
 from jaxswarm.commands.options import Json, show
 from jaxswarm.commands.robots import with_robot_options
 from jaxswarm.runtime import start
+from jaxswarm.work import work
 
 
 def register(app: typer.Typer) -> None:
@@ -39,16 +40,17 @@ def register(app: typer.Typer) -> None:
 
         if out is not None:
             outputs.check_folder(out)
-        with console.status() as status:
-            result = tasks.inspect(logs, robot, progress=status)
         more = []
-        if out is not None:
-            from jaxswarm import plots
+        place = console.working(logs) if out is None else work(out, logs, ("inspection.json",))
+        with place as status:
+            result = tasks.inspect(logs, robot, progress=status)
+            if out is not None:
+                from jaxswarm import plots
 
-            pictures = {name: plots.png(figure) for name, figure in result.plots().items()}
-            report = {"inspection.json": outputs.to_json(result.content)}
-            outputs.write_files(out, {**report, **pictures})
-            more.append(f"written to {out}")
+                pictures = {name: plots.png(figure) for name, figure in result.plots().items()}
+                report = {"inspection.json": outputs.to_json(result.content)}
+                outputs.write_files(out, {**report, **pictures})
+                more.append(f"written to {out}")
         show(result, json, *more)
 
     @app.command(epilog="Example: jaxswarm fetch emps --out data")

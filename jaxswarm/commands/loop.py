@@ -20,6 +20,7 @@ from jaxswarm.commands.options import (
     TorqueCutoff,
     finite,
     show,
+    words_of_command,
 )
 from jaxswarm.commands.robots import RobotName, with_robot_options
 from jaxswarm.errors import InputError
@@ -128,6 +129,7 @@ def register(app: typer.Typer) -> None:
         options = Options(
             seed=seed, motion_cutoff=motion_cutoff, torque_cutoff=torque_cutoff,
             accept=tuple(accept or ()), budget=budget, discover=discover,
+            command=words_of_command(),
         )  # fmt: skip
         given = logs or []  # without logs and without a fleet there is a message before
         inputs = (*given, *(validation or ()), model, Path(robot), effects_from)

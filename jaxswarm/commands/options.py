@@ -2,6 +2,8 @@
 
 import inspect
 import os
+import shlex
+import sys
 from collections.abc import Callable, Mapping
 from math import isfinite
 from pathlib import Path
@@ -64,6 +66,17 @@ EffectsFrom = Annotated[
 ]
 
 _PIPED = 200
+
+
+def words_of_command() -> str:
+    """The words this command was called with, files by their names; not those about where it prints."""
+    kept, words = ["jaxswarm"], iter(sys.argv[1:])
+    for word in words:
+        if word == "--out":
+            next(words, None)
+        elif word not in (*screen.MODES, "--json") and not word.startswith("--out="):
+            kept.append(Path(word).name if os.path.exists(word) else word)
+    return shlex.join(kept)
 
 
 def show(result: "Result", json: bool, *more: str) -> None:

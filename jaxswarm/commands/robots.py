@@ -5,17 +5,20 @@ is the name together with the options.
 """
 
 import functools
-import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from jaxswarm import console
 from jaxswarm.commands.options import Json, widened
+from jaxswarm.commands.options import show as show_result
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
+
+if TYPE_CHECKING:
+    from jaxswarm.tables import Result
 
 RobotName = Annotated[
     str, typer.Option("--robot", help="Built-in name, .urdf, .sdf, .xml (MJCF) or .toml file.")
@@ -67,7 +70,7 @@ def with_robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
         choice = RobotChoice(arguments["robot"], parse_options(**texts))
         result = command(**{**arguments, "robot": choice})
         for note in with_effects(describe_robot(choice).notes):
-            print(f"note: {choice}: {note}", file=sys.stderr)
+            console.note(f"{choice}: {note}")
         return result
 
     return widened(run, command, _OPTIONS)
@@ -90,19 +93,41 @@ def register(app: typer.Typer) -> None:
         ]
         console.table(rows, json, ("robot", "joints", "about"))
 
-    @commands.command()
+    @commands.command(epilog="Example: jaxswarm robots show arm.urdf --out arm.png")
     @with_robot_options
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
-        """Print what was read of a robot, and draw it: robots show arm.urdf --out arm.png."""
+        """Print what was read of a robot, and draw it."""
         from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot import RobotChoice
-        from jaxswarm.robot.show import draw, print_robot, summary
+        from jaxswarm.robot.show import draw, summary
 
         choice = robot if isinstance(robot, RobotChoice) else RobotChoice(robot)
         result = summary(choice)
         result["notes"] = with_effects(result["notes"])
         if out is not None:
             draw(choice, out)
-        console.show(result, json, lambda: print_robot(result))
+        show_result(_shown(result), json)
 
     app.add_typer(commands, name="robots", epilog="Example: jaxswarm robots --json")
+
+
+def _shown(result: dict[str, Any]) -> "Result":
+    """What :func:`jaxswarm.robot.show.summary` returned, with the table of its joints."""
+    import numpy as np
+
+    from jaxswarm.tables import Result, Table
+
+    rows = []
+    for row in result["joints"]:
+        axis = " ".join(f"{round(x, 2):g}" for x in row["axis"])
+        bounds = [row["lower"], row["upper"]]
+        limits = "" if np.isnan(bounds).any() else ":".join(f"{x:.4g}" for x in bounds)
+        rows.append((row["joint"], row["kind"], row["parent"], axis, limits, f"{row['mass']:.4g}"))
+    table = Table("", ("joint", "kind", "parent", "axis", "limits", "mass [kg]"), tuple(rows))
+    gravity = " ".join(f"{g:g}" for g in result["gravity"])
+    mass = f"mass of the moving links: {result['mass']:.5g} kg"
+    lines = (
+        f"{result['robot']}: {len(rows)} moving joints, gravity {gravity} m/s^2",
+        mass if result["mass"] else "no masses: kinematics only",
+    )
+    return Result(result, lines, (table,))

@@ -28,7 +28,7 @@ from jaxswarm.effects.formula_file import law_file, law_name
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.weak import resting_joints
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.model import Model, save_model
+from jaxswarm.identify.forward.model import Model, model_text
 from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_undeclarable
@@ -158,14 +158,15 @@ def write_report(
             robot.joints[item.joint],
             units(robot)[item.joint],
         )
+    model = model_text(with_smooth_terms(final, left))
     images = {name: plots.png_bytes(figure) for name, figure in figures.items()}
     images |= drawing.finished()
     outputs.write_results(
         out,
         {
             "diagnosis.json": outputs.to_json(result),
-            "model.json": lambda path: save_model(with_smooth_terms(final, left), path),
-            "report.html": render(result, images, shown),
+            "model.json": model,
+            "report.html": render(result, images, shown, model),
             **images,
             **laws,
         },

@@ -61,6 +61,16 @@ class Term:
         known = any(name in self.values for name in names)
         return (*self.place, tuple(round(values[name], 1) for name in names) if known else None)
 
+    def apart(self, other: "Term") -> float:
+        """How far the events of two terms of one place lie apart [s]; 0 for what is no event.
+
+        A fit moves the begin of an event, and its identity with it.
+        """
+        return sum(
+            abs(self.values.get(name, 0.0) - other.values.get(name, 0.0))
+            for name in self.law.identity
+        )
+
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
         """Names of the columns of the linear parameters: ``b_joint2:viscous_friction``.
 

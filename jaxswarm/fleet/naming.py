@@ -68,7 +68,9 @@ def find_date(text: str) -> datetime | None:
     """The first date in a text; digits that are none, such as a 39th, are passed over."""
     for match in _DATE.finditer(text):
         try:
-            return datetime(*(int(part) for part in match.groups(default="0")))
+            year, month, day, *clock = (int(part) for part in match.groups(default="0"))
+            hour, minute, second = clock
+            return datetime(year, month, day, hour, minute, second)
         except ValueError:
             continue
     return None

@@ -185,7 +185,7 @@ def _pace(done: int, todo: int, before: int, seconds: float) -> str:
     return f"{done + before} of {todo + before} logs, {rate:.3g} a minute, {wait} left"
 
 
-def _table_writer(results: Callable, found) -> Callable[[Path], None]:
+def _table_writer(results: Callable, found) -> Callable[[Path], int]:
     from jaxswarm.fleet.table import write_table
 
     told = {(one.arm, one.parameter): one for one in found}

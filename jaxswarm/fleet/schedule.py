@@ -94,7 +94,7 @@ def answers(
     """What comes of every log, in the order in which they are done; see :func:`examine`."""
     from distributed import as_completed
 
-    todo, under_way = iter(sources), {}
+    todo, under_way = iter(sources), dict[Any, Source]()
     finished = as_completed(loop=client.loop)
 
     def hand_over(most: int) -> None:

@@ -102,7 +102,7 @@ def _changed(info: dict) -> datetime | None:
 
 def _steady(place: str) -> str:
     """The folder above the first wild card of a glob."""
-    return place[: _WILD.search(place).start()].rpartition("/")[0] or "/"
+    return _WILD.split(place, maxsplit=1)[0].rpartition("/")[0] or "/"
 
 
 def stamp(address: str) -> str:

@@ -24,7 +24,8 @@ def fingerprint(settings: Settings) -> str:
     """Digest of our version, the robot, the earlier model and all options."""
     robot, model = settings.robot, settings.model
     options = {k: v for k, v in vars(settings).items() if k not in ("robot", "model")}
-    told = [version("jaxswarm"), robot.name, robot.joints, robot.kinds, robot.parents, options]
+    told: list[object] = [version("jaxswarm"), robot.name, robot.joints, robot.kinds]
+    told += [robot.parents, options]
     if model is not None:
         told += [model.terms, model.width, model.filtering]
     digest = hashlib.sha256(repr(told).encode())

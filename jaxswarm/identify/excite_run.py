@@ -14,6 +14,7 @@ from jaxswarm.identify.forward.model import load_model
 from jaxswarm.logs.write import write_table
 from jaxswarm.robot.load import describe_robot, load_robot
 from jaxswarm.robot.model import Robot
+from jaxswarm.tables import Table
 
 
 def excite_file(
@@ -104,7 +105,6 @@ def picture(plan: Plan, robot: Robot) -> Figure:
 def print_excitation(result: dict, out: Path) -> None:
     """Print what a trajectory is worth and where it starts."""
     from rich.console import Console
-    from rich.table import Table
 
     console = Console()
     numbers = result["condition_number"]
@@ -125,14 +125,17 @@ def print_excitation(result: dict, out: Path) -> None:
         f"{len(result['base_parameters'])} base parameters"
     )
     torque = result["torque"]
-    table = Table("joint", "starts at", "position", "velocity", "acceleration", "torque")
+    rows = []
     for joint, used in result["limits_used"].items():
         shares = [f"{100 * share:.0f} %" for share in used.values()]
         limited = torque is not None and torque[joint]["limit"] is not None
         if torque is not None and limited:
             shares.append(f"{100 * torque[joint]['largest'] / torque[joint]['limit']:.0f} %")
-        table.add_row(joint, f"{result['start'][joint]:.4g}", *shares)
-    console.print(table)
+        else:
+            shares.append("")
+        rows.append((joint, f"{result['start'][joint]:.4g}", *shares))
+    head = ("joint", "starts at", "position", "velocity", "acceleration", "torque")
+    console.print(Table("", head, tuple(rows)))
     console.print("shares are of the limits; surroundings are not known")
     near = result["self_distance"]
     if near:

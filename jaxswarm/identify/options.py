@@ -31,6 +31,7 @@ class Options:
     accept: tuple[str, ...] = ()
     budget: float | None = None
     discover: bool = False
+    command: str | None = None  # the words it was asked with, told in the result
 
     @property
     def filtering(self) -> Filtering:

@@ -71,17 +71,22 @@ def described(logs: list[Log]) -> list[dict]:
 
 
 def refuse_repeated(paths: list[Path]) -> None:
-    """Refuse the same content twice: it would count as twice the evidence.
+    """Refuse the same content twice, of files or of recordings that are folders: no twice the evidence.
 
     Raises:
         InputError: Naming both files.
     """
     seen: dict[str, Path] = {}
     for path in paths:
-        if not os.path.isfile(path):  # nor a name that no file system takes
+        if not os.path.exists(path):  # nor a name that no file system takes
             continue
-        with open(path, "rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        inside = sorted(Path(path).rglob("*")) if os.path.isdir(path) else [Path(path)]
+        content = hashlib.sha256()
+        for part in inside:
+            if part.is_file():
+                with open(part, "rb") as file:
+                    content.update(hashlib.file_digest(file, "sha256").digest())
+        digest = content.hexdigest()
         if digest in seen:
             raise InputError(
                 f"{path}: holds the same as {seen[digest]}; the same motion twice is no second "

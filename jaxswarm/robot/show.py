@@ -1,4 +1,4 @@
-"""What was read of a robot: a table of its joints and a picture of its skeleton."""
+"""What was read of a robot, and a picture of its skeleton."""
 
 from pathlib import Path
 from typing import Any
@@ -72,32 +72,6 @@ def summary(choice: RobotChoice) -> dict[str, Any]:
 
 def _limits(choice: RobotChoice) -> dict[str, Limits]:
     return {joint.name: joint.limits for joint in describe_robot(choice).joints}
-
-
-def print_robot(result: dict[str, Any]) -> None:
-    """Print what :func:`summary` returned as a table."""
-    from rich.box import SIMPLE
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
-    grid = Table(box=SIMPLE)
-    for column in ("joint", "kind", "parent", "axis", "limits", r"mass \[kg]"):
-        grid.add_column(column, overflow="fold")
-    for row in result["joints"]:
-        axis = " ".join(f"{round(x, 2):g}" for x in row["axis"])
-        bounds = [row["lower"], row["upper"]]
-        limits = "" if np.isnan(bounds).any() else ":".join(f"{x:.4g}" for x in bounds)
-        names = (escape(row["joint"]), row["kind"], escape(row["parent"]))
-        grid.add_row(*names, axis, limits, f"{row['mass']:.4g}")
-    gravity = " ".join(f"{g:g}" for g in result["gravity"])
-    console = Console()
-    console.print(grid)
-    print(f"{result['robot']}: {len(result['joints'])} moving joints, gravity {gravity} m/s^2")
-    if result["mass"]:
-        print(f"mass of the moving links: {result['mass']:.5g} kg")
-    else:
-        print("no masses: kinematics only")
 
 
 def draw(choice: RobotChoice, path: Path) -> None:

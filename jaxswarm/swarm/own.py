@@ -1,7 +1,8 @@
-"""What it takes to write a part of one's own, in one place; ``jaxswarm`` exports it too.
+"""Your optimizer: what it takes to write a part of one's own, in one place.
 
-An optimizer is a frozen dataclass made by :func:`pytree`, whose numbers are leaves and whose sizes are
-:func:`static`, with ``init`` and ``update``; :func:`check_optimizer` tells whether it keeps the contract:
+``jaxswarm`` exports these names too. An optimizer is a frozen dataclass made by :func:`pytree`, whose
+numbers are leaves and whose sizes are :func:`static`, with ``init`` and ``update``; :func:`check_optimizer`
+tells whether it keeps the contract:
 
 >>> from typing import Any, NamedTuple
 >>> import jax, jax.numpy as jnp

@@ -10,12 +10,13 @@ import numpy as np
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model, load_model
 from jaxswarm.identify.physical.physical_model import random_columns
+from jaxswarm.identify.report.errors import error_table
 from jaxswarm.identify.report.summary import units
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import in_double
 from jaxswarm.tasks.report_check import check_report
 from jaxswarm.tasks.values import Value, values_of_model, values_of_report
-from jaxswarm.tasks.words import error_table, number
+from jaxswarm.tasks.words import number
 
 # Two values differ if they are further apart than 95 % of draws of their difference.
 _INTERVAL = 1.96

@@ -18,12 +18,13 @@ from jaxswarm.effects.term import parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak, resting_joints
 from jaxswarm.identify.forward.model import Model
+from jaxswarm.identify.report.errors import error_table
 from jaxswarm.identify.run import findings, refuse_resting_joints, refuse_undeclarable
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
 from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double, refuse_shared
-from jaxswarm.tasks.words import effect_table, error_table
+from jaxswarm.tasks.words import effect_table
 
 
 @in_double

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from jaxswarm import outputs, plots
@@ -15,7 +14,7 @@ from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
-from jaxswarm.identify.report.errors import error_rows
+from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
@@ -28,9 +27,9 @@ from jaxswarm.identify.run import (
 from jaxswarm.logs import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot import Robot
-from jaxswarm.tables import Result, Table
+from jaxswarm.tables import Result
 from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double, refuse_shared
-from jaxswarm.tasks.words import effect_table, error_table, number
+from jaxswarm.tasks.words import effect_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -147,22 +146,3 @@ def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:
         effect_table(report["effects"]),
     )
     return Fitted(report, tuple(notes), tables, model=found.model, motion=shown)
-
-
-def base_table(rows: list[dict]) -> Table:
-    """The table of base parameters of an identification."""
-    return Table(
-        "base parameters",
-        ("parameter", "value", "std error", "unit", "verdict", "stands for"),
-        tuple(
-            (
-                row["name"],
-                number(row["value"]),
-                number(row["std_error"], 2) if np.isfinite(row["std_error"]) else "",
-                row["unit"],
-                row["verdict"],
-                "" if row["expression"] == row["name"] else row["expression"],
-            )
-            for row in rows
-        ),
-    )

@@ -10,12 +10,12 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.predict import predict_log
+from jaxswarm.identify.report.errors import error_table
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import refuse_missing_channels
 from jaxswarm.logs import Log
 from jaxswarm.tables import Result, Table
 from jaxswarm.tasks.inputs import as_logs, as_model, in_double
-from jaxswarm.tasks.words import error_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,8 +1,7 @@
-"""Errors and values as cells of a table."""
+"""Values as cells of a table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from jaxswarm.identify.report.errors import error_cells
 from jaxswarm.tables import Table
 
 
@@ -13,23 +12,6 @@ def number(value: float | None, digits: int = 5) -> str:
     ('0.12346', '')
     """
     return "" if value is None or value != value else f"{value:.{digits}g}"
-
-
-def error_table(title: str, rows: Mapping[str, dict | None], joints, units: Sequence[str]) -> Table:
-    """Errors of :func:`jaxswarm.identify.forward.metrics.torque_errors` by joint, one row each.
-
-    Args:
-        title: Title of the table.
-        rows: Errors by name of the row; None is left out.
-        joints: Names, n of them.
-        units: Torque unit of each joint.
-    """
-    lines = []
-    for name, errors in rows.items():
-        if errors is None:
-            continue
-        lines.append((name, *error_cells(errors, units)))
-    return Table(title, ("torque error", *joints, "global"), tuple(lines))
 
 
 def effect_table(effects: Sequence[dict], title: str = "effects") -> Table:

@@ -133,13 +133,28 @@ def test_bad_input_is_one_message_and_writes_nothing(folder, tmp_path, monkeypat
 
 
 def test_every_command_has_an_example_that_parses():
-    group = typer.main.get_command(app)
-    for name, command in group.commands.items():
-        found = re.search(r"Example: jaxswarm (\S+)(.*)", command.epilog or "")
-        assert found and found[1] == name, name
+    commands = dict(typer.main.get_command(app).commands)
+    inner = {f"robots {name}": one for name, one in commands["robots"].commands.items()}
+    for name, command in {**commands, **inner}.items():
+        found = re.search(rf"Example: jaxswarm ({name})(.*)", command.epilog or "")
+        assert found, name
         options = {o for p in command.params for o in (*p.opts, *p.secondary_opts)}
         for word in found[2].split():
             assert not word.startswith("--") or word in options, (name, word)
+
+
+def test_quiet_says_nothing_that_is_no_error(tmp_path):
+    # The second joint follows the first: a note of the robot, which is told unless quiet is asked for.
+    joints = "".join(
+        f'<link name="l{k}"/><joint name="j{k}" type="revolute"><parent link="{parent}"/>'
+        f'<child link="l{k}"/><axis xyz="0 0 1"/><limit effort="1" velocity="1"/>{mimic}</joint>'
+        for k, parent, mimic in ((1, "base", ""), (2, "l1", '<mimic joint="j1"/>'))
+    )
+    path = tmp_path / "hand.urdf"
+    path.write_text(f'<robot name="hand"><link name="base"/>{joints}</robot>')
+    code, out, err = run("robots", "show", path)
+    assert code == 0 and "hand: 1 moving joints" in out and "j2" in err
+    assert run("--quiet", "robots", "show", path) == (0, "", "")
 
 
 def test_help_imports_nothing_heavy():

@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from html.parser import HTMLParser
+from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from results import JOINTS, RESULTS, changed, errors, explained, pictures, signa
 
 from jaxswarm.diagnose.report import figures
 from jaxswarm.diagnose.report.html import render
+from jaxswarm.diagnose.report.markup import source
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import evidence_sentence, proof_sentence
 
@@ -64,13 +66,33 @@ def test_verdict_evidence_and_proof_come_first(kind):
     assert all(words.text.count(reason) == 1 for reason in told["reasons"])
 
 
+def test_a_published_law_leads_to_its_source_and_an_own_one_nowhere():
+    assert source("") == "" and "<a" not in source("own measurement of 3 arms")
+    found = source('Dahl 1968 "A solid friction model" & more')
+    (link,) = Words(found).links
+    assert parse_qs(urlsplit(link).query)["q"] == ['Dahl 1968 "A solid friction model" & more']
+    assert "&quot;A solid" in found
+
+
+def test_the_model_and_the_command_are_on_the_page():
+    told = explained()
+    told["provenance"]["options"]["command"] = "jaxswarm diagnose arm.csv --robot 'a b.urdf'"
+    words = Words(render(told, pictures(told), None, '{"format": 1}\n'))
+    saved = [link for link in words.links if link.startswith("data:application/json")]
+    assert len(saved) == 2
+    assert base64.b64decode(saved[1].partition(",")[2]) == b'{"format": 1}\n'
+    assert "jaxswarm diagnose arm.csv --robot 'a b.urdf'" in words.told
+
+
 @pytest.mark.parametrize("kind", RESULTS)
 def test_page_is_whole_without_anything_from_elsewhere(kind):
     told = RESULTS[kind]()
     page = page_of(told)
     words = Words(page)
-    assert all(link.startswith("data:") for link in words.links)
-    bare = re.sub(r'="data:[^"]*"', "", page)
+    # What a reader may follow fetches nothing: a search for the publication of a law.
+    followed = [link for link in words.links if link.startswith("https://search.crossref.org/")]
+    assert all(link.startswith("data:") for link in words.links if link not in followed)
+    bare = re.sub(r'="data:[^"]*"|<a href="https://search[^"]*"', "", page)
     assert not re.search(r"https?:|url\(|@import|<script[^>]*src|fetch\(|XMLHttp", bare)
     assert 'name="viewport" content="width=device-width' in bare
     saved = next(link for link in words.links if link.startswith("data:application/json"))

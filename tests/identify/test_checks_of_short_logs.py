@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jaxswarm.identify.checks.channels import ROWS_THAT_HOLD, _is_valley
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.checks.channels import _is_valley, wrong_unit
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
-from jaxswarm.identify.checks.rough import Rough, Tried, samples_of
+from jaxswarm.identify.checks.rough import ROWS_THAT_HOLD, Rough, Tried, samples_of
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs import Log
 from jaxswarm.logs.frozen import without_stuck
@@ -81,6 +82,29 @@ def test_a_torque_scale_is_a_valley():
 
     assert is_valley([0.30, 0.20, 0.31, 0.90]) == [False, True, False, False]
     assert is_valley([0.22, 0.20, 0.24, 0.90]) == [False] * 4
+
+
+def test_rotors_behind_gears_are_no_misfit(arm):
+    """Of links alone their torque would leave a share that hides what is asked for."""
+    rotors = tuple(Term("rotor_inertia", j, values={"ia": 5.0}) for j in range(6))
+    log = synthetic_log(arm, rotors, 3, noise=Noise(0.0, 0.05), duration=20.0, rate=125.0)
+    rough = Rough(arm, samples_of(prepare_segments(log, Filtering(torque_cutoff=5.0))[1]))
+    assert rough.as_logged()[0].left.max() < 0.02
+
+
+@pytest.mark.parametrize("mass", [2.5, 8.0])
+def test_millinewton_meters_on_a_light_arm_are_told(mass):
+    bare = load_robot("ur10e")
+    links = random_links(bare, np.random.default_rng(0), mass=mass)
+    log = synthetic_log(
+        bare.replace(parameters=links), (), 3, noise=Noise(0.0, 0.0), duration=8.0, rate=125.0
+    )
+    samples = samples_of(prepare_segments(log, Filtering(torque_cutoff=5.0))[1])
+    unknown = bare.replace(parameters=np.zeros((6, 10)))
+    assert wrong_unit(unknown, samples) is None
+    found = wrong_unit(unknown, replace(samples, tau=1e3 * samples.tau))
+    assert found is not None and found.check == "torque_unit"
+    assert found.refused == (mass > 3.0)
 
 
 def log_of_two(rng, change):

@@ -233,3 +233,12 @@ def test_a_velocity_that_belongs_to_another_motion_leaves_the_system_solvable():
     dq = np.cos(0.05 * np.arange(400))[:, None]
     found = find_cutoffs(q, 100.0, dq, np.array([1e12]))
     assert np.isfinite(found.cutoff).all() and np.isfinite(found.noise).all()
+
+
+@pytest.mark.parametrize("cutoff", [3.0, 12.7, 200.0])
+def test_a_position_that_stands_is_kept_to_the_last_digit(cutoff):
+    stands = np.full((6000, 2), [1.2345, -2.7])
+    np.testing.assert_allclose(smooth(stands, 1000.0, cutoff), stands, rtol=1e-15)
+    velocity, ratio = np.zeros_like(stands), np.array([1e-6, 1e-4])
+    kept = smooth(stands, 1000.0, cutoff, velocity, ratio)
+    np.testing.assert_allclose(kept, stands, rtol=1e-15)

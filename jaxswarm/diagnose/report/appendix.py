@@ -73,8 +73,8 @@ def logs(result: dict) -> str:
     return text("h2", "Found in the logs") + found if found else ""
 
 
-def origin(result: dict) -> str:
-    """What was declared and asked, versions, options and digests, and the whole result to save."""
+def origin(result: dict, model: str | None = None) -> str:
+    """What was declared and asked, versions, options and digests, and result and model to save."""
     declared = grouped(result["declared"], result["joints"], "; ") or "rigid body only"
     parts = [text("h2", "Where this comes from"), text("p", f"Declared: {declared}.")]
     if result.get("model"):
@@ -83,9 +83,13 @@ def origin(result: dict) -> str:
     if source:
         inputs = [(item["name"], item["sha256"]) for item in source["inputs"]]
         parts.append(table(Grid(("file", "SHA-256"), inputs), "input files"))
-        told = {**source["options"], **{f"{k} version": v for k, v in source["versions"].items()}}
+        options = dict(source["options"])
+        parts.append(text("p", options.pop("command", None) or "", "formula"))
+        told = {**options, **{f"{k} version": v for k, v in source["versions"].items()}}
         rows = [(name, str(value)) for name, value in told.items() if value is not None]
         settings = table(Grid(("option", "value"), rows), "options and versions")
         parts.append(folded("Options and versions", settings))
     parts.append(download("diagnosis.json", outputs.to_json(result), "application/json"))
+    if model is not None:
+        parts.append(download("model.json", model, "application/json"))
     return "".join(parts)

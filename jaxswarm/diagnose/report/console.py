@@ -2,9 +2,7 @@
 
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
@@ -20,6 +18,7 @@ from jaxswarm.diagnose.report.text import (
     remaining,
     where,
 )
+from jaxswarm.tables import Table
 
 
 def print_diagnosis(result: dict, out: Path | None) -> None:
@@ -77,31 +76,7 @@ def _effects(console: Console, same: list[dict], joints: list[str]) -> None:
 
 
 def _table(console: Console, grid: Grid, title: str) -> None:
-    """Text folds where it has to, numbers never do."""
-    table = Table(
-        title=title or None,
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE,
-        padding=(0, 1),
-        # Seven columns of a change have to stand side by side.
-        collapse_padding=True,
-        pad_edge=False,
-        show_edge=False,
-    )
-    words = [not any(_is_number(row[k]) for row in grid.rows) for k in range(len(grid.head))]
-    for k, head in enumerate(grid.head):
-        if words[k]:
-            table.add_column(head, overflow="fold")
-        else:
-            table.add_column(head, no_wrap=True, justify="right")
-    for k, row in enumerate(grid.rows):
-        table.add_row(*row, style="bold" if k in grid.flagged else None)
-    console.print("", table, sep="\n")
-
-
-def _is_number(cell: str) -> bool:
-    return cell.lstrip("-")[:1].isdigit()
+    console.print("", Table(title, grid.head, tuple(grid.rows), grid.flagged), sep="\n")
 
 
 def _list(console: Console, title: str, lines: list[str]) -> None:

@@ -3,7 +3,7 @@
 from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
-from jaxswarm.diagnose.report.markup import bullets, folded, image, table, text
+from jaxswarm.diagnose.report.markup import bullets, folded, image, source, table, text
 from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import (
@@ -116,7 +116,7 @@ def _effect(effect: dict, number: int, images: dict[str, bytes]) -> str:
             text("p", worth),
             image(images, effect["picture"], words),
             folded("Runners-up", rivals),
-            text("small", f"Law: {effect['reference']}" if effect.get("reference") else ""),
+            source(effect.get("reference", "")),
         ]
     )
 

@@ -1,5 +1,6 @@
 """The tables of a diagnosis as plain text, shared by the page and the terminal; joints are rows."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from jaxswarm.diagnose.decision.rules import NEAR
@@ -23,7 +24,7 @@ class Grid(NamedTuple):
     """
 
     head: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
     flagged: frozenset[int] = frozenset()
 
 

@@ -7,7 +7,12 @@ from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.report.style import STYLE
 
 
-def render(result: dict, images: dict[str, bytes], shown: Signals | None = None) -> str:
+def render(
+    result: dict,
+    images: dict[str, bytes],
+    shown: Signals | None = None,
+    model: str | None = None,
+) -> str:
     """The page for the content of ``diagnosis.json`` and its pictures (PNG bytes by file name).
 
     Nothing on it is fetched from elsewhere, and without scripts it says the same: the only program zooms
@@ -17,6 +22,7 @@ def render(result: dict, images: dict[str, bytes], shown: Signals | None = None)
         result: The diagnosis.
         images: Pictures by name.
         shown: Torque over time to be zoomed into; None: as a picture.
+        model: Content of ``model.json``, to be saved from the page; None: there is none.
     """
     sections = [
         findings.verdict(result),
@@ -29,7 +35,7 @@ def render(result: dict, images: dict[str, bytes], shown: Signals | None = None)
         appendix.rigid_body(result),
         appendix.pictures(result, images, shown),
         appendix.logs(result),
-        appendix.origin(result),
+        appendix.origin(result, model),
     ]
     title = escape(f"{result['robot']}: {result['verdict']} - jaxswarm")
     # Without an icon of its own a browser asks the folder for one, and tells that there is none.

@@ -1,13 +1,17 @@
 """Pieces of a self-contained page; every text is escaped here and nowhere else."""
 
 import base64
+import re
 from collections.abc import Iterable
 from html import escape
+from urllib.parse import quote_plus
 
 from jaxswarm.diagnose.report.grids import Grid
 
 # Cells with more characters than this may wrap; shorter ones stay on one line.
 _SHORT = 26
+# What was published tells its year.
+_YEAR = r"\b(1[6-9]|20)\d\d\b"
 
 
 def text(tag: str, content: str, kind: str = "") -> str:
@@ -55,6 +59,14 @@ def _kind(cells: list[str]) -> str:
 
 def _cell(tag: str, content: str, kind: str) -> str:
     return f"<{tag}{f' class={kind}' if kind else ''}>{escape(content)}</{tag}>"
+
+
+def source(reference: str) -> str:
+    """Where a law comes from; of what was published a search that finds it, opened by whoever wants."""
+    if not re.search(_YEAR, reference):
+        return text("small", f"Law: {reference}" if reference else "")
+    address = f"https://search.crossref.org/search/works?q={quote_plus(reference)}&from_ui=yes"
+    return f'<small>Law: <a href="{escape(address)}">{escape(reference)}</a></small>'
 
 
 def image(images: dict[str, bytes], name: str, words: str) -> str:

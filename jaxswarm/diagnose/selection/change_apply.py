@@ -8,12 +8,19 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import CHANGE_DOUBT
 from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
+
+# Runners-up that a change remembers.
+_MOST_OTHERS = 6
+
+# A candidate with columns in units of torque, what it was worth when it was chosen, and its runners-up.
+Picked = tuple[Candidate, Score, tuple[Score, ...]]
 
 
 @dataclass(frozen=True)
@@ -42,9 +49,18 @@ class Change:
     further: np.ndarray | None = None
 
 
-def changes_of(
-    before: Estimate, picked: Sequence[tuple[Candidate, Score, tuple[Score, ...]]]
-) -> tuple[Change, ...]:
+def as_picked(chosen: Score, scores: Sequence[Score], crossfit: CrossFit) -> Picked:
+    """A chosen candidate, with the columns of the whole log in units of torque, and its runners-up."""
+    candidate = chosen.candidate
+    # Rows within an event weigh nothing.
+    weight = crossfit.weight[:, :, None]
+    raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
+    ranked = sorted(scores, key=lambda s: -s.gain)
+    others = tuple(s for s in ranked if s is not chosen)[:_MOST_OTHERS]
+    return replace(candidate, columns=(raw,) * len(candidate.columns)), chosen, others
+
+
+def changes_of(before: Estimate, picked: Sequence[Picked]) -> tuple[Change, ...]:
     """Fit all picked changes together on what the earlier model leaves."""
     held = {t.identity: t for t in before.model.terms}
     found = fit_changes(before, [candidate for candidate, _, _ in picked])
@@ -64,6 +80,12 @@ def changes_of(
             Change(term, errors, old is not None, worth, others, now, now_errors, further)
         )
     return tuple(changes)
+
+
+def doubt_of_any(changes: Sequence[Change], kinds: tuple[str, ...]) -> str | None:
+    """Why changes found together cannot be believed, by the last one that cannot."""
+    doubts = [doubt for change in changes if (doubt := doubt_of(change, kinds))]
+    return doubts[-1] if doubts else None
 
 
 def doubt_of(change: Change, kinds: tuple[str, ...]) -> str | None:

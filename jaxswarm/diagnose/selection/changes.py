@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.decision.competing import choose
@@ -20,7 +19,15 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
-from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of, with_changes
+from jaxswarm.diagnose.selection.change_again import beside, better, is_change
+from jaxswarm.diagnose.selection.change_apply import (
+    Change,
+    Picked,
+    as_picked,
+    changes_of,
+    doubt_of_any,
+    with_changes,
+)
 from jaxswarm.diagnose.selection.change_fit import crossed
 from jaxswarm.diagnose.selection.earlier_model import freeze
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
@@ -31,8 +38,8 @@ from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
-# Changes that are added, and runners-up that each of them remembers.
-_MOST_STEPS, _MOST_OTHERS = 6, 6
+# Changes that are added; another look follows where one was chosen anew.
+_MOST_STEPS = 7
 
 
 @dataclass(frozen=True)
@@ -107,10 +114,22 @@ def compare(
 class _Found:
     """The changes so far, as :class:`Comparison` tells them, and the candidates they were picked as."""
 
-    picked: list[tuple[Candidate, Score, tuple[Score, ...]]] = field(default_factory=list)
+    picked: list[Picked] = field(default_factory=list)
     changes: tuple[Change, ...] = ()
     after_each: list[Estimate] = field(default_factory=list)
     unseen: list[np.ndarray] = field(default_factory=list)
+    settled: bool = False
+
+    def take(self, search: Search, picked: list[Picked]) -> None:
+        """Let these be the changes; what they do one after the other is told of each."""
+        before = search.declared
+        self.picked, self.after_each, self.unseen = picked, [], []
+        for count in range(1, len(picked) + 1):
+            self.changes = changes_of(before, picked[:count])
+            after = freeze(with_changes(before, self.changes), before.motions)
+            self.after_each.append(after)
+            self.unseen.append(crossed(before, [c for c, _, _ in picked[:count]]))
+        search.current = self.after_each[-1]
 
 
 def _changed(found: _Found) -> Question:
@@ -125,18 +144,17 @@ def _changed(found: _Found) -> Question:
         terms = eligible_terms(search.current.model, search.current.motions, True)
         return [t for t in terms if t.identity not in known]
 
+    def act(search: Search, passed: list[Score]) -> bool:
+        return _add_change(search, found, passed) or _choose_again(search, found)
+
     return Question(
         told=lambda search: "asking what changed",
         cross_fit=lambda search: cross_fit(search.current, frozen=True),
         eligible=eligible,
         held=done,
-        act=lambda search, passed: _add_change(search, found, passed),
-        signed=lambda search, term: term.identity in _identities(search.declared),
+        act=act,
+        signed=is_change,
     )
-
-
-def _identities(one: Estimate) -> set:
-    return {t.identity for t in one.model.terms}
 
 
 def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
@@ -144,27 +162,51 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
     before = search.declared
     while passed:
         chosen, _ = choose(passed, search.rules, search.crossfit)
-        ranked = sorted(search.scores, key=lambda s: -s.gain)
-        others = tuple(s for s in ranked if s is not chosen)[:_MOST_OTHERS]
-        raw = _raw(chosen.candidate, search.crossfit)
-        picked = [*found.picked, (raw, chosen, others)]
+        picked = [*found.picked, as_picked(chosen, search.scores, search.crossfit)]
         changes = changes_of(before, picked)
-        kinds = before.model.robot.kinds
-        doubts = [d for change in changes if (d := doubt_of(change, kinds))]
-        if not doubts:
-            found.picked, found.changes = picked, changes
-            search.current = freeze(with_changes(before, changes), before.motions)
-            found.after_each.append(search.current)
-            found.unseen.append(crossed(before, [c for c, _, _ in picked]))
+        doubt = doubt_of_any(changes, before.model.robot.kinds)
+        if doubt is None:
+            found.take(search, picked)
             return True
-        search.refused.append((changes[-1].term, doubts[-1]))
+        search.refused.append((changes[-1].term, doubt))
         passed = [s for s in passed if s is not chosen]
     return False
 
 
-def _raw(candidate: Candidate, crossfit: CrossFit) -> Candidate:
-    """The candidate with the columns of the whole log in units of torque."""
-    # Rows within an event weigh nothing.
-    weight = crossfit.weight[:, :, None]
-    raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
-    return replace(candidate, columns=(raw,) * len(candidate.columns))
+def _choose_again(search: Search, found: _Found) -> bool:
+    """Ask who would be chosen for each change with the others in place; whether that led to others.
+
+    One whom nobody would choose any more is left out. From another one the search is begun anew, as those
+    after it were chosen beside the first.
+    """
+    if found.settled or len(found.picked) < 2 or search.budget.spent:
+        return False
+    found.settled = True
+    search.progress("making every choice again with the others in place")
+    former = found.picked
+    for one in former:
+        others = [p for p in found.picked if p is not one]
+        new = beside(search, others) if others else one
+        if new is None:
+            found.take(search, others)
+        elif new[0].term.identity != one[0].term.identity and _begin_with(search, found, new):
+            break
+    return found.picked is not former
+
+
+def _begin_with(search: Search, found: _Found, new: Picked) -> bool:
+    """Search from another first change on; whether the outcome is better, and taken."""
+    before = search.declared
+    if doubt_of_any(changes_of(before, [new]), before.model.robot.kinds) is not None:
+        return False
+    branch = Search(
+        before, before, search.rules, search.seed, search.memory, (), search.progress, search.budget
+    )
+    trial = _Found(settled=True)
+    trial.take(branch, [new])
+    run_rounds(branch, _changed(trial), _MOST_STEPS - 1)
+    taken = better(search, trial.picked, found.picked)
+    if taken:
+        found.take(search, trial.picked)
+        search.refused = branch.refused
+    return taken

@@ -66,10 +66,9 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
 
 def _holds(after: Estimate, term: Term, fall: float) -> bool:
     """Whether a fitted term can be, and is needed for the fall of the cost."""
-    fitted, errors = next(
-        (t, e)
-        for t, e in zip(after.model.terms, after.std_errors, strict=True)
-        if t.identity == term.identity
+    held = zip(after.model.terms, after.std_errors, strict=True)
+    fitted, errors = min(
+        ((t, e) for t, e in held if t.place == term.place), key=lambda one: one[0].apart(term)
     )
     physical = all(fitted.values[p.name] >= p.lower for p in term.law.linear)
     physical = physical and stands_for_itself(fitted, errors)

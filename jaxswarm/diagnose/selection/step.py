@@ -75,4 +75,5 @@ def chain(steps: Sequence[Step]) -> list[Step]:
 
 def find_term(found: Estimate, term: Term) -> Term:
     """A term of a model with its fitted values."""
-    return next(t for t in found.model.terms if t.identity == term.identity)
+    same = (t for t in found.model.terms if t.place == term.place)
+    return min(same, key=lambda t: t.apart(term))

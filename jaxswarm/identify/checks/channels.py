@@ -42,20 +42,16 @@ _SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8}
 # A torque's scale is a valley: any other scale of it costs this part of that more. Where a joint disagrees with
 # the others for another reason, all scales that take its word from it help alike.
 _VALLEY = 0.5
-# A fit with fewer rows per parameter than the first number bends: on a clean log of seven joints with 2.4 of
-# them half a torque lowered the sum by 1.1. There a scale has to lower it so many times more; wrong ones of six
-# joints with one or two rows per parameter lower it by 2.7 to 28.
-ROWS_THAT_HOLD, BENDS = 3.0, 4.0
 # A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
 # badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
 _SCALE_LEAVES = 0.15
 # Turns of a joint [rad] that no arm makes; degrees make them at once.
 _FAR = 4.0 * np.pi
-# Mass [kg] at the end of an arm of a meter that would need the logged torques, and how it grows with the reach:
-# clean logs lie between 0.08 and 440. The reach [m] of links without a length in the kinematics, and of slides.
-_HEAVIEST, _LIGHTEST, _POWER, _LEAST_REACH, _SLIDE = 1e3, 1e-2, 3, 0.5, 1.0
-# Below this one the torques may be in kN m: two of 79 clean logs lie there, so that it is told only.
-_LIGHT = 0.25
+# Mass [kg] of every link, all alike, that would need the logged torques, over the square of the reach [m]: 60
+# clean logs of 40 arms lie between 0.11 and 72. Below the least reach that is known (a slide alone has none)
+# another one is taken, and the limits are wider by the last number.
+_LIGHTEST, _LIGHT, _HEAVY, _HEAVIEST = 1e-2, 0.1, 100.0, 300.0
+_LEAST_REACH, _SLIDE, _WIDER = 0.5, 1.0, 10.0
 # Where the masses are known, friction and motors make up to ten times their torque; another unit a thousand.
 _OTHER_UNIT = 300.0
 _UNIT = "Log torques in N m and forces in N, or name the unit"
@@ -80,7 +76,7 @@ def enough(robot: Robot, samples: Samples) -> bool:
 def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     """The likeliest guess about signs, order and unit of angles that is far better than the log as it is."""
     logged, sigma = rough.as_logged()
-    much = BENDS if rough.rows_per_parameter < ROWS_THAT_HOLD else 1.0
+    much = rough.strictness
     guesses = [*torque_guesses(robot, rough.likely_order()), *torque_scale_guesses(robot)]
     tried = list(zip(guesses, rough.fit([g.mixture for g in guesses], sigma), strict=True))
     poor = logged.size > _POOR or logged.braking.min() < -_NONE
@@ -148,32 +144,29 @@ def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
 def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
     """Whether the torques need a mass that no arm of this reach carries, or far other ones than the robot's."""
     rigid = rigid_columns(robot, samples.q, samples.dq, samples.ddq)
-    columns = rigid[:, :, 10 * (robot.num_joints - 1)]
-    unit, torque = (np.sqrt(np.mean(x**2, axis=0)) for x in (columns, samples.tau))
+    torque = np.sqrt(np.mean(samples.tau**2, axis=0))
     known = np.sqrt(np.mean((rigid @ np.asarray(robot.parameters).ravel()) ** 2, axis=0))
     ratio = float(np.median(torque[known > 0.0] / known[known > 0.0])) if known.any() else 1.0
     if not 1.0 / _OTHER_UNIT < ratio < _OTHER_UNIT:
         what = f"the torques are {ratio:.3g} times those of the masses in the robot's file"
         return Finding("torque_unit", what, _UNIT)
-    loaded = unit > 1e-3 * unit.max()
-    if not loaded.any() or unit.max() == 0.0:
+    unit = np.linalg.norm(rigid[:, :, ::10].sum(axis=2))  # of one kilogram at every joint
+    if unit == 0.0:
         return None
-    mass = float(np.median(torque[loaded] / unit[loaded]))
+    mass = float(np.linalg.norm(samples.tau) / unit)
     length = float(np.linalg.norm(np.asarray(robot.translation), axis=1).sum())
+    wider = 1.0
     if length < _LEAST_REACH:
-        length = _SLIDE if "prismatic" in robot.kinds else _LEAST_REACH
-    scale = length**_POWER
-    if _LIGHT <= mass / scale < _HEAVIEST:
-        return None
-    if _LIGHTEST < mass / scale < _LIGHT:
-        what = f"the torques would move no more than {mass:.3g} kg at the end of an arm of {length:.2g} m"
-        remedy = "If they are in kN m, say so: --columns tau:kNm"
+        length, wider = (_SLIDE if "prismatic" in robot.kinds else _LEAST_REACH), _WIDER
+    size = mass / length**2
+    what = f"the torques would move links of {mass:.3g} kg each on an arm of {length:.2g} m"
+    if size < _LIGHTEST / wider or size > _HEAVIEST * wider:
+        return Finding("torque_unit", f"{what}, which is out of reach of any", _UNIT)
+    if size < _LIGHT / wider or size > _HEAVY * wider:
+        unit_of = "kN m" if size < 1.0 else "mN m"
+        remedy = f"If they are in {unit_of}, say so: --columns tau:{unit_of.replace(' ', '')}"
         return Finding("torque_unit", what, remedy, refused=False)
-    what = (
-        f"the torques would move {mass:.3g} kg at the end of an arm of {length:.2g} m, which is out of "
-        "reach of any"
-    )
-    return Finding("torque_unit", what, _UNIT)
+    return None
 
 
 def unrelated(rough: Rough) -> Finding | None:

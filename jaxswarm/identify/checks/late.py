@@ -2,25 +2,23 @@ r"""A torque that is late on one joint: no arm does that, a logger that reads it
 
 What a rough model leaves of a torque that is late by :math:`\theta` is, to first order,
 :math:`-\theta\,\dot\tau`. It is asked for on all joints at once; what is common to them is the clock's, which
-the model allows for (``time_delay``). Memory of friction looks like a delay as well, but takes far less off.
+the model allows for (``time_delay``). Memory of friction looks like a delay as well:
+what its bristles carry is taken off before.
 """
 
 import numpy as np
 
-from jaxswarm.identify.checks.channels import ROWS_THAT_HOLD
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
 # Time [s] by which a joint has to be apart from the others, and beyond which it is no delay of a reading. A
-# millisecond or two stand in for friction on clean logs.
-_APART, _LONGEST = 0.006, 0.06
-# Logarithm of what is left with the delay over without: on logs with any one law missing, hysteresis and
-# driven joints among them, it is -0.2 at most, and -0.25 to -0.8 where 20 ms can be seen.
-_CLEAR = -0.24
-# Where the fit has few rows it bends, and more has to go: on a clean log of six joints with two rows per
-# parameter 57 ms took 0.34 off, while 20 ms of another one with one row took 1.8.
-_CLEAR_ON_FEW = -0.9
+# millisecond or two stand in for friction on clean logs, 60 ms for bristles that bend far.
+_APART, _LONGEST = 0.006, 0.05
+# Logarithm of what is left with the delay over without, on logs of many rows; times the strictness of others.
+# On logs that lack any one law it is -0.16 at most, on measured arms -0.24 (harmonic drives); 20 ms
+# that show at all take off -0.19 to -1.1.
+_CLEAR = -0.3
 
 
 def late_torque(robot: Robot, rough: Rough) -> Finding | None:
@@ -34,7 +32,7 @@ def late_torque(robot: Robot, rough: Rough) -> Finding | None:
     _, sigma = rough.as_logged()
     found = rough.lateness(sigma)
     apart = found.seconds - np.median(found.seconds)
-    needed = _CLEAR if rough.rows_per_parameter >= ROWS_THAT_HOLD else _CLEAR_ON_FEW
+    needed = _CLEAR * rough.strictness
     clear = (np.abs(apart) > _APART) & (np.abs(found.seconds) < _LONGEST) & (found.gain < needed)
     if not clear.any():
         return None

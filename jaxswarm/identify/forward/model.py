@@ -94,6 +94,11 @@ def with_linear_values(model: Model, values: np.ndarray) -> Model:
 
 def save_model(model: Model, path: Path) -> None:
     """Write ``model.json``: everything :func:`load_model` and ``predict`` need."""
+    Path(path).write_text(model_text(model), encoding="utf-8")
+
+
+def model_text(model: Model) -> str:
+    """What ``model.json`` holds."""
     model = model.during(None)  # a contact in the log is nothing of the robot's
     robot = model.robot
     content = {
@@ -130,7 +135,7 @@ def save_model(model: Model, path: Path) -> None:
         "smooth": [to_json(term, robot.joints) for term in model.smooth],
         "uncertainty": uncertainty.to_json(model.uncertainty),
     }
-    Path(path).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    return json.dumps(content, indent=1) + "\n"
 
 
 def load_model(path: Path) -> Model:

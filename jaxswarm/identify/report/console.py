@@ -3,29 +3,16 @@
 from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
 
-from jaxswarm.identify.report.errors import error_cells, error_rows
+from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 
 
 def print_identification(report: dict, out: Path) -> None:
     """Print errors and parameters of an ``identification.json``."""
     console = Console()
-    errors = Table("torque error", *report["joints"], "global", title=f"{report['robot']}")
-    for name, part in error_rows(report).items():
-        errors.add_row(name, *error_cells(part, report["torque_units"]))
-    console.print(errors)
-    table = Table("parameter", "value", "std error", "unit", "verdict", "stands for")
-    for row in report["base_parameters"]:
-        table.add_row(
-            row["name"],
-            f"{row['value']:.5g}",
-            f"{row['std_error']:.2g}",
-            row["unit"],
-            row["verdict"],
-            "" if row["expression"] == row["name"] else row["expression"],
-        )
-    console.print(table)
+    errors = error_rows(report)
+    console.print(error_table(report["robot"], errors, report["joints"], report["torque_units"]))
+    console.print("", base_table(report["base_parameters"]), sep="\n")
     for line in consistency_lines(report) + estimator_lines(report):
         console.print(line)
     search = report["optimizer"]

@@ -1,0 +1,62 @@
+"""Who would be chosen for a change with the others in place, and whether that is better.
+
+The first choice is made while all that changed is still left: a gain that takes a little of everything then
+explains more than any one of two changes does, and what follows makes up for it.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.score import accepted
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.change_apply import (
+    Picked,
+    as_picked,
+    changes_of,
+    with_changes,
+)
+from jaxswarm.diagnose.selection.change_fit import crossed
+from jaxswarm.diagnose.selection.earlier_model import freeze
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.effects.term import Term
+
+
+def is_change(search: Search, term: Term) -> bool:
+    """Whether a term is a change of what the earlier model holds, and so of either sign."""
+    return term.identity in {t.identity for t in search.declared.model.terms}
+
+
+def beside(search: Search, others: Sequence[Picked]) -> Picked | None:
+    """Who is chosen where only the others are in place."""
+    before = search.declared
+    changes = changes_of(before, others)
+    current = freeze(with_changes(before, changes), before.motions)
+    crossfit = cross_fit(current, frozen=True)
+    held = {p[0].term.identity for p in others} | {t.identity for t, _ in search.refused}
+    eligible = [
+        t for t in eligible_terms(current.model, current.motions, True) if t.identity not in held
+    ]
+    lin = Linearization(current, crossfit, search.memory)
+    scores = score_terms(lin, eligible, search.seed, partial(is_change, search))
+    passed = accepted(scores, search.rules)
+    if not passed:
+        return None
+    chosen, _ = choose(passed, search.rules, crossfit)
+    return as_picked(chosen, scores, crossfit)
+
+
+def better(search: Search, trial: Sequence[Picked], now: Sequence[Picked]) -> bool:
+    """Whether changes leave less of unseen blocks, joint by joint in their own measure.
+
+    More of them have to be worth it, as any addition has.
+    """
+    before = search.declared
+    left = [np.square(crossed(before, [p[0] for p in ps])).mean(axis=0) for ps in (trial, now)]
+    asked = 1.0 if len(trial) <= len(now) else 1.0 - search.rules.share
+    return bool(np.mean(left[0] / np.maximum(left[1], np.finfo(float).tiny)) < asked)
