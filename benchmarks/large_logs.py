@@ -25,9 +25,18 @@ from jaxswarm.identify.forward.columns import torque_of
 from jaxswarm.identify.synthetic import random_links
 from jaxswarm.robot import load_robot
 
-TAKES = "3 minutes; a million samples of six joints 5"
+TAKES = "3 minutes; a million samples of six or seven joints 5"
 FRICTION = "viscous_friction,coulomb_friction"
-ROBOTS = {1: "emps", 2: "tx40", 3: "rx60", 6: "ur10e"}
+ROBOTS = {1: "emps", 3: "rx60", 6: "ur10e", 7: "seven.toml"}
+SEVEN = """
+[dh]
+convention = "modified"
+alpha = [0, -1.5708, 1.5708, 1.5708, -1.5708, 1.5708, 1.5708]
+a = [0, 0, 0, 0.08, -0.08, 0, 0.09]
+d = [0.33, 0, 0.32, 0, 0.38, 0, 0.1]
+"""
+# Samples that are made at a time.
+_BLOCK = 50_000
 # From here on the length of the log decides, not the start of the process.
 LONG = 100_000
 # Run by a process that does nothing else: the peak of a child is told only of all children together.
@@ -44,24 +53,30 @@ def write_log(path: Path, robot_name: str, samples: int, rate: float) -> None:
     robot = load_robot(robot_name)
     rng = np.random.default_rng(0)
     pi = random_links(robot, rng).ravel()
-    n = robot.num_joints
-    t = np.arange(samples) / rate
-    q, dq, ddq = (np.zeros((samples, n)) for _ in range(3))
-    for frequency in 0.07 * 1.37 ** np.arange(8):
-        w, size = 2 * np.pi * frequency, rng.uniform(0.05, 0.15, n)
-        angle = w * t[:, None] + rng.uniform(0, 2 * np.pi, n)
-        q += size / frequency**0.5 * np.sin(angle)
-        dq += size / frequency**0.5 * w * np.cos(angle)
-        ddq -= size / frequency**0.5 * w**2 * np.sin(angle)
-    tau = torque_of(robot, q, dq, ddq, pi)
-    tau += 5.0 * dq + 4.0 * np.tanh(dq / 0.01) + 0.2 * rng.normal(size=q.shape)
-    np.savez(path, t=t, q=q + 2e-5 * rng.normal(size=q.shape), tau=tau)
+    frequencies = 0.07 * 1.37 ** np.arange(8)[:, None]
+    w, n = 2 * np.pi * frequencies, robot.num_joints
+    size = rng.uniform(0.05, 0.15, (8, n)) / frequencies**0.5
+    start = rng.uniform(0, 2 * np.pi, (8, n))
+    t, (q, tau) = np.arange(samples) / rate, np.empty((2, samples, n))
+    for first in range(0, samples, _BLOCK):
+        part = slice(first, first + _BLOCK)
+        angle = w * t[part, None, None] + start
+        at = (size * np.sin(angle)).sum(axis=1)
+        dq = (size * w * np.cos(angle)).sum(axis=1)
+        ddq = -(size * w**2 * np.sin(angle)).sum(axis=1)
+        tau[part] = torque_of(robot, at, dq, ddq, pi) + 5.0 * dq + 4.0 * np.tanh(dq / 0.01)
+        tau[part] += 0.2 * rng.normal(size=at.shape)
+        q[part] = at + 2e-5 * rng.normal(size=at.shape)
+    np.savez(path, t=t, q=q, tau=tau)
 
 
 def measure(command: str, robot: str, samples: int, rate: float) -> dict:
     """One row: seconds on the clock and computed, and peak memory, of a command on a log."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log.npz"
+        if robot.endswith(".toml"):
+            robot = str(Path(folder) / robot)
+            Path(robot).write_text(SEVEN, encoding="utf-8")
         write_log(log, robot, samples, rate)
         effects = "--effects" if command == "identify" else "--declare"
         words = [sys.executable, "-m", "jaxswarm", command, str(log), "--robot", robot]
@@ -71,7 +86,7 @@ def measure(command: str, robot: str, samples: int, rate: float) -> dict:
             [sys.executable, "-c", RUN, *words], check=True, capture_output=True, text=True
         )
         used, peak = json.loads(done.stdout)
-        row = {"command": command, "robot": robot, "samples": samples, "rate": rate}
+        row = {"command": command, "robot": Path(robot).stem, "samples": samples, "rate": rate}
         seconds = time.perf_counter() - start
         return {**row, "seconds": seconds, "cpu_seconds": used, "peak_gib": peak}
 

@@ -13,6 +13,8 @@ from matplotlib.ticker import FixedFormatter, FuncFormatter
 
 MEASURED, MODEL, RESIDUAL, ACCENT = "#5b6770", "#d1495b", "#2e6f95", "#edae49"
 _DPI = 110
+# Dots of one panel: more of them cover each other, and take as long to draw as to fit.
+_DOTS = 10_000
 
 
 def _grid(rows: int, columns: int, width: float, height: float, **options) -> tuple:
@@ -110,12 +112,14 @@ def residual_dependence(residual, variables, joints, units, title="") -> Figure:
         title: Title of the figure.
     """
     n, m = len(joints), len(variables)
+    shown = slice(None, None, -(-len(residual) // _DOTS))
     figure, axes = _grid(n, m, 2.6 * m + 0.6, 2.1 * n + 0.6, sharey="row")
     for k, (label, values) in enumerate(variables.items()):
         values = np.broadcast_to(np.asarray(values).reshape(len(residual), -1), residual.shape)
         for j in range(n):
             axis = axes[j, k]
-            axis.plot(values[:, j], residual[:, j], ".", ms=1.5, alpha=0.25, color=MEASURED)
+            dots = values[shown, j], residual[shown, j]
+            axis.plot(*dots, ".", ms=1.5, alpha=0.25, color=MEASURED)
             center, mean, error = binned(values[:, j], residual[:, j])
             axis.errorbar(center, mean, 2 * error, color=MODEL, lw=1.2, elinewidth=0.7)
             axis.locator_params(nbins=4)

@@ -168,30 +168,26 @@ def identify_files(
         files = paths if validation is None else [*paths, validation]
         read, motions = read_motions(files, robot, options.filtering, accept=options.accept)
         unseen = None if validation is None else motions.pop()
-        logs, validated = read[: len(paths)], read[len(paths) :]
-        fitted = [part for parts in motions for part in parts]
+        logs, fitted = read[: len(paths)], [part for parts in motions for part in parts]
         refuse_resting_joints(logs, robot)
         refuse_weak(fitted, 10 * robot.num_joints, options.accept)
         refuse_missing_channels(terms, read)
+        told = {"findings": findings(read), "validation_logs": described(read[len(paths) :])}
+        summaries = described(logs)
+        # A long log is as large as all that is made of it, and its samples are not asked for again.
+        del read, logs
         progress("fitting")
         found = estimate(robot, terms, fitted)
         found, search = _searched(found, options, progress)
-        found, told, bodies = refined(found, options, progress)
-        longest = max(unseen or found.motions, key=lambda motion: len(motion.t))
-        order_pictures(drawing, found, longest, search)
+        found, estimator, bodies = refined(found, options, progress)
+        order_pictures(drawing, found, max(unseen or found.motions, key=lambda m: len(m.t)), search)
         progress("scoring")
-        report = report_of(found, logs, unseen, validation, search)
-        report |= {"estimator": told, "physical_consistency": bodies, "findings": findings(read)}
-        report["validation_logs"] = described(validated)
+        told |= {"estimator": estimator, "physical_consistency": bodies}
+        report = report_of(found, summaries, unseen, validation, search) | told
         progress("writing")
-        outputs.write_results(
-            out,
-            {
-                "model.json": lambda path: save_model(found.model, path),
-                "identification.json": outputs.to_json(report),
-                **drawing.finished(),
-            },
-        )
+        pages = {"identification.json": outputs.to_json(report)}
+        pages["model.json"] = lambda path: save_model(found.model, path)
+        outputs.write_results(out, pages | drawing.finished())
     return report
 
 

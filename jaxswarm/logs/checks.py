@@ -35,7 +35,7 @@ def check_values(table: Table, arranged: Arranged) -> None:
         values = arranged.joint.get(quantity)
         if values is None:
             continue
-        bad = ~(np.abs(values) <= _LARGEST)
+        bad = np.stack([~(np.abs(x) <= _LARGEST) for x in values.T], axis=1)
         if bad.any():
             row = int(np.argmax(bad.any(axis=1)))
             index = int(np.argmax(bad[row]))

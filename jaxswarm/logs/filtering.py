@@ -111,7 +111,8 @@ def white_noise(x: np.ndarray) -> np.ndarray:
     >>> bool(abs(white_noise(0.1 * noise + np.linspace(0, 9, 4000)[:, None])[0] - 0.1) < 0.01)
     True
     """
-    return 1.4826 * np.median(np.abs(np.diff(x, 3, axis=0)), axis=0) / np.sqrt(20.0)
+    usual = [np.median(np.abs(np.diff(column, 3))) for column in x.T]
+    return 1.4826 * np.array(usual) / np.sqrt(20.0)
 
 
 def energy_band(x: np.ndarray, rate: float, share: float) -> float:

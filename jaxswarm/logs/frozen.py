@@ -73,7 +73,7 @@ def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
         noise = white_noise(rest[:, None])[0]
         noisy = noise > max(quantum(rest), _NOISY * np.ptp(rest))
         usual = np.delete(lengths, longest).max(initial=0) > _ELSEWHERE * lengths[longest]
-        others = np.ptp(np.delete(log.tau, j, axis=1)[start:end], axis=0) > 0
+        others = np.ptp(np.delete(log.tau[start:end], j, axis=1), axis=0) > 0
         inside = torque.min() < torque[start] < torque.max()
         if noisy and not usual and others.any() and inside:
             found.append((j, start, end))
@@ -108,7 +108,9 @@ def saturation(log: Log) -> list[Finding]:
     findings: list[Finding] = []
     if log.tau is None:
         return findings
-    moving = (np.abs(np.gradient(log.q, axis=0)) > 0).any(axis=1)
+    moving = np.zeros(len(log.t), dtype=bool)
+    for position in log.q.T:  # of a long log all at once are a large copy
+        moving |= np.gradient(position) != 0
     for j, joint in enumerate(log.joints):
         torque = log.tau[:, j]
         if longest_run(torque == torque.max()) < 2 and longest_run(torque == torque.min()) < 2:

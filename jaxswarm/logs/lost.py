@@ -11,7 +11,7 @@ NAME = "lost_samples"
 _DOUBLE, _REPEATED = 1.6, 0.4
 # Neighbors on either side whose median step is the usual one.
 _SIDE = 4
-# Rows whose windows stand in memory at a time.
+# Rows that stand in memory at a time, with their windows.
 _ROWS = 50_000
 # Share of the steps that tell: fewer are jitter; and so many more doubled than repeated ones.
 _LEAST_SHARE, _MORE = 0.03, 4.0
@@ -19,21 +19,26 @@ _LEAST_SHARE, _MORE = 0.03, 4.0
 _CLEAR, _LEAST_STEPS = 8.0, 100
 
 
+def _noise(speed: np.ndarray) -> float:
+    """Noise of a joint's steps (T,), at least what a thousandth of its top speed is."""
+    white = np.median(np.abs(np.diff(speed))) / 0.6745 / np.sqrt(2.0)
+    return max(white, 1e-3 * np.abs(speed).max()) + 1e-300
+
+
 def lost_samples(log: Log) -> list[Finding]:
     """Whether the motion jumps by whole samples at steady time, in all joints at once."""
     if len(log.t) < _LEAST_STEPS:
         return []
-    speed = np.diff(log.q, axis=0) / np.diff(log.t)[:, None]
-    noise = np.median(np.abs(np.diff(speed, axis=0)), axis=0) / 0.6745 / np.sqrt(2.0)
-    noise = np.maximum(noise, 1e-3 * np.abs(speed).max(axis=0)) + 1e-300
-    scaled = speed / noise
-    windows = np.lib.stride_tricks.sliding_window_view(scaled, 2 * _SIDE + 1, axis=0)
-    size, along = np.empty((2, len(windows)))
-    for start in range(0, len(windows), _ROWS):  # a median copies all its windows
-        rows = slice(start, start + _ROWS)
-        usual = np.median(windows[rows], axis=2)
+    noise = np.array([_noise(np.diff(q) / np.diff(log.t)) for q in log.q.T])
+    width = 2 * _SIDE + 1
+    size, along = np.empty((2, len(log.t) - width))
+    for start in range(0, len(size), _ROWS):  # a median copies all its windows
+        rows, part = slice(start, start + _ROWS), slice(start, start + _ROWS + width)
+        scaled = np.diff(log.q[part], axis=0) / np.diff(log.t[part])[:, None] / noise
+        windows = np.lib.stride_tricks.sliding_window_view(scaled, width, axis=0)
+        usual = np.median(windows, axis=2)
         size[rows] = (usual**2).sum(axis=1)
-        along[rows] = (windows[rows, :, _SIDE] * usual).sum(axis=1)
+        along[rows] = (windows[:, :, _SIDE] * usual).sum(axis=1)
     clear = size > _CLEAR**2
     if clear.sum() < _LEAST_STEPS:
         return []

@@ -44,29 +44,60 @@ def read_parquet(path: Path) -> Table:
             fields[field.name] = field.type
         numeric = [name for name, kind in fields.items() if _may_be_numbers(kind)]
         _refuse_large_columns(path, file.metadata, numeric)
-        table = file.read(columns=numeric)
-    names = table.column_names
-    columns, notes = {}, []
-    rejected = {
-        name: f"{name} holds {kind}, no real numbers of one length."
-        for name, kind in fields.items()
-        if name not in numeric
-    }
-    for name, column in zip(names, table.columns, strict=True):
-        if name == "__index_level_0__":
-            continue
-        values = column.to_numpy()
-        if values.dtype.kind in "Mm":
-            values, note = seconds(name, values)
+        columns, notes = {}, []
+        rejected = {
+            name: f"{name} holds {kind}, no real numbers of one length."
+            for name, kind in fields.items()
+            if name not in numeric
+        }
+        for name in numeric:
+            if name == "__index_level_0__":
+                continue
+            # One column at a time: what is decoded of a long log is as large as what is made of it.
+            column = file.read(columns=[name]).column(name)
+            numbers, note = _numbers(name, column)
             notes += note
-        elif values.dtype.kind == "O":
-            values = _lists(values)
-        numbers = None if values is None else as_numbers(values)
-        if numbers is None:
-            rejected[name] = f"{name} holds {column.type}, no real numbers of one length."
-        else:
-            columns[name] = numbers
+            if numbers is None:
+                rejected[name] = f"{name} holds {column.type}, no real numbers of one length."
+            else:
+                columns[name] = numbers
     return Table(str(path), columns, rejected=rejected, notes=tuple(notes))
+
+
+def _numbers(name: str, column: Any) -> tuple[np.ndarray | None, list[str]]:
+    """A column of Arrow as numbers, (T,) or (T, k), and notes; None where it holds something else."""
+    matrix = _matrix(column)
+    if matrix is not None:
+        return matrix, []
+    values = column.to_numpy()
+    notes: list[str] = []
+    if values.dtype.kind in "Mm":
+        values, notes = seconds(name, values)
+    elif values.dtype.kind == "O":
+        values = _lists(values)
+    return None if values is None else as_numbers(values), notes
+
+
+def _matrix(column: Any) -> np.ndarray | None:
+    """Complete rows of equal length as a matrix (T, k), without an object for each; None for all else."""
+    import pyarrow as arrow
+
+    kind, types = column.type, arrow.types
+    if not (types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)):
+        return None
+    if not (types.is_integer(kind.value_type) or types.is_floating(kind.value_type)):
+        return None
+    parts = [chunk for chunk in column.chunks if len(chunk)]
+    width = len(parts[0][0]) if parts and parts[0][0].is_valid else 0
+    rows = [chunk.flatten() for chunk in parts]
+    whole = all(chunk.null_count == 0 for chunk in (*parts, *rows))
+    even = whole and all(
+        bool((chunk.value_lengths().to_numpy(zero_copy_only=False) == width).all())
+        for chunk in parts
+    )
+    if not width or not even:
+        return None
+    return as_numbers(np.concatenate([row.to_numpy() for row in rows]).reshape(-1, width))
 
 
 def _may_be_numbers(kind) -> bool:

@@ -69,8 +69,12 @@ def read_log(
     """
     reading = reading or reading_of(path)
     joints = tuple(joints)
-    table = as_ours(read_table(Path(path), joints, reading), joints, reading, drive_gain)
-    return log_of_table(table, joints, drive_gain, require_torque=require_torque)
+    return log_of_table(
+        as_ours(read_table(Path(path), joints, reading), joints, reading, drive_gain),
+        joints,
+        drive_gain,
+        require_torque=require_torque,
+    )
 
 
 def log_of_table(
@@ -95,6 +99,7 @@ def log_of_table(
     tau, torque_notes = torque(
         table, arranged, joints, drive_gain, require_torque, offer("tau", joints[0], 1, others)
     )
+    table = replace(table, columns={})  # of a long log they are as large as the log
     log = Log(
         source=table.source,
         joints=joints,

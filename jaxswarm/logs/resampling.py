@@ -46,16 +46,25 @@ def resample(t: np.ndarray, x: np.ndarray, clock: np.ndarray, cubic: bool) -> np
     """Values (T, n) of times (T,) on a clock (T',), by a cubic spline or by straight lines."""
     if len(t) == len(clock) and np.abs(t - clock).max() < 1e-3 * (clock[1] - clock[0]):
         return np.asarray(x, dtype=float)
-    if cubic and np.isfinite(x).all():
-        return scipy.interpolate.CubicSpline(t, x, axis=0)(clock)
-    return scipy.interpolate.interp1d(t, x, axis=0)(np.clip(clock, t[0], t[-1]))
+    flat, smooth = x.reshape(len(x), -1), cubic and np.isfinite(x).all()
+    clock = clock if smooth else np.clip(clock, t[0], t[-1])
+    through = scipy.interpolate.CubicSpline if smooth else scipy.interpolate.interp1d
+    values = np.empty((len(clock), flat.shape[1]))
+    for k, column in enumerate(flat.T):  # one at a time: a spline takes four numbers a sample
+        values[:, k] = through(t, column)(clock)
+    return values.reshape(-1, *np.shape(x)[1:])
 
 
 def thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
     """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
     if stride == 1:
         return np.asarray(x, dtype=float)
-    return butterworth(x, rate, 0.4 * rate / stride, 6)[::stride]
+    flat = np.asarray(x, dtype=float).reshape(len(x), -1)
+    # A column at a time: of a long log only what is kept of them stands in memory together.
+    low = np.empty((-(-len(flat) // stride), flat.shape[1]))
+    for k, column in enumerate(flat.T):
+        low[:, k] = butterworth(column, rate, 0.4 * rate / stride, 6)[::stride]
+    return low.reshape(-1, *np.shape(x)[1:])
 
 
 def stride_for(log: Log, samples: int, rate: float, highest: float) -> int:

@@ -8,6 +8,10 @@ XLA keeps small programs on one core, so forced host devices pay where the runs 
 several hosts call ``jax.distributed.initialize()`` first; every host makes the same call with all
 the keys, and gets a result whose arrays are spread over all devices: a host reads its own rows from
 ``array.addressable_shards``, as ``status.message`` and the text of a result do.
+
+With ``initialize(..., heartbeat_timeout_seconds=30)`` a host that is lost ends the others within a minute;
+what they print names it by its number. A search that has to outlive that is
+``minimize_resumable`` on every host, with its share of the keys and a path of its own: the same call goes on.
 """
 
 from collections.abc import Callable, Sequence

@@ -18,6 +18,7 @@ from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import (
+    described,
     findings,
     refuse_missing_channels,
     refuse_resting_joints,
@@ -131,7 +132,7 @@ def identify(
     progress("fitting")
     found = estimate(robot, terms, motions)
     progress("scoring")
-    report = report_of(found, read, unseen, scored[0].source if scored else None, None)
+    report = report_of(found, described(read), unseen, scored[0].source if scored else None, None)
     report["findings"] = findings([*read, *scored])
     return _result(report, found, max(unseen or motions, key=lambda part: len(part.t)))
 

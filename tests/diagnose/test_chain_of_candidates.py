@@ -1,5 +1,6 @@
 """A candidate's columns pass what the drives report, exactly as the fit will see them."""
 
+import importlib
 from dataclasses import replace
 
 import jax.numpy as jnp
@@ -19,7 +20,7 @@ from jaxswarm.effects.deflection import contact_stiffness
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.forward.columns import joint_series
+from jaxswarm.identify.forward.columns import joint_series, term_columns
 from jaxswarm.identify.forward.measuring_chain import assemble, late
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.logs.motion import Filtering, prepare
@@ -177,3 +178,20 @@ def test_another_filter_or_another_channel_is_another_diagnosis():
     warmer = replace(motion, channels={**motion.channels, "temperature": 1.0 + 0.0 * motion.q})
     prints = {fingerprint(small_arm(), [m], 0) for m in (motion, other, heated, warmer)}
     assert len(prints) == 4
+
+
+def test_what_laws_see_is_that_of_their_own_joints_whatever_was_asked_before(monkeypatch):
+    module = importlib.import_module("jaxswarm.diagnose.candidates.linearization")
+    monkeypatch.setattr(module, "_SERIES", 1)
+    found, _ = declared_fit(log_with())
+    lin = Linearization(found, cross_fit(found))
+    motion, joints = found.motions[0], range(found.model.robot.num_joints)
+    pairs = [Term("transmission_coupling", 0, 1), Term("transmission_coupling", 1, 0)]
+    for term in [
+        *(Term("load_dependent_friction", j, values={"inertial": 0.5}) for j in joints),
+        *pairs,
+    ]:
+        seen = term_columns(term, motion, found.model.width, lin.loads[0])
+        expected = lin.on_joint(motion.decimator.apply(seen), term.joint)
+        np.testing.assert_allclose(lin.law(term), expected, rtol=1e-12, atol=1e-14)
+        assert len(lin.series) == 1

@@ -119,3 +119,45 @@ def test_missing_samples_are_found_part_by_part(log, monkeypatch):
     whole = lost.lost_samples(short)
     monkeypatch.setattr(lost, "_ROWS", 97)
     assert lost.lost_samples(short) == whole and len(whole) == 1
+
+
+def test_laws_of_a_model_share_the_load_they_go_by(whole, monkeypatch):
+    rigid = rigid_of(rx60(), whole.motions[0])
+    motion, made, along = rigid.motion, [], columns.load_along
+
+    def counted(*given):
+        made.append(given)
+        return along(*given)
+
+    monkeypatch.setattr(columns, "load_along", counted)
+    drawn = np.random.default_rng(0).normal(size=(3, 30))
+    for number, pi in enumerate((*drawn, drawn[0]), 1):
+        for _ in range(2):
+            own = rigid.load(pi.copy())
+            fresh = along(rigid.robot, (motion.q, motion.dq, motion.ddq), pi)
+            np.testing.assert_array_equal(own.full, fresh.full)
+            np.testing.assert_array_equal(own.static, fresh.static)
+        assert len(made) == number
+
+
+def test_no_more_columns_stand_in_memory_than_a_search_looks_at(log, monkeypatch):
+    import gc
+    import weakref
+
+    steps = importlib.import_module("jaxswarm.identify.estimation.gauss_newton")
+    alive, most = [], []
+
+    def counted(*given):
+        gc.collect()
+        most.append(sum(one() is not None for one in alive))
+        made = build(*given)
+        alive.append(weakref.ref(made))
+        return made
+
+    build = steps.build_regression
+    monkeypatch.setattr(steps, "build_regression", counted)
+    estimate(
+        rx60(), parse_terms("viscous_friction,coulomb_friction", rx60().joints), [prepare(log)]
+    )
+    # Where the search stands, while the next place is built.
+    assert len(most) > 3 and max(most) == 1

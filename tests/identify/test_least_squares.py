@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from small_problems import make_regression, waves
 
-from jaxswarm.identify.estimation.covariance import correlation_length
+from jaxswarm.identify.estimation.bounded import solve
+from jaxswarm.identify.estimation.covariance import correlation_length, moving_sums
 from jaxswarm.identify.estimation.least_squares import (
     compress,
     fit,
     joint_factors,
-    solve,
     weighted_factor,
 )
 from jaxswarm.identify.estimation.validate import held_out_residual
@@ -205,3 +205,17 @@ def test_held_out_blocks_are_fitted_within_the_bounds_of_the_fit():
     assert bounded.at_bound.tolist() == [False, True]
     residual = held_out_residual(SimpleNamespace(regression=problem, fit=bounded))
     assert residual.std() > 0.95 * bounded.residual.std()
+
+
+def test_windows_give_the_tapered_sum_over_lags_log_by_log():
+    rng = np.random.default_rng(3)
+    log = np.repeat([0, 1, 2], [170, 3, 60])
+    error = autoregressive(rng, (len(log), 2), 0.7)
+    u, limit, size = rng.normal(size=(len(log), 4)) * error[:, :1], 9, 4
+    windows = [moving_sums(u[log == k], limit + 1) for k in range(3)]
+    found = sum(own.T @ own for own in windows) / (limit + 1)
+    expected = np.zeros((size, size))
+    for a, b in itertools.product(range(len(log)), repeat=2):
+        if log[a] == log[b] and abs(a - b) <= limit:
+            expected += (1.0 - abs(a - b) / (limit + 1)) * np.outer(u[a], u[b])
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)

@@ -2,15 +2,18 @@
 
 from functools import cached_property
 
+import jax
 import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.body import body_along, moves_links, tilted
-from jaxswarm.identify.forward.columns import term_columns
+from jaxswarm.identify.forward.columns import columns_along, joint_series
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
@@ -21,6 +24,8 @@ from jaxswarm.robot.logged import rigid_columns
 _REACH, _TURNS = 3.0, 9
 # Directions of the scaled rows weaker than this are rounding: the root of the precision, generously.
 _RANK = 3e-7
+# Joints, with their partners, of which the series that laws see are kept: a law is tried many times in a row.
+_SERIES = 8
 
 
 class Linearization:
@@ -33,6 +38,8 @@ class Linearization:
         self.arm = tilted(model.robot, model.terms)
         self.loads, self.outputs, self.moved, self.true = [], [], [], []
         self.own_slopes: dict[tuple[int, int], np.ndarray] = {}
+        self.slopes: dict[tuple[int, int], list[np.ndarray]] = {}
+        self.series: dict[tuple, Sample] = {}
         for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
             own = model.during(k)
             body = body_along(model.robot, model.terms, motion, self.pi, rigid)
@@ -135,18 +142,35 @@ class Linearization:
         terms = self.found.model.terms
 
         def build(k):
-            own = term.acts_in(k) * term_columns(term, self.true[k], width, self.loads[k])
-            return report_own(terms, motions[k], own, term.joint)
+            own = columns_along(term, self._series(k, term))[: len(motions[k].t)]
+            return report_own(terms, motions[k], term.acts_in(k) * own, term.joint)
 
         if term.law.uses_load:
             return self.on_joint(self.low(build), term.joint)
         # They follow from the motion, and many from that alone: the next round finds them ready.
         laws = self.memory.laws_of(motions)
         reports = tuple((t.place, *t.values.items()) for t in of_kind(terms, MeasurementLaw))
-        place = (term, *term.values.items(), width if term.law.uses_direction else None, reports)
+        own_width = width[term.joint] if term.law.uses_direction else None
+        place = (term, *term.values.items(), own_width, reports)
         if place not in laws:
             laws[place] = self.low(build)
         return self.on_joint(laws[place], term.joint)
+
+    def _series(self, k: int, term: Term) -> Sample:
+        """What laws on a joint, with a partner, see along a log, where programs have it at hand."""
+        place = (k, term.joint, term.other)
+        if place not in self.series:
+            while len(self.series) >= _SERIES:
+                self.series.pop(next(iter(self.series)))
+            seen = (self.true[k], self.found.model.width, self.loads[k], term.joint, term.other)
+            self.series[place] = jax.device_put(filled(joint_series(*seen)))
+        return self.series[place]
+
+    def turned(self, k: int, joint: int) -> list[np.ndarray]:
+        """Derivatives (T, n) of the rigid torque of a log by q, dq, ddq of a joint."""
+        if (k, joint) not in self.slopes:
+            self.slopes[k, joint] = list(self.sensed(joint)[k].at(self.pi)[1:])
+        return self.slopes[k, joint]
 
     def on_all(self, columns: np.ndarray) -> tuple[np.ndarray, ...]:
         """Columns that are the same on every fold."""

@@ -88,7 +88,7 @@ def _turned(lin: Linearization, term: Term, k: int) -> np.ndarray:
     motion = lin.found.motions[k]
     along, own = filled(read_motion(term, motion)), slice(len(motion.t))
     slopes = misreading_slopes(term.law, term.law.neutral(), along)
-    by = [x.copy() for x in lin.sensed(term.joint)[k].at(lin.pi)[1:]]
+    by = [x.copy() for x in lin.turned(k, term.joint)]
     for x, slope in zip(by, own_slopes(lin, term.joint, k), strict=True):
         x[:, term.joint] += slope
     columns = [

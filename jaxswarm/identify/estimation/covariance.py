@@ -50,6 +50,18 @@ def scored(
     return u
 
 
+def moving_sums(x: np.ndarray, width: int) -> np.ndarray:
+    """Sums of so many rows that follow on each other, (T + width - 1, m), zeros beyond both ends.
+
+    >>> moving_sums(np.array([[1.0], [2.0], [4.0]]), 2).ravel()
+    array([1., 3., 6., 4.])
+    """
+    total = np.zeros((len(x) + 2 * width - 1, x.shape[1]))
+    np.cumsum(x, axis=0, out=total[width : len(x) + width])
+    total[len(x) + width :] = total[len(x) + width - 1]
+    return total[width:] - total[:-width]
+
+
 def sandwich(factor, u, error, log) -> tuple[np.ndarray, float]:
     """Newey-West covariance of the base parameters from :func:`scored`, and the effective samples."""
     length, size = len(error), factor.shape[0]
@@ -59,13 +71,15 @@ def sandwich(factor, u, error, log) -> tuple[np.ndarray, float]:
     lag_limit = int(
         min(length // 4, 1 + 1.1447 * (length * 4 * rho**2 / (1 - rho**2) ** 2) ** (1 / 3))
     )
-    meat, power, tapered = u.T @ u, max(float((error**2).sum()), 1e-300), 1.0
-    for lag in range(1, lag_limit + 1):
-        same = (log[lag:] == log[:-lag])[:, None]
-        taper = 1.0 - lag / (lag_limit + 1.0)
-        gamma = (u[lag:] * same).T @ u[:-lag]
-        meat += taper * (gamma + gamma.T)
-        tapered += 2.0 * taper * float((error[lag:] * same * error[:-lag]).sum() / power)
+    power = float((error**2).sum())
+    meat, tapered = np.zeros((size, size)), 0.0
+    for number in np.unique(log):
+        # The tapered sum over all lags is that of the squares of sums over windows: no loop over lags.
+        own = moving_sums(u[log == number], lag_limit + 1)
+        meat += own.T @ own / (lag_limit + 1)
+        told = moving_sums(error[log == number], lag_limit + 1)
+        tapered += float((told**2).sum()) / (lag_limit + 1)
+    tapered = tapered / power if power > 0.0 else 1.0
     # What the taper took off the pooled autocorrelation is given back.
     meat *= max(1.0, inflation / tapered)
     inverse = scipy.linalg.solve_triangular(factor, np.eye(size), check_finite=False)

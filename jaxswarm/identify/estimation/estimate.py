@@ -100,11 +100,10 @@ def estimate(
     width = tuple(map(float, np.broadcast_to(width, robot.num_joints)))
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     pi = np.zeros(10 * robot.num_joints) if start is None else start
-    here = settle(problem, Place(terms, width), pi)
     groups = width_groups(robot, terms) if refine_width else []
     moving = free_parameters(terms, _free_widths(motions, groups, width))
-    if moving:
-        here = newton(problem, moving, here)
+    # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
+    here = newton(problem, moving, settle(problem, Place(terms, width), pi))
     split, doubt = _own_widths(problem, here, groups) if groups else (groups, {})
     if split != groups:
         moving = free_parameters(terms, _free_widths(motions, split, here.place.width))
@@ -113,8 +112,8 @@ def estimate(
         if told != here.place.width:
             known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
             moving = free_parameters(terms, _free_widths(motions, known, told))
-            here = settle(problem, here.place._replace(width=told), here.pi)
-            here = newton(problem, moving, here) if moving else here
+            there = here.place._replace(width=told), here.pi
+            here = newton(problem, moving, settle(problem, *there))
     return _finish(problem, here, moving)
 
 

@@ -160,7 +160,9 @@ def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> 
 
 
 def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Settled:
-    """Gauss-Newton steps of the free parameters; a step that does not pay is shortened."""
+    """Gauss-Newton steps of the free parameters, if any; a step that does not pay is shortened."""
+    if not moving:
+        return here
     cost = weighted_cost(here.solution.residual, here.solution.sigma)
     for _ in range(_STEPS):
         sigma = here.solution.sigma
@@ -168,6 +170,7 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
         step = _step(problem, moving, here)
         for shrink in (1.0, 0.3, 0.1):
             trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
+            there = None  # its columns go before others are made
             there = _attempt(settle, problem, trial, here.pi)
             new = np.inf if there is None else weighted_cost(there.solution.residual, sigma)
             if new < cost * (1 - 1e-7):

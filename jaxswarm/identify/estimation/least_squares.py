@@ -15,13 +15,14 @@ W. K. Newey, K. D. West, Econometrica 55 (1987); D. W. K. Andrews, Econometrica 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
+from jaxswarm.identify.estimation.bounded import solve, solve_within
 from jaxswarm.identify.estimation.covariance import sandwich, scored
-from jaxswarm.identify.estimation.inequalities import solve_above
 from jaxswarm.identify.forward.regression import Regression
 
 _BLOCK_ROWS = 512
@@ -121,43 +122,22 @@ def weighted_factor(factors: list[np.ndarray], sigma: np.ndarray) -> np.ndarray:
     return scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
 
 
-def solve(
-    factor: np.ndarray, lower: np.ndarray, upper: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Minimize ``||R theta - z||`` for the triangle ``[R z; 0 rho]`` within bounds.
-
-    Returns:
-        The minimizer (b,) and whether each component sits on a bound (b,).
-    """
-    size = factor.shape[1] - 1
-    scale = np.linalg.norm(factor[:size, :size], axis=0)
-    # Of a column that is zero in these rows, such as a contact at another time, they say nothing.
-    scale[scale == 0] = 1.0
-    matrix, target = factor[:size, :size] / scale, factor[:size, size]
-    theta = scipy.linalg.lstsq(matrix, target, check_finite=False)[0] / scale
-    outside = (theta < lower) | (theta > upper)
-    if not outside.any():
-        return theta, outside
-    bounded = scipy.optimize.lsq_linear(
-        matrix, target, (lower * scale, upper * scale), method="bvls"
-    )
-    theta = np.clip(bounded.x / scale, lower, upper)
-    return theta, (theta == lower) | (theta == upper)
-
-
-def _solve_above(factor, lower, upper, rows):
-    """:func:`solve` where ``rows @ theta`` must not be negative either."""
-    has_low, has_high = np.isfinite(lower), np.isfinite(upper)
-    unit = np.eye(len(lower))
-    every = np.concatenate([rows, unit[has_low], -unit[has_high]])
-    least = np.concatenate([np.zeros(len(rows)), lower[has_low], -upper[has_high]])
-    theta = np.clip(solve_above(factor, every, least), lower, upper)
-    return theta, (theta == lower) | (theta == upper)
-
-
 def weighted_cost(residual: np.ndarray, sigma: np.ndarray) -> float:
     """Sum of squares of a residual (T, n) in units of ``sigma`` (n,)."""
     return float(((residual / sigma) ** 2).sum())
+
+
+class Solved(NamedTuple):
+    """What :func:`fit` finds but for how certain it is; ``triangle`` is the factor of ``[R z; 0 rho]``."""
+
+    base: BaseParameters
+    values: np.ndarray
+    sigma: np.ndarray
+    triangle: np.ndarray
+    residual: np.ndarray
+    at_bound: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
 
 
 def fit(
@@ -178,6 +158,30 @@ def fit(
         sigma: Weights to use, shape (n,); None: iterated from the residual.
         above: Rows whose products with the full parameters must not be negative, (m, p).
     """
+    found = solved(regression, lower, upper, base, sigma, above)
+    size, triangle = found.base.size, found.triangle
+    factor, target = triangle[:size, :size], triangle[:size, size]
+    error = found.residual / found.sigma
+    u = scored(factor, regression.columns, found.base.kept, found.sigma, error)
+    covariance, effective = sandwich(factor, u, error, regression.log)
+    covariance[found.at_bound, :] = 0.0
+    covariance[:, found.at_bound] = 0.0
+    cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
+    return Fit(
+        found.base, found.values, covariance, found.sigma, factor, target, cost, found.residual,
+        found.at_bound, effective, found.lower, found.upper,
+    )  # fmt: skip
+
+
+def solved(
+    regression: Regression,
+    lower: np.ndarray | None = None,
+    upper: np.ndarray | None = None,
+    base: BaseParameters | None = None,
+    sigma: np.ndarray | None = None,
+    above: np.ndarray | None = None,
+) -> Solved:
+    """The solution of :func:`fit`, with its arguments, where nobody asks how certain it is."""
     joints = regression.torque.shape[1]
     factors = joint_factors(regression)
     fixed = sigma is not None
@@ -195,22 +199,12 @@ def fit(
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
         if above is not None and (above[:, base.kept] @ values < 0).any():
-            values, at_bound = _solve_above(triangle, low, high, above[:, base.kept])
+            values, at_bound = solve_within(triangle, low, high, above[:, base.kept])
         residual = regression.target - regression.columns @ base.expand(values)
         new = np.sqrt((residual**2).sum(axis=0) / freedom)
         if not fixed:
             sigma = np.maximum(new, 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12))
-    size = base.size
-    factor, target = triangle[:size, :size], triangle[:size, size]
-    error = residual / sigma
-    u = scored(factor, regression.columns, base.kept, sigma, error)
-    covariance, effective = sandwich(factor, u, error, regression.log)
-    covariance[at_bound, :] = 0.0
-    covariance[:, at_bound] = 0.0
-    cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
-    return Fit(
-        base, values, covariance, sigma, factor, target, cost, residual, at_bound, effective, low, high
-    )  # fmt: skip
+    return Solved(base, values, sigma, triangle, residual, at_bound, low, high)
 
 
 def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.least_squares import solved
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import term_block
 from jaxswarm.identify.forward.regression import build_regression
@@ -85,7 +85,7 @@ def best_widths(
             k += size
         if regression.used is not None:
             columns[~regression.used] = 0.0
-        solution = fit(regression, sigma=sigma)
+        solution = solved(regression, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(((solution.residual / sigma) ** 2).sum(axis=0))
     parts = np.full(robot.num_joints, _USUAL)

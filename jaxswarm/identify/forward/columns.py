@@ -44,11 +44,13 @@ def low_columns(
     robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, decimator: Decimator
 ) -> np.ndarray:
     """Decimated rigid columns (T', n, 10 n); those of a part of the log at a time."""
-    parts = [
-        decimator.apply(rigid_columns(robot, q[part], dq[part], ddq[part]))
-        for part in decimator.blocks(len(q), _BLOCK)
-    ]
-    return np.concatenate(parts)
+    joints = robot.num_joints
+    low, row = np.empty((len(decimator.kept(len(q))), joints, 10 * joints)), 0
+    for part in decimator.blocks(len(q), _BLOCK):
+        own = decimator.apply(rigid_columns(robot, q[part], dq[part], ddq[part]))
+        low[row : row + len(own)] = own
+        row += len(own)
+    return low
 
 
 @dataclass(frozen=True)
@@ -63,12 +65,14 @@ class Rigid:
         motion: The log.
         low: Through the decimator, shape (T', n, 10 n).
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
+        loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
     """
 
     robot: Robot
     motion: Motion
     low: np.ndarray
     sensed: dict = field(default_factory=dict, repr=False, compare=False)
+    loads: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def gravity(self) -> np.ndarray:
@@ -86,7 +90,12 @@ class Rigid:
 
     def load(self, pi: np.ndarray) -> "Load":
         """Load torque for rigid parameters (10 n,)."""
-        return load_along(self.robot, (self.motion.q, self.motion.dq, self.motion.ddq), pi)
+        place = np.asarray(pi).tobytes()
+        if place not in self.loads:
+            self.loads.clear()
+            moved = (self.motion.q, self.motion.dq, self.motion.ddq)
+            self.loads[place] = load_along(self.robot, moved, pi)
+        return self.loads[place]
 
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
@@ -157,10 +166,14 @@ def term_columns(
     term: Term, motion: Motion, width: Sequence[float], load: Load | None = None
 ) -> np.ndarray:
     """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
-    law = term.law
-    nonlinear = {p.name: np.float64(term.values[p.name]) for p in law.nonlinear}
     series = joint_series(motion, width, load, term.joint, term.other)
-    return np.asarray(_law(law, nonlinear, filled(series)))[: len(motion.t)]
+    return columns_along(term, filled(series))[: len(motion.t)]
+
+
+def columns_along(term: Term, series: Sample) -> np.ndarray:
+    """Columns of a joint or pair term along a series of a length that has a program, :func:`filled`."""
+    nonlinear = {p.name: np.float64(term.values[p.name]) for p in term.law.nonlinear}
+    return np.asarray(_law(term.law, nonlinear, series))
 
 
 def column_names(robot: Robot, terms: tuple[Term, ...]) -> tuple[str, ...]:

@@ -113,7 +113,7 @@ def build_regression(
         log.append(np.full(len(kept), k))
         used.append(~event_rows(terms, motion, k))
         _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
-    stacked = np.concatenate(columns)
+    stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
     _check_rows(stacked, motions[0].source)
     return Regression(
@@ -164,7 +164,9 @@ def _check_rows(columns: np.ndarray, source: str) -> None:
 
 def _check_finite(columns: np.ndarray, terms: tuple[Term, ...], motion: Motion) -> None:
     """Name the terms that may have driven columns (T', n, p) of a log out of the finite numbers."""
-    bad = ~(np.abs(columns) < _MOST).all(axis=(0, 2))
+    # Smallest and largest are NaN where any is, and take no copy.
+    least, most = (f(columns, axis=(0, 2), initial=0.0) for f in (np.min, np.max))
+    bad = ~((least > -_MOST) & (most < _MOST))
     if not bad.any():
         return
     joints = np.flatnonzero(bad)

@@ -16,19 +16,20 @@ from jaxswarm.identify.report.summary import (
     unidentified,
     units,
 )
-from jaxswarm.logs import summarize
 from jaxswarm.logs.motion import Motion
 
 if TYPE_CHECKING:  # the swarms load for a tenth of a second what only a search needs
     from jaxswarm.identify.estimation.swarm_fit import SwarmFit
 
 
-def report_of(found: Estimate, logs, unseen, validation, search: "SwarmFit | None") -> dict:
+def report_of(
+    found: Estimate, logs: list[dict], unseen, validation, search: "SwarmFit | None"
+) -> dict:
     """The content of ``identification.json``: values, uncertainty, what is inseparable, errors.
 
     Args:
         found: The fit.
-        logs: As read, for their summaries.
+        logs: Their summaries with what was found, as plain data.
         unseen: Prepared stretches of the validation log, or None.
         validation: Its path.
         search: The swarm's search, where one was asked for.
@@ -60,7 +61,7 @@ def report_of(found: Estimate, logs, unseen, validation, search: "SwarmFit | Non
         },
         "residual_std": solution.sigma,
         "torque_units": units(robot),
-        "logs": [{**summarize(log).to_dict(), "notes": log.notes} for log in logs],
+        "logs": logs,
         "error": {
             "train": train[0] if len(train) == 1 else train,
             "held_out_blocks": held_out_errors(found),
