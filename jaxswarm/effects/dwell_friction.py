@@ -35,6 +35,7 @@ register(
         ),
         torque=lambda p, s: -p["fc"] * jnp.expm1(-s.state / p["tr"]) * s.direction,
         rate=lambda p, s: 1.0 - jnp.abs(s.dq) * s.state / p["x0"],
+        forgets="x0",
         shown_against="time",
         uses_direction=True,
         dissipative=True,

@@ -208,6 +208,7 @@ register(
         ),
         torque=lambda p, s: p["fc"] * s.state,
         rate=_dahl_rate,
+        forgets="x0",
         shown_against="position",
         derived=lambda p: {"sigma": (p["fc"] / p["x0"], "N m/rad")},
     )

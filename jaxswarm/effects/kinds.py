@@ -29,6 +29,7 @@ class TorqueLaw(Effect):
             dictionary of parameters; friction has the sign of the velocity.
         rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
         start: ``start(p, sample) -> state`` at the begin of a log; None: zero.
+        forgets: Parameter over whose travel [rad or m] the state forgets what it was before the log.
         tone: Nonlinear parameter that is a frequency of time [Hz]: it is read off a spectrum, not searched.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         motor_inertia: Linear parameter that is an inertia on the motor's side of the transmission.
@@ -37,6 +38,7 @@ class TorqueLaw(Effect):
     torque: Callable[[dict, Sample], jax.Array] | None = None
     rate: Callable[[dict, Sample], jax.Array] | None = None
     start: Callable[[dict, Sample], jax.Array] | None = None
+    forgets: str = ""
     tone: str = ""
     dissipative: bool = False
     motor_inertia: str = ""

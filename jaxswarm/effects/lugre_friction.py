@@ -41,6 +41,7 @@ register(
         ),
         torque=lambda p, s: p["fc"] * s.state,
         rate=_rate,
+        forgets="x0",
         contains=("hysteresis", "stribeck_friction"),
         extends="hysteresis",
         shown_against="position",
