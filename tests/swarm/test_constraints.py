@@ -104,3 +104,27 @@ def test_what_does_not_fit_is_refused():
         minimize(g11, constrained(restart(pso(4)), 1, handling=epsilon_level()), **options)
     with pytest.raises(InputError, match="num_equalities=2 is more than num_constraints=1"):
         constrained(pso(4), 1, num_equalities=2)
+
+
+@pytest.mark.parametrize("handling", HANDLINGS, ids=lambda part: type(part).__name__)
+@pytest.mark.parametrize("inner", [de(20), cma_es(12)], ids=["de", "cma_es"])
+def test_long_runs_stay_finite_whatever_the_constraints(handling, inner):
+    """Long after the population has collapsed; where nothing is feasible, the least violation is found."""
+
+    def never(x, _):
+        return (x**2).sum(), jnp.array([1.0 + x[0] ** 2])
+
+    def half_nan(x, _):
+        return (x**2).sum(), jnp.array([jnp.where(x[0] > 0, jnp.nan, 0.3 - x[1])])
+
+    cube = Space.vector(-np.ones(3), np.ones(3))
+    optimizer = constrained(inner, 1, handling=handling)
+    for problem, violation in ((never, 1.0), (half_nan, 0.0)):
+        found = minimize(problem, optimizer, cube, KEY, num_steps=3000)
+        assert not any(
+            bool(jnp.isnan(leaf).any())
+            for leaf in jax.tree.leaves(found.state)
+            if jnp.issubdtype(leaf.dtype, jnp.floating)
+        )
+        assert float(found.state.violation) == pytest.approx(violation, abs=1e-5)
+    assert float(found.value) == pytest.approx(0.09, abs=1e-4)
