@@ -108,6 +108,24 @@ def test_what_nobody_needs_is_dropped(case):
     assert "torque_offset" not in {t.effect for t in found.model.terms}
 
 
+@pytest.mark.parametrize("certain", [True, False])
+def test_everyday_friction_stays_only_if_it_is_certain(case, monkeypatch, certain):
+    """It came with that of other joints; where it fails a test of its own, its value has to be sure."""
+    step = step_of(case, "quadratic_drag", [])
+    friction = Term("viscous_friction", 1)
+    score = replace(case[1]["torque_offset", 1, None, None], share=0.3)
+    there = refit(step.after, step.after.model.terms)
+    added = next(t for t in there.model.terms if t.identity == friction.identity)
+    doubted = Step(added, score, (), (), there, there, (), ())
+    monkeypatch.setattr(reconsider_module, "is_certain", lambda term, errors: certain)
+    monkeypatch.setattr(reconsider_module, "passes", lambda *a: False)
+    monkeypatch.setattr(reconsider_module, "score_terms", lambda *a: [score])
+    near = replace(score, candidate=replace(score.candidate, term=Term("torque_offset", 1)))
+    steps, found, changed = reconsider([replace(doubted, near=(near,))], there, 60, Rules())
+    assert changed != certain and len(steps) == int(certain)
+    assert (friction.identity in {t.identity for t in found.model.terms}) == certain
+
+
 def test_a_law_bent_into_the_sum_of_two_is_told_as_two():
     """A Stribeck law with free exponent follows most of a wide one plus drag."""
     hidden = Term("stribeck_friction", 1, values={"df": 3.0, "vs": 0.12, "delta": 2.0}), DRAG

@@ -112,7 +112,9 @@ def reconsider(
         passed = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not passed:
-            if all(s.share < rules.share for s in scores):
+            # What every drive has was added without a test of its own: it has to be certain at least.
+            doubtful = step.added.law.everyday and not is_certain(*errors[own])
+            if doubtful or all(s.share < rules.share for s in scores):
                 del done[place]
                 current, changed = rest, True
             continue
