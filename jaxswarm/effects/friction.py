@@ -146,8 +146,7 @@ register(
             "does; compensate it by this law, and warm the joint up before precise work."
         ),
         torque=lambda p, s: p["c"] * (jnp.abs(s.dq) + 1e-9) ** p["alpha"] * s.direction,
-        # Beside a viscous term the exponent runs on through 1, and c changes its sign: on measured strain-wave
-        # gears the law is the sum of both, c |dq|^alpha with alpha near 2/3 and no viscous term left.
+        # Beside a viscous term the exponent may run through 1 and c change its sign, as on strain-wave gears.
         replaces=("viscous_friction",),
         uses_direction=True,
         dissipative=True,

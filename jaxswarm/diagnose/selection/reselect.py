@@ -112,9 +112,7 @@ def reconsider(
         passed = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not passed:
-            # What every drive has was added without a test of its own: it has to be certain at least.
-            doubtful = step.added.law.everyday and not is_certain(*errors[own])
-            if doubtful or all(s.share < rules.share for s in scores):
+            if _nobody_needs(step, is_certain(*errors[own]), scores, rules):
                 del done[place]
                 current, changed = rest, True
             continue
@@ -138,6 +136,15 @@ def reconsider(
         done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
         changed = True
     return (chain(done) if changed else done), current, changed
+
+
+def _nobody_needs(step: Step, certain: bool, scores: Sequence[Score], rules: Rules) -> bool:
+    """Whether an effect that fails the test goes, and none of its competitors comes in its place.
+
+    What every drive has was added without a test of its own: it has to be certain at least.
+    """
+    doubtful = step.added.law.everyday and not certain
+    return doubtful or all(s.share < rules.share for s in scores)
 
 
 def _replacement(

@@ -22,7 +22,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
     standard_errors,
     widths_apart,
 )
-from jaxswarm.identify.estimation.least_squares import Fit
+from jaxswarm.identify.estimation.least_squares import Fit, weighted_cost
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
 from jaxswarm.identify.estimation.sign_width import best_widths, width_groups, width_range
 from jaxswarm.identify.estimation.usable import check_usable
@@ -34,6 +34,9 @@ from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
+
+# What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
+_HARDLY_TOLD = 4.0
 
 
 @dataclass(frozen=True)
@@ -108,13 +111,22 @@ def estimate(
     if split != groups:
         moving = free_parameters(terms, _free_widths(motions, split, here.place.width))
         here = newton(problem, moving, here)
-        told = told_by_the_others(groups, split, here.place.width, doubt)
-        if told != here.place.width:
-            known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
-            moving = free_parameters(terms, _free_widths(motions, known, told))
-            there = here.place._replace(width=told), here.pi
-            here = newton(problem, moving, settle(problem, *there))
+        here, moving = _leaning(problem, here, moving, groups, split, doubt)
     return _finish(problem, here, moving)
+
+
+def _leaning(problem: Problem, here: Settled, moving, groups, split, doubt):
+    """The fit with widths that lean on each other, unless the log denies it; and what is free there."""
+    told = told_by_the_others(groups, split, here.place.width, doubt)
+    known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
+    if len(known) == len(split):
+        return here, moving
+    free = free_parameters(here.place.terms, _free_widths(problem.motions, known, told))
+    there = newton(problem, free, settle(problem, here.place._replace(width=told), here.pi))
+    sigma = here.solution.sigma
+    one, two = (weighted_cost(x.solution.residual, sigma) for x in (here, there))
+    denied = two > (1.0 + _HARDLY_TOLD / len(here.solution.residual)) * one
+    return (here, moving) if denied else (there, free)
 
 
 def _free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
