@@ -43,7 +43,7 @@ def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
 
 
 def _remembers(lin: Linearization) -> np.ndarray:
-    """Where a joint's friction still goes by what was before the log, (T, n): no touch shows there.
+    """Where a joint's friction still goes by what was before the log, (T, n): no contact shows there.
 
     How far bristles are bent when a log begins nobody knows; what the model leaves of it decays over their
     first bend, and looked like a push on two worlds.
