@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy import optimize
 
@@ -36,6 +36,7 @@ def test_rows_are_the_inertia_of_the_link_in_every_position():
 
 
 @settings(max_examples=60, deadline=None)
+@example(212, 5, 19)
 @given(st.integers(0, 10_000), st.integers(1, 6), st.integers(1, 30))
 def test_inequalities_against_sequential_quadratic_programming(seed, size, count):
     rng = np.random.default_rng(seed)
@@ -52,7 +53,8 @@ def test_inequalities_against_sequential_quadratic_programming(seed, size, count
     peer = optimize.minimize(
         cost, inside, constraints=rule, method="SLSQP", options={"ftol": 1e-12, "maxiter": 500}
     )
-    assert cost(ours) <= peer.fun + 1e-6
+    # The peer may end a hair outside of what it was told, and so below what is allowed.
+    assert cost(ours) <= peer.fun * (1.0 + 1e-8) + 1e-6
 
 
 @pytest.mark.parametrize("lower", [None, np.array([0.2, -9.0])])
