@@ -1,0 +1,66 @@
+"""Laws that one log hardly tells apart, told apart by another; and what nothing can tell."""
+
+import importlib
+from types import SimpleNamespace
+
+import pytest
+
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term
+
+rivals_module = importlib.import_module("jaxswarm.diagnose.selection.rivals_elsewhere")
+survives_module = importlib.import_module("jaxswarm.diagnose.selection.survives")
+
+
+def score(effect: str, joint: int = 0):
+    return SimpleNamespace(name=effect, joint=joint)
+
+
+@pytest.mark.parametrize(
+    ("left", "best", "kept"),
+    [
+        ({"power": 0.80, "stribeck": 0.60}, "stribeck", []),
+        ({"power": 0.80, "stribeck": 0.78}, "power", ["stribeck"]),
+        ({"power": 0.60, "stribeck": 0.80}, "power", []),
+        ({"power": 0.80, "stribeck": None}, "power", []),
+    ],
+)
+def test_the_error_of_other_motion_decides_where_it_differs(monkeypatch, left, best, kept):
+    """By a twentieth at least, and a rival that is clearly worse there is none; one without a fit neither."""
+    monkeypatch.setattr(
+        rivals_module, "refit_with", lambda current, s: s.name if left[s.name] else None
+    )
+    monkeypatch.setattr(rivals_module, "left_elsewhere", lambda fit, *a: left[fit])
+    power, stribeck = score("power"), score("stribeck")
+    chosen, after, rivals = rivals_module.best_elsewhere(
+        None, power, "power", [stribeck], [stribeck], ["log"]
+    )
+    assert chosen.name == after == best
+    assert [s.name for s in rivals] == kept
+
+
+def test_what_no_part_of_a_log_can_show_is_not_added(monkeypatch):
+    """No second log, no region and no stretch of time that the rest predicts."""
+    robot = SimpleNamespace(joints=("joint1",))
+    fit = SimpleNamespace(model=SimpleNamespace(robot=robot))
+    monkeypatch.setattr(survives_module, "_confirmed", lambda *a: None)
+    monkeypatch.setattr(survives_module, "noise_of", lambda found: None)
+    monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [])
+    monkeypatch.setattr(survives_module, "errors_elsewhere", lambda *a: iter(()))
+    assert "record another motion" in survives_module.survives(fit, fit, 0)
+    monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [(1.0, 0.5)])
+    assert survives_module.survives(fit, fit, 0) is None
+    monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [(1.0, 1.1)])
+    assert "stretches" in survives_module.survives(fit, fit, 0)
+
+
+def test_an_event_is_found_again_though_its_fit_moved_it():
+    """Its identity holds the begin, rounded; of several events the nearest is meant."""
+    asked = Term("payload_change", values={"start": 0.914, "end": 9.5, "log": 0.0})
+    moved = Term("payload_change", values={"start": 1.19, "end": 9.4, "log": 0.0})
+    later = Term("payload_change", values={"start": 4.0, "end": 6.0, "log": 0.0})
+    other = Term("torque_offset", 0)
+    assert asked.identity != moved.identity
+    found = SimpleNamespace(model=SimpleNamespace(terms=(other, later, moved)))
+    assert find_term(found, asked) is moved
+    assert find_term(found, other) is other
