@@ -1,6 +1,6 @@
 """Terms: which law acts on which joint, and the ``name[@joint[:partner]],...`` lists that declare them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import jax
@@ -133,6 +133,12 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
                 raise InputError(f"effect {term.label(joints)} is listed twice; name it once")
             terms.append(term)
     return tuple(terms)
+
+
+def number_of(term: Term, terms: Sequence[Term]) -> int:
+    """Where a term stands among the terms of a model that has it, though a fit may have moved its event."""
+    same = [k for k, t in enumerate(terms) if t.place == term.place]
+    return min(same, key=lambda k: terms[k].apart(term))
 
 
 def of_kind(terms: Iterable, kind: type[Effect]) -> list:

@@ -6,6 +6,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 
 # Lengths of the windows tried: from this many rows to a third of the log.
@@ -53,9 +54,10 @@ def _remembers(lin: Linearization) -> np.ndarray:
     for k, motion in enumerate(lin.found.motions):
         kept = motion.decimator.kept(len(motion.t))
         for term in lin.found.model.during(k).terms:
-            over = getattr(term.law, "forgets", "")
-            if over:
+            if isinstance(term.law, TorqueLaw) and term.law.forgets:
                 way = np.abs(motion.dq[:, term.joint]) * motion.interval
                 travel = np.cumsum(way)[kept]
-                rows[regression.log == k, term.joint] |= travel < _FORGOTTEN * term.values[over]
+                rows[regression.log == k, term.joint] |= (
+                    travel < _FORGOTTEN * term.values[term.law.forgets]
+                )
     return rows

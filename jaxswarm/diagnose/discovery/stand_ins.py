@@ -11,10 +11,10 @@ from jaxswarm.diagnose.discovery.front import Point
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.step import chain, find_term
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 
 
@@ -87,27 +87,17 @@ def bared(diagnosis: Diagnosis, joint: int) -> Diagnosis | None:
     if not own and width is None:
         return None
     terms = tuple(t for t in final.model.terms if t.identity not in gone)
-    rest = refit(final, terms) if width is None else _fitted(final, terms, width)
+    if width is None:
+        rest = refit(final, terms)
+    else:
+        start = np.asarray(final.model.robot.parameters).ravel()
+        rest = fit_from(final, start, terms, width, refine_width=False)
     return replace(
         diagnosis,
         final=rest,
         steps=tuple(chain([s for s in diagnosis.steps if s.added.identity not in gone])),
         crossfit=cross_fit(rest),
         withdrawn=(*diagnosis.withdrawn, *(step.added for step in own)),
-    )
-
-
-def _fitted(current: Estimate, terms: tuple[Term, ...], width: tuple[float, ...]) -> Estimate:
-    """Terms fitted to the logs of an estimate with signs of given widths, which stay."""
-    return estimate(
-        current.model.robot,
-        terms,
-        current.motions,
-        width=width,
-        refine_width=False,
-        bounded=False,
-        rigids=current.rigids,
-        start=np.asarray(current.model.robot.parameters).ravel(),
     )
 
 

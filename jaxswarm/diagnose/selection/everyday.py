@@ -23,7 +23,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, number_of
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -115,7 +115,7 @@ def _least_certain(after: Estimate, everyday: Sequence[Score], noise: np.ndarray
 
 def _certainty(after: Estimate, term: Term, noise: np.ndarray) -> float:
     """A fitted term's value over its standard error; zero where it is against physics or within the noise."""
-    number = next(k for k, t in enumerate(after.model.terms) if t.identity == term.identity)
+    number = number_of(term, after.model.terms)
     fitted, errors = after.model.terms[number], after.std_errors[number]
     names = after.regression.names
     own = [names.index(name) for name in fitted.columns(after.model.robot.joints)]

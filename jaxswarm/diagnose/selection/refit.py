@@ -8,7 +8,7 @@ from jaxswarm.diagnose.decision.rules import CERTAIN, IN_PLACE, MOST_DAMPING, NE
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, number_of
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths
@@ -66,10 +66,8 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
 
 def _holds(after: Estimate, term: Term, fall: float) -> bool:
     """Whether a fitted term can be, and is needed for the fall of the cost."""
-    held = zip(after.model.terms, after.std_errors, strict=True)
-    fitted, errors = min(
-        ((t, e) for t, e in held if t.place == term.place), key=lambda one: one[0].apart(term)
-    )
+    number = number_of(term, after.model.terms)
+    fitted, errors = after.model.terms[number], after.std_errors[number]
     physical = all(fitted.values[p.name] >= p.lower for p in term.law.linear)
     physical = physical and stands_for_itself(fitted, errors)
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
@@ -141,7 +139,7 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
     It starts from the current rigid parameters where no others are given.
     """
     start = _rigid(current) if start is None else start
-    after = _fit_from(current, start, terms, current.model.width)
+    after = fit_from(current, start, terms, current.model.width)
     width = best_widths(
         after.model.robot,
         after.model.terms,
@@ -151,7 +149,7 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
     )
     if np.abs(np.log(np.divide(width, after.model.width))).max() < _NEAR:
         return after
-    again = _fit_from(current, _rigid(after), after.model.terms, width)
+    again = fit_from(current, _rigid(after), after.model.terms, width)
     return again if _cost(again, after) < _cost(after, after) else after
 
 
@@ -160,16 +158,20 @@ def _rigid(one: Estimate) -> np.ndarray:
     return np.asarray(one.model.robot.parameters).ravel()
 
 
-def _fit_from(
-    current: Estimate, start: np.ndarray, terms: tuple[Term, ...], width: tuple[float, ...]
+def fit_from(
+    current: Estimate,
+    start: np.ndarray,
+    terms: tuple[Term, ...],
+    width: tuple[float, ...],
+    refine_width: bool = True,
 ) -> Estimate:
-    """Fit terms to the current logs from rigid parameters (10 n,) and widths."""
+    """Fit terms to the current logs from rigid parameters (10 n,) and widths, which are fitted too or stay."""
     return estimate(
         current.model.robot,
         terms,
         current.motions,
         width=width,
-        refine_width=True,
+        refine_width=refine_width,
         bounded=False,
         rigids=current.rigids,
         start=start,

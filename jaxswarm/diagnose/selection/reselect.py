@@ -22,6 +22,7 @@ from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -67,11 +68,15 @@ def choose_again(
     return list(steps), current, False
 
 
+def _terms_with_errors(found: Estimate) -> dict[tuple, tuple[Term, dict[str, float]]]:
+    """The terms of a model with their standard errors, by identity."""
+    pairs = zip(found.model.terms, found.std_errors, strict=True)
+    return {term.identity: (term, errors) for term, errors in pairs}
+
+
 def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
     """Whether what was added is no longer certain, since clocks were moved, say."""
-    errors = {
-        t.identity: (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
-    }
+    errors = _terms_with_errors(current)
     added = [step.added.identity for step in steps]
     return any(not is_certain(*errors[key]) for key in added if key in errors)
 
@@ -96,9 +101,7 @@ def reconsider(
     done, changed = list(steps), False
     for step in steps:
         rivals = competitors(step)
-        errors = {
-            t.identity: (t, e) for t, e in zip(current.model.terms, current.std_errors, strict=True)
-        }
+        errors = _terms_with_errors(current)
         if step.removed or step.added.identity not in errors:
             continue
         if not rivals and is_certain(*errors[step.added.identity]):

@@ -50,8 +50,9 @@ def best_elsewhere(
     best = min(left, key=left.get)
     if left[best] > GAIN * left[id(chosen)]:
         best = id(chosen)
-    told = [chosen, *(s for s in rivals if s is not chosen)] if best != id(chosen) else rivals
     kept = [
-        s for s in told if id(s) != best and (id(s) not in left or GAIN * left[id(s)] <= left[best])
+        s
+        for s in (chosen, *rivals)
+        if id(s) != best and (id(s) not in left or GAIN * left[id(s)] <= left[best])
     ]
     return *fits[best], kept

@@ -8,7 +8,7 @@ from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, number_of
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 
@@ -75,5 +75,4 @@ def chain(steps: Sequence[Step]) -> list[Step]:
 
 def find_term(found: Estimate, term: Term) -> Term:
     """A term of a model with its fitted values."""
-    same = (t for t in found.model.terms if t.place == term.place)
-    return min(same, key=lambda t: t.apart(term))
+    return found.model.terms[number_of(term, found.model.terms)]
