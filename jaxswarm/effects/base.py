@@ -74,6 +74,7 @@ class Effect:
         uses_direction: Whether its torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
+        way: ``way(p)``: which way it went, in a word or two beside its name; None: its name says it.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Effect:
     uses_direction: bool = False
     uses_load: bool = False
     derived: Callable[[dict], dict] | None = None
+    way: Callable[[Mapping], str] | None = None
 
     @property
     def linear(self) -> tuple[Parameter, ...]:

@@ -20,7 +20,8 @@ def grouped(entries: list[dict], joints: list[str], between: str = ", ") -> str:
     places: dict[str, list[str]] = {}
     for entry in entries:
         other = f" (driven by {entry['other']})" if entry.get("other") else ""
-        places.setdefault(entry["effect"], []).append(f"{entry['joint'] or ''}{other}")
+        way = f" ({entry['way']})" if entry.get("way") else ""
+        places.setdefault(entry["effect"] + way, []).append(f"{entry['joint'] or ''}{other}")
     told = []
     for effect, names in places.items():
         whole = len(joints) > 1 and sorted(names) == sorted(joints)
