@@ -18,7 +18,10 @@ from jaxswarm.errors import InputError, nearest
 
 SCOPES = ("joint", "pair", "global")
 # What the picture of an effect can have as its horizontal axis.
-AXES = ("position", "velocity", "acceleration", "time", "load", "partner velocity", "model torque")
+AXES = (
+    *("position", "velocity", "acceleration", "time", "partner position", "partner velocity"),
+    *("load", "model torque", "torque rate"),
+)
 
 
 class Export(NamedTuple):

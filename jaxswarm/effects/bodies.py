@@ -34,7 +34,7 @@ BASE_TILT = register(
             "it with a level, or set the direction of gravity."
         ),
         gravity=_tilted,
-        shown_against="model torque",
+        shown_against="position",
     )
 )
 
@@ -98,5 +98,6 @@ register(
             {f"c{a}": (p[f"mc{a}"] / p["m"] + 0.0, "m") for a in "xyz"} if p["m"] else {}
         ),
         way=lambda p: "taken off" if p["m"] < 0.0 else "put on",
+        shown_against="position",
     )
 )
