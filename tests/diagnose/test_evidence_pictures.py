@@ -11,7 +11,6 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import prepare
 
-
 # A forearm that sits 30 mm further out.
 LONGER = {"x": 0.03, "y": 0.0, "turn_x": 0.0, "turn_y": 0.0}
 
