@@ -24,6 +24,10 @@ AXES = (
 )
 
 
+def _none_below_zero(p: Mapping) -> bool:
+    return all(value >= 0.0 for value in p.values())
+
+
 class Export(NamedTuple):
     """How a file format for robots holds an effect.
 
@@ -37,7 +41,7 @@ class Export(NamedTuple):
     format: str
     attributes: Callable[[Mapping], dict]
     adds: bool = True
-    holds: Callable[[Mapping], bool] = lambda p: all(value >= 0.0 for value in p.values())
+    holds: Callable[[Mapping], bool] = _none_below_zero
 
 
 @dataclass(frozen=True)

@@ -162,13 +162,13 @@ def _joint(element: Element, name: str, parent: str | None, link: Element, notes
     axis = numbers(element.find("axis"), "xyz", 3, (1.0, 0.0, 0.0), place)
     if kind != "fixed" and np.linalg.norm(axis) < SHORTEST_AXIS:
         raise InputError(f"{place}: axis xyz = {axis.tolist()} is no direction: give one.")
-    mimic = element.find("mimic")
-    if mimic is not None:
+    followed, mimic = element.find("mimic"), None
+    if followed is not None:
         factor, offset = (
-            float(numbers(mimic, key, 1, (default,), place)[0])
+            float(numbers(followed, key, 1, (default,), place)[0])
             for key, default in (("multiplier", 1.0), ("offset", 0.0))
         )
-        mimic = Mimic(attribute(mimic, "joint", place), factor, offset)
+        mimic = Mimic(attribute(followed, "joint", place), factor, offset)
     return Joint(
         name=name,
         kind=_KINDS[kind],
