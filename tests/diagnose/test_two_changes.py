@@ -44,6 +44,7 @@ def test_a_load_that_was_put_down_is_told_with_its_sign():
     assert load["effect"] == "payload" and load["way"] == "taken off"
     assert abs(mass["value"] + 4.0) < 0.02 and mass["std_error"] < 0.01
     assert "payload (taken off)" in verdict_sentence(found)
+    assert "changed effects" in repr(found) and "added effects" in repr(found)
     assert abs(slid["change"]["value"] + 2.0) < 0.03
     weighed = found.model.robot.parameters[-1, 0] - model.model.robot.parameters[-1, 0]
     assert abs(weighed + 4.0) < 0.02
