@@ -41,7 +41,6 @@ class Linearization:
         self.own_slopes: dict[tuple[int, int], np.ndarray] = {}
         self.slopes: dict[tuple[int, int], list[np.ndarray]] = {}
         self.series: dict[tuple, Sample] = {}
-        self._residuals: dict[int, np.ndarray] = {}
         for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
             own = model.during(k)
             body = body_along(model.robot, model.terms, motion, self.pi, rigid)
@@ -178,8 +177,5 @@ class Linearization:
 
     def residuals(self, joint: int) -> np.ndarray:
         """A joint's residual on every fold, (folds, T), zero outside the rows it was fitted to."""
-        if joint not in self._residuals:
-            folds = self.crossfit.folds
-            own = [np.where(f.train, f.residual[:, joint], 0.0) for f in folds]
-            self._residuals[joint] = np.stack(own)
-        return self._residuals[joint]
+        folds = self.crossfit.folds
+        return np.stack([np.where(f.train, f.residual[:, joint], 0.0) for f in folds])
