@@ -200,3 +200,9 @@ def shift_motion(motion: Motion, seconds: float) -> Motion:
         ddq=moved(motion.ddq),
         skew=motion.skew + seconds,
     )
+
+
+def with_skew_of(motion: Motion, like: Motion) -> Motion:
+    """Another log by the clocks that were found on one."""
+    late = like.skew - motion.skew
+    return shift_motion(motion, late) if late else motion
