@@ -2,6 +2,7 @@
 
 import importlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs
@@ -78,6 +79,7 @@ def diagnose_files(
         outputs.write_results(out, page | {"report.html": render(unfit | told, {})})
         return unfit | told
     refuse_too_large(read.motions)
+    read = replace(read, fitted=[])  # a long log is large, and its samples are not asked for again
     every = [*read.motions, *read.unseen]
     journal = Journal(out, fingerprint(robot, every, terms, options.seed))
     with Drawing() as drawing:
