@@ -80,8 +80,7 @@ def diagnose_files(
         return unfit | told
     refuse_too_large(read.motions)
     read = replace(read, fitted=[])  # a long log is large, and its samples are not asked for again
-    every = [*read.motions, *read.unseen]
-    journal = Journal(out, fingerprint(robot, every, terms, options.seed))
+    journal = Journal(out, fingerprint(robot, [*read.motions, *read.unseen], terms, options.seed))
     with Drawing() as drawing:
         diagnosis = diagnose(
             robot, terms, read.motions, seed=options.seed, progress=progress, journal=journal,
