@@ -49,12 +49,12 @@ def choose_again(
         progress: Called with one line per effect.
         other: Logs of other motion; what changes may not raise the error there.
     """
-    over = current.fit.sigma / noise_of(current)
-    if len(steps) > 1 or _doubtful(steps, current) or (over > LOUD).any():
+    if len(steps) > 1 or _doubtful(steps, current):
         done, found, changed = reconsider(steps, current, asked, rules, seed, progress, other)
         if changed:
             return done, found, True
         steps = done
+    over = current.fit.sigma / noise_of(current)
     acted = {step.score.joint for step in steps}
     far = {j for j in acted if over[j] > NEAR}
     unclear = sorted(j for j in acted - far if over[j] > LOUD)
@@ -65,6 +65,8 @@ def choose_again(
         told = pair(steps, current, where, asked, rules, seed)
         if told:
             return (*told, True)
+    if (over > LOUD).any():
+        return reconsider(steps, current, asked, rules, seed, progress, other, fuller=True)
     return list(steps), current, False
 
 
@@ -89,11 +91,14 @@ def reconsider(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     other: Sequence[Motion] = (),
+    *,
+    fuller: bool = False,
 ) -> tuple[list[Step], Estimate, bool]:
     """Choose every added effect anew among its competitors, the others in place.
 
     Args:
         steps, current, asked, rules, seed, progress, other: As for :func:`choose_again`.
+        fuller: Whether near laws of more numbers are fitted too, where much is left.
 
     Returns:
         The steps, the model, and whether an effect was exchanged or dropped.
@@ -124,7 +129,7 @@ def reconsider(
         instead = _replacement(
             _simpler(chosen, passed) if same else [chosen], chosen, rest, current, other
         )
-        if instead is None and same and (current.fit.sigma > LOUD * noise_of(current)).any():
+        if instead is None and same and fuller:
             instead = _fuller(chosen, near, rest, current, other)
         if instead is None:
             if same:
