@@ -129,7 +129,7 @@ SPOILINGS: dict[str, Spoiling] = {
     "time scale 2": Spoiling(
         lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",), hides=True),
     "encoder zero 0.3 rad": Spoiling(
-        _position(lambda x: x + 0.3), ("encoder_offset",), ("encoder_offset",), True),
+        _position(lambda x: x + 0.3), ("encoder_zero", "encoder_offset"), ("encoder_offset",), True),
     "0.1 % of spikes": Spoiling(_spikes, ("spikes",)),
     "pure noise": Spoiling(
         lambda log, j, rng: replace(log, tau=rng.normal(size=log.tau.shape)), ("no_relation", "torque_unit")),

@@ -1,0 +1,109 @@
+"""What shows faintly is told where nothing else could be taken for it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jaxswarm.identify.checks.check_log import against_robot
+from jaxswarm.identify.checks.guesses import (
+    ENCODER_ZERO,
+    motion_scale_guesses,
+    torque_scale_guesses,
+)
+from jaxswarm.identify.checks.late import late_torque
+from jaxswarm.identify.checks.rough import Lateness, Rough, Tried, samples_of
+from jaxswarm.identify.checks.scales import is_exact
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.robot.load import load_robot
+
+
+@pytest.fixture(scope="module")
+def arm():
+    bare = load_robot("ur10e")
+    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
+
+
+@pytest.fixture(scope="module")
+def log(arm):
+    return synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
+
+
+def column(values, joint, factor):
+    return values * np.where(np.arange(values.shape[1]) == joint, factor, 1.0)
+
+
+def motions(log):
+    return prepare_segments(log, Filtering(torque_cutoff=5.0))[1]
+
+
+HALF_AS_LARGE = {
+    "torque_scale": lambda log: replace(log, tau=column(log.tau, 1, 0.5)),
+    "encoder_scale": lambda log: replace(log, q=column(log.q, 1, 0.5)),
+    "time_scale": lambda log: replace(log, t=0.5 * log.t),
+}
+
+
+@pytest.mark.parametrize("check", HALF_AS_LARGE)
+def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, check):
+    rough = Rough(arm, samples_of(motions(HALF_AS_LARGE[check](log))))
+    logged, sigma = rough.as_logged()
+    guesses = [*torque_scale_guesses(arm), *motion_scale_guesses(arm)]
+    right = "time is twice" if check == "time_scale" else "joint2 is twice"
+    (guess,) = [g for g in guesses if g.check == check and right in g.what]
+    gain = 4.0  # one short log asks for more
+    assert is_exact(arm, rough, sigma, guess, gain)
+    assert not is_exact(arm, rough, sigma, guess.nearby(1.4), gain)
+    assert not is_exact(arm, rough, sigma, guess.nearby(0.7), gain)
+    assert not is_exact(arm, rough, sigma, guess, 0.0)
+
+
+def test_a_last_joint_of_the_wrong_sign_shows_behind_five_that_are_right(arm, log):
+    wrong = replace(log, q=column(log.q, 5, -1.0))
+    parts = motions(wrong)
+    logged, _ = Rough(arm, samples_of(parts)).as_logged()
+    assert logged.size < 0.1  # of all torques little is left
+    assert [one.check for one in against_robot(arm, parts)] == ["position_sign"]
+
+
+@pytest.mark.parametrize(("joint", "zero"), [(1, 0.3), (2, -0.1), (4, 0.5)])
+def test_a_zero_that_is_off_is_told_with_its_size_and_the_work_goes_on(arm, log, joint, zero):
+    off = replace(log, q=log.q + zero * (np.arange(6) == joint))
+    (found,) = against_robot(arm, motions(off))
+    assert found.check == ENCODER_ZERO and not found.refused
+    side = "large" if zero > 0 else "small"
+    assert f"the position of joint{joint + 1} reads {abs(zero):.2f} rad too {side}" in found.what
+
+
+def test_zeros_that_nothing_shows_are_not_guessed(arm, log):
+    """A first axis that is vertical, and a last one: no motion tells where they begin to count."""
+    off = replace(log, q=log.q + 0.3 * np.isin(np.arange(6), (0, 5)))
+    assert against_robot(arm, motions(off)) == []
+
+
+class Known:
+    """A rough model of which all is known."""
+
+    strictness = 1.0
+
+    def __init__(self, left: float, gain: float):
+        self.left, self.gain = left, gain
+
+    def as_logged(self):
+        return Tried(np.array([0.03, self.left, 0.03]), np.ones(3)), np.ones(3)
+
+    def lateness(self, sigma):
+        return Lateness(np.array([0.001, 0.018, -0.001]), np.array([-0.02, self.gain, -0.01]))
+
+
+@pytest.mark.parametrize(
+    ("left", "gain", "told"),
+    [(0.02, -0.2, True), (0.02, -0.1, False), (0.09, -0.24, False), (0.09, -0.4, True)],
+)
+def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, told):
+    """Bristles of harmonic drives look as late, on joints of which they leave a tenth."""
+    found = late_torque(arm, Known(left, gain))
+    assert (found is not None) == told
+    assert not told or "joint2 is 17 ms late" in found.what
