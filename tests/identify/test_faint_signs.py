@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jaxswarm.identify.checks.channels import _believed
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
+    degree_guesses,
     motion_scale_guesses,
     torque_scale_guesses,
 )
@@ -81,6 +83,18 @@ def test_zeros_that_nothing_shows_are_not_guessed(arm, log):
     """A first axis that is vertical, and a last one: no motion tells where they begin to count."""
     off = replace(log, q=log.q + 0.3 * np.isin(np.arange(6), (0, 5)))
     assert against_robot(arm, motions(off)) == []
+
+
+def test_turns_that_no_arm_makes_are_degrees_for_less():
+    robot, far = load_robot("emps"), np.array([True])
+    assert list(degree_guesses(robot, far)) == []  # a slide alone turns by nothing
+    turning = load_robot("rx60")
+    likely = {g.joints: g.likely for g in degree_guesses(turning, np.array([True, False, True]))}
+    assert likely == {(0, 1, 2): False, (0, 2): True}
+    (guess,) = degree_guesses(turning, np.ones(3, bool))
+    logged, found = (Tried(np.full(3, left), np.ones(3)) for left in (0.3, 0.26))
+    assert _believed(guess, found, logged, 1.0)
+    assert not _believed(replace(guess, likely=False), found, logged, 1.0)
 
 
 class Known:

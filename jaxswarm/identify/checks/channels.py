@@ -50,8 +50,8 @@ _VALLEY = 0.5
 # A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
 # badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
 _SCALE_LEAVES = 0.15
-# Turns of a joint [rad] that no arm makes; degrees make them at once.
-_FAR = 4.0 * np.pi
+# Turns of a joint [rad] and travels [m] that no arm makes; degrees make them at once and need to gain less.
+_FAR, _LIKELY = 4.0 * np.pi, 0.3
 # Mass [kg] of every link, all alike, that would need the logged torques, over the square of the reach [m]: 60
 # clean logs of 40 arms lie between 0.11 and 72. Below the least reach that is known (a slide alone has none)
 # another one is taken, and the limits are wider by the last number.
@@ -141,6 +141,7 @@ def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     own = logged.braking[joints]
     drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
     needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH
+    needed = _LIKELY if guess.likely else needed
     return change < -needed or (guess.check in _SIGNS and change < _SAME and drove)
 
 

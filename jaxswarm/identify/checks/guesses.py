@@ -29,6 +29,7 @@ class Guess:
         motion: The motion it would be; None: as logged.
         joints: Joints it changes.
         nearby: Of a scale, the same guess with so many times its factor; None for what is no number.
+        likely: Whether the motion itself says so, before any torque is asked.
         remedy: What to do, where nobody has to mend the log first; None: the log is refused.
     """
 
@@ -38,6 +39,7 @@ class Guess:
     mixture: np.ndarray | None = None
     motion: Callable[[Samples], Samples] | None = None
     nearby: Callable[[float], "Guess"] | None = None
+    likely: bool = False
     remedy: str | None = None
 
 
@@ -84,7 +86,8 @@ def degree_guesses(robot: Robot, far: np.ndarray) -> Iterator[Guess]:
         if joints:
             text = f"the positions of {_named(robot, joints)} are in degrees"
             factor = np.where(np.array(chosen), _DEGREE, 1.0)
-            yield Guess("encoder_scale", text, joints, motion=_scaled(factor))
+            likely = bool(far[list(joints)].all())
+            yield Guess("encoder_scale", text, joints, motion=_scaled(factor), likely=likely)
 
 
 def torque_scale_guesses(robot: Robot) -> Iterator[Guess]:

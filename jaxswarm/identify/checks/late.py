@@ -18,7 +18,7 @@ _APART, _LONGEST = 0.006, 0.05
 # Logarithm of what is left with the delay over without, on logs of many rows; times the strictness of others.
 # On logs that lack any one law it is -0.16 at most, on measured arms -0.24 (harmonic drives); 20 ms
 # that show at all take off -0.19 to -1.1.
-_CLEAR = -0.3
+_CLEAR = -0.28
 # On a joint of which rigid body and friction leave less than this share nothing else can be taken for a delay:
 # a clearer one (in seconds) needs less there. On clean logs it is -0.13 at most on such joints.
 _WELL, _APART_WELL, _CLEAR_WELL = 0.05, 0.01, -0.16
