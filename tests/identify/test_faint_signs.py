@@ -1,6 +1,7 @@
 """What shows faintly is told where nothing else could be taken for it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -106,10 +107,14 @@ class Known:
         self.left, self.gain = left, gain
 
     def as_logged(self):
-        return Tried(np.array([0.03, self.left, 0.03]), np.ones(3)), np.ones(3)
+        left = np.full(6, 0.03)
+        left[1] = self.left
+        return Tried(left, np.ones(6)), np.ones(6)
 
     def lateness(self, sigma):
-        return Lateness(np.array([0.001, 0.018, -0.001]), np.array([-0.02, self.gain, -0.01]))
+        seconds, gain = np.array([1.0, 18.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
+        gain[1] = self.gain
+        return Lateness(1e-3 * seconds, gain)
 
 
 @pytest.mark.parametrize(
@@ -120,4 +125,13 @@ def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, told):
     """Bristles of harmonic drives look as late, on joints of which they leave a tenth."""
     found = late_torque(arm, Known(left, gain))
     assert (found is not None) == told
-    assert not told or "joint2 is 17 ms late" in found.what
+    assert not told or "joint2 is 18 ms late" in found.what
+
+
+def test_the_other_joint_of_two_is_the_clock():
+    """The middle of both would halve what they are apart."""
+    both = Tried(np.full(2, 0.04), np.ones(2)), np.ones(2)
+    late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
+    pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
+    found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair)
+    assert found is not None and "b is 12 ms late" in found.what

@@ -34,7 +34,9 @@ def late_torque(robot: Robot, rough: Rough) -> Finding | None:
         return None
     logged, sigma = rough.as_logged()
     found = rough.lateness(sigma)
-    apart = found.seconds - np.median(found.seconds)
+    own = np.eye(robot.num_joints, dtype=bool)
+    others = np.where(own, np.nan, found.seconds)  # a row a joint, without its own
+    apart = found.seconds - np.nanmedian(others, axis=1)
     well = logged.left < _WELL
     needed = np.where(well, _CLEAR_WELL, _CLEAR) * rough.strictness
     least = np.where(well & (found.gain > _CLEAR * rough.strictness), _APART_WELL, _APART)
