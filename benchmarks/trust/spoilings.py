@@ -106,6 +106,12 @@ def _half(log: Log, j: int, rng) -> Log:
     return replace(log, q=q, tau=tau, dq=None)
 
 
+def _clipped(x: np.ndarray) -> np.ndarray:
+    """At a part of the largest torque, single samples aside: a spike is no limit."""
+    limit = 0.8 * np.quantile(np.abs(x), 0.998)
+    return np.clip(x, -limit, limit)
+
+
 def _jump(log: Log, j: int, rng) -> Log:
     t = log.t.copy()
     t[len(t) // 2 :] += 100.0
@@ -129,7 +135,7 @@ SPOILINGS: dict[str, Spoiling] = {
     "time scale 2": Spoiling(
         lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",), hides=True),
     "encoder zero 0.3 rad": Spoiling(
-        _position(lambda x: x + 0.3), ("encoder_offset",), ("encoder_offset",), True),
+        _position(lambda x: x + 0.3), ("encoder_zero", "encoder_offset"), ("encoder_offset",), True),
     "0.1 % of spikes": Spoiling(_spikes, ("spikes",)),
     "pure noise": Spoiling(
         lambda log, j, rng: replace(log, tau=rng.normal(size=log.tau.shape)), ("no_relation", "torque_unit")),
@@ -156,6 +162,5 @@ SPOILINGS: dict[str, Spoiling] = {
         lambda log, j, rng: replace(log, q=np.degrees(log.q), dq=None), ("encoder_scale",)),
     "clock jump of 100 s": Spoiling(_jump, ("gap",)),
     "torque dead": Spoiling(_torque(lambda x: np.full_like(x, x[0])), ("dead",)),
-    "torque clipped": Spoiling(
-        _torque(lambda x: np.clip(x, -0.8 * np.abs(x).max(), 0.8 * np.abs(x).max())), ("saturation",)),
+    "torque clipped": Spoiling(_torque(_clipped), ("saturation",)),
 }  # fmt: skip

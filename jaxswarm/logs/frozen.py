@@ -18,8 +18,9 @@ _BEFORE, _QUANTA, _TOP = 3, 4.0, 0.95
 # Beyond this share of a log there is too little left between the stretches.
 _MOST_STUCK = 0.4
 # A torque that repeats to the last digit for so long [s] has stopped being measured where its channel is noisy:
-# its noise is above its quantum and this part of its range, and it repeats nowhere else for a tenth of that.
-_LONG_TORQUE, _NOISY, _ELSEWHERE = 0.4, 1e-5, 0.1
+# its noise is above half its quantum (one sample in three differs) and this part of its range, and it repeats
+# nowhere else for a tenth of that.
+_LONG_TORQUE, _QUANTUM, _NOISY, _ELSEWHERE = 0.4, 0.5, 1e-5, 0.1
 # Samples of one joint's torque at its extreme value, as a share of all: fewer change no parameter visibly.
 _MOST_SATURATED = 0.01
 
@@ -71,7 +72,7 @@ def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
         if len(rest) <= least:  # it hardly ever does otherwise: what its noise is nobody can tell
             continue
         noise = white_noise(rest[:, None])[0]
-        noisy = noise > max(quantum(rest), _NOISY * np.ptp(rest))
+        noisy = noise > max(_QUANTUM * quantum(rest), _NOISY * np.ptp(rest))
         usual = np.delete(lengths, longest).max(initial=0) > _ELSEWHERE * lengths[longest]
         others = np.ptp(np.delete(log.tau[start:end], j, axis=1), axis=0) > 0
         inside = torque.min() < torque[start] < torque.max()

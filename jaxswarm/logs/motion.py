@@ -50,7 +50,8 @@ class Motion:
         t: Working clock [s], shape (T,), uniform.
         q, dq, ddq: Filtered motion, shape (T, n).
         tau: Measured torque on the same clock, (T, n), or None.
-        channels: Further channels on the same clock.
+        channels: Further channels on the same clock, those with a column (T, n) for every joint: no law reads
+            one that belongs to no joint, such as the temperature of a room.
         decimator: The low-pass and decimation shared by torque and columns.
         motion_cutoff: The low-pass of every joint's motion [Hz], (n,).
         torque_cutoff: That of torque and columns [Hz].
@@ -152,7 +153,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         dq=dq,
         ddq=ddq,
         tau=tau,
-        channels={name: resampled(x, clock) for name, x in log.channels.items()},
+        channels={n: resampled(x, clock) for n, x in log.channels.items() if x.ndim == 2},
         decimator=decimator,
         motion_cutoff=tuple(map(float, band.motion)),
         torque_cutoff=float(torque_cutoff),

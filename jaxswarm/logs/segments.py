@@ -145,7 +145,7 @@ def unfiltered(part: Log, like: Motion, start: float) -> Motion:
         dq=dq,
         ddq=ddq,
         tau=part.tau,
-        channels={name: np.asarray(x, dtype=float) for name, x in part.channels.items()},
+        channels={n: np.asarray(x, float) for n, x in part.channels.items() if x.ndim == 2},
         decimator=Decimator(np.ones(1), 1),
         step_noise=None,
     )

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from jaxswarm.identify.checks.channels import _believed, wrong_channels
+from jaxswarm.identify.checks.channels import _believed, _sound, wrong_channels
 from jaxswarm.identify.checks.guesses import Guess
 from jaxswarm.identify.checks.rough import Rough, Samples, Tried
 from jaxswarm.robot import inverse_dynamics, rx60
@@ -51,5 +51,6 @@ def test_a_scale_that_leaves_much_of_its_own_torque_is_not_believed():
     half = Guess("torque_scale", "half", (2,), np.diag([1.0, 1.0, 0.5]))
     brake = np.ones(3)
     logged = Tried(np.array([0.06, 0.11, 0.22]), brake)
-    assert not _believed(half, Tried(np.array([0.06, 0.05, 0.17]), brake), logged, 1.0)
-    assert _believed(half, Tried(np.array([0.06, 0.05, 0.1]), brake), logged, 1.0)
+    poorly, well = (Tried(np.array([0.06, 0.05, left]), brake) for left in (0.17, 0.1))
+    assert not _sound(half, poorly) and _sound(half, well)
+    assert _believed(half, well, logged, 1.0)

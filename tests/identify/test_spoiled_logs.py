@@ -123,6 +123,13 @@ def test_what_can_be_mended_or_judged_is_told(clean, arm, spoiling):
     assert {note.split(":")[0] for note in new_notes(log, told)} - {"Split at 1 gap"} == {check}
 
 
+def test_a_table_converted_to_degrees_has_slides_that_travel_meters(data_root):
+    robot = load_robot(data_root / "cases" / "q03" / "robot.urdf")
+    log = read_log(data_root / "cases" / "q03" / "train.npz", robot.joints)
+    with pytest.raises(InputError, match=f"encoder_scale: .*{robot.joints[3]} are in degrees"):
+        checked(replace(log, q=np.degrees(log.q), dq=None), robot, Filtering())
+
+
 def test_torques_light_for_an_arm_of_unknown_masses_are_told(clean, arm):
     bare = arm.replace(parameters=np.zeros((3, 10)))
     told, _ = checked(replace(clean, tau=1e-3 * clean.tau), bare, Filtering())

@@ -9,6 +9,9 @@ from jaxswarm.errors import InputError
 from jaxswarm.logs import Log
 from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.motion import Filtering, prepare
+from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.robot.load import load_robot
+from jaxswarm.tasks.identifiable import identifiable
 
 FREQUENCIES = (0.2, 0.5, 0.9, 1.4)
 
@@ -115,6 +118,21 @@ def test_channels_follow_the_clock():
         make_log(t, channels={"temperature": np.stack([t, 20 + t], 1)}), Filtering(5.0)
     )
     np.testing.assert_allclose(motion.channels["temperature"][:, 1], 20 + motion.t, atol=1e-9)
+
+
+def test_the_temperature_of_a_room_is_no_joint_s():
+    """Laws read one column a joint; a log with one column for all ended in an IndexError."""
+    t = np.arange(4000) / 1000.0
+    log = make_log(t, channels={"temperature": 20.0 + t})
+    assert prepare(log, Filtering(5.0)).channels == {}
+    paused = replace(log, t=np.where(t < 2.0, t, t + 60.0))
+    _, motions = prepare_segments(paused, Filtering(5.0))
+    assert len(motions) == 2 and not any(motion.channels for motion in motions)
+    arm = load_robot("rx60")
+    three = replace(
+        log, joints=arm.joints, q=log.q[:, [0, 1, 0]], dq=None, tau=log.tau[:, [0, 1, 0]]
+    )
+    assert identifiable(arm, [prepare(three, Filtering(5.0))])["base_parameters"]
 
 
 def test_a_log_without_torque_has_none():

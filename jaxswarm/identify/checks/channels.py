@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.identify.checks.guesses import (
+    ENCODER_ZERO,
     Guess,
     degree_guesses,
     motion_guesses,
@@ -18,35 +19,39 @@ from jaxswarm.identify.checks.guesses import (
     torque_scale_guesses,
 )
 from jaxswarm.identify.checks.rough import Rough, Samples, Tried
+from jaxswarm.identify.checks.scales import is_exact
+from jaxswarm.identify.checks.zeros import zero_guesses
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 NO_RELATION = "no_relation"
 # A guess is believed that lowers the sum over the joints of the logarithm of what is left by this much,
-# a third on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
-# wrong ones lower it by 2 and more.
-_MUCH = 1.0
+# half on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
+# wrong ones lower it by 2 and more, of noisy slow logs by 0.9.
+_MUCH = 0.7
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
 # 0.04 at most, on joints without friction.
 _SAME, _DRIVES = 0.3, 0.08
 # Friction of a guess that drives by less than this share of the torque is none.
 _NONE = 0.05
-# The log is asked about its motion too, which costs a regressor a guess, where it leaves this much.
-_POOR = 0.1
+# The log is asked about its motion too, which costs a regressor a guess, where it leaves this much, or so much
+# on one joint: a last joint of the wrong sign hides behind five that are right.
+_POOR, _POOR_JOINT = 0.1, 0.3
 _SIGNS = {"torque_sign", "position_sign"}
 # Scales are believed where they lower that sum by less: nothing but the scale changes, so that on 305 logs that
 # are clean or lack a law no torque's scale lowers it by more than 0.3 and time's by 0.35. A last joint's
-# position may bend into what is missing by 0.5. Twice the scale costs 0.4 to 10 where it can be seen.
-_SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8}
+# position may bend into what is missing by 0.5. Twice the scale costs 0.4 to 10 where it can be seen. No zero
+# lowers it by a tenth there; one that is 0.3 off does by 0.8 and more where it shows.
+_SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8, ENCODER_ZERO: 0.4}
 # A torque's scale is a valley: any other scale of it costs this part of that more. Where a joint disagrees with
 # the others for another reason, all scales that take its word from it help alike.
 _VALLEY = 0.5
 # A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
 # badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
 _SCALE_LEAVES = 0.15
-# Turns of a joint [rad] that no arm makes; degrees make them at once.
-_FAR = 4.0 * np.pi
+# Turns of a joint [rad] and travels [m] that no arm makes; degrees make them at once and need to gain less.
+_FAR, _LIKELY = 4.0 * np.pi, 0.3
 # Mass [kg] of every link, all alike, that would need the logged torques, over the square of the reach [m]: 60
 # clean logs of 40 arms lie between 0.11 and 72. Below the least reach that is known (a slide alone has none)
 # another one is taken, and the limits are wider by the last number.
@@ -79,43 +84,64 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     much = rough.strictness
     guesses = [*torque_guesses(robot, rough.likely_order()), *torque_scale_guesses(robot)]
     tried = list(zip(guesses, rough.fit([g.mixture for g in guesses], sigma), strict=True))
-    poor = logged.size > _POOR or logged.braking.min() < -_NONE
+    poor = logged.size > _POOR or logged.left.max() > _POOR_JOINT or logged.braking.min() < -_NONE
     far = np.ptp(rough.samples.q, axis=0) > _FAR
     motions = [
         *motion_scale_guesses(robot),
         *(motion_guesses(robot) if poor else ()),
         *(degree_guesses(robot, far) if poor or far.any() else ()),
+        *zero_guesses(robot, rough, logged.power),
     ]
     for guess in motions:
         other = Rough(robot, guess.motion(rough.samples))
         tried.append((guess, other.as_logged()[0]))
     believed = [
-        (g, t) for g, t in tried if _believed(g, t, logged, much) and _is_valley(g, t, tried, much)
+        (g, t)
+        for g, t in tried
+        if _sound(g, t)
+        and (
+            (_believed(g, t, logged, much) and _is_valley(g, t, tried, much))
+            or is_exact(robot, rough, sigma, g, logged.power - t.power)
+        )
     ]
     if not believed:
         return None
     best = min(t.power for _, t in believed)
     alike = [(g, t) for g, t in believed if t.power < best + _SAME]
-    guess, found = min(alike, key=lambda one: (len(one[0].joints), one[0].motion is not None))
+    guess, found = min(
+        alike, key=lambda one: (len(one[0].joints), one[0].motion is not None, one[1].power)
+    )
     mirrored = {g.check for g, _ in alike if g.joints == guess.joints} >= _SIGNS
     if mirrored:  # as at a vertical base
         guess = replace(
             guess, what=guess.what.replace("the torque of", "the torque or the position of")
         )
+    rivals = [
+        robot.joints[g.joints[0]]
+        for g, _ in alike
+        if g.check == guess.check and len(g.joints) == 1 and g.joints != guess.joints
+    ]
+    if rivals:  # as of parallel axes
+        guess = replace(guess, what=f"{guess.what} (or that of {' or '.join(rivals)})")
     return _told(robot, guess, found, logged)
+
+
+def _sound(guess: Guess, found: Tried) -> bool:
+    """Whether friction brakes in what a guess leaves, and enough of the torques is explained by it."""
+    if found.braking.min() < -_NONE or found.size > _UNRELATED:
+        return False
+    own = found.left[list(guess.joints)].max()
+    return bool(guess.check != "torque_scale" or own <= _SCALE_LEAVES)
 
 
 def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     """Whether a guess leaves clearly less; scales have to, so many times (``much``) more."""
-    if found.braking.min() < -_NONE or found.size > _UNRELATED:
-        return False
     joints = list(guess.joints)
-    if guess.check == "torque_scale" and found.left[joints].max() > _SCALE_LEAVES:
-        return False
     change = found.power - logged.power
     own = logged.braking[joints]
     drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
     needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH
+    needed = _LIKELY if guess.likely else needed
     return change < -needed or (guess.check in _SIGNS and change < _SAME and drove)
 
 
@@ -135,10 +161,11 @@ def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
     drove = [robot.joints[j] for j in guess.joints if logged.braking[j] < -_NONE]
     driven = f"friction would drive {', '.join(drove)}, and " if drove else ""
     what = (
-        f"{guess.what}: as logged {driven}rigid body and friction leave {100 * logged.size:.0f} % of the "
-        f"torque, without it {100 * found.size:.0f} %"
+        f"{guess.what}: as logged {driven}rigid body and friction leave {100 * logged.size:.2g} % of the "
+        f"torque, without it {100 * found.size:.2g} %"
     )
-    return Finding(guess.check, what, "Mend these columns of the log")
+    remedy = guess.remedy or "Mend these columns of the log"
+    return Finding(guess.check, what, remedy, refused=guess.remedy is None)
 
 
 def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:

@@ -11,6 +11,7 @@ from jaxswarm.identify.checks.channels import (
     wrong_unit,
 )
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
+from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough, samples_of
 from jaxswarm.identify.checks.weak import WEAK, all_rest
@@ -31,6 +32,7 @@ CHECKS = {
     "position_sign": "positions of the wrong sign",
     "swapped_channels": "columns of joints exchanged",
     "encoder_scale": "positions in degrees, or a multiple of what is logged",
+    ENCODER_ZERO: "positions that read too large or too small by a constant",
     "torque_scale": "a joint's torque that is a multiple of what is logged",
     "time_scale": "time that is a multiple of what is logged",
     "late_torque": "a joint's torque that is late or early against its motion",
@@ -87,9 +89,11 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     channels = wrong_channels(robot, rough)
     # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
     unit = None if channels else wrong_unit(robot, samples)
-    found = [one for one in (channels, unit, unrelated(rough)) if one is not None]
+    told_only = channels is not None and not channels.refused  # what is left goes on with it
+    relation = None if told_only else unrelated(rough)
+    found = [one for one in (channels, unit, relation) if one is not None]
     # A unit that may be another one says nothing of the clocks; where more is wrong, nothing is known of them.
-    if not any(one.refused or one.check == NO_RELATION for one in found):
+    if channels is None and relation is None and (unit is None or not unit.refused):
         late = late_torque(robot, rough)
         found += [] if late is None else [late]
     return found

@@ -15,6 +15,7 @@ _ALL_ORDERS, _ALL_SIGNS = 4, 8
 _TORQUE_FACTORS = (1e-3, 0.01, 0.1, 0.5, 2.0, 10.0, 100.0, 1e3)
 _MOTION_FACTORS = (0.5, 2.0)
 _DEGREE = np.pi / 180.0
+ENCODER_ZERO = "encoder_zero"
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,9 @@ class Guess:
         mixture: Row j says which logged torques are joint j's, (n, n); None: as logged.
         motion: The motion it would be; None: as logged.
         joints: Joints it changes.
+        nearby: Of a scale, the same guess with so many times its factor; None for what is no number.
+        likely: Whether the motion itself says so, before any torque is asked.
+        remedy: What to do, where nobody has to mend the log first; None: the log is refused.
     """
 
     check: str
@@ -34,6 +38,9 @@ class Guess:
     joints: tuple[int, ...]
     mixture: np.ndarray | None = None
     motion: Callable[[Samples], Samples] | None = None
+    nearby: Callable[[float], "Guess"] | None = None
+    likely: bool = False
+    remedy: str | None = None
 
 
 def torque_guesses(robot: Robot, likely: tuple[int, ...]) -> Iterator[Guess]:
@@ -68,14 +75,19 @@ def motion_guesses(robot: Robot) -> Iterator[Guess]:
 
 
 def degree_guesses(robot: Robot, far: np.ndarray) -> Iterator[Guess]:
-    """Positions in degrees, of all turning joints or of those that turn too ``far``, (n,) of bool."""
+    """Positions in degrees: of all turning joints, of those that turn too ``far``, (n,) of bool, or of all.
+
+    A logger that converts its whole table multiplies the travel of slides as well.
+    """
     turning = np.array([kind == "revolute" for kind in robot.kinds])
-    for chosen in {tuple(turning), tuple(turning & far)}:
+    sets = tuple(turning), tuple(turning & far), tuple(turning | turning.any())
+    for chosen in dict.fromkeys(sets):
         joints = tuple(int(j) for j in np.flatnonzero(chosen))
         if joints:
             text = f"the positions of {_named(robot, joints)} are in degrees"
             factor = np.where(np.array(chosen), _DEGREE, 1.0)
-            yield Guess("encoder_scale", text, joints, motion=_scaled(factor))
+            likely = bool(far[list(joints)].all())
+            yield Guess("encoder_scale", text, joints, motion=_scaled(factor), likely=likely)
 
 
 def torque_scale_guesses(robot: Robot) -> Iterator[Guess]:
@@ -85,12 +97,9 @@ def torque_scale_guesses(robot: Robot) -> Iterator[Guess]:
     size on both. A joint that nothing couples to the others, such as the last one about an axis through its
     center of mass, or a single slide, may have any scale.
     """
-    n = robot.num_joints
-    for j in range(n):
+    for j in range(robot.num_joints):
         for factor in _TORQUE_FACTORS:
-            text = f"the torque of {robot.joints[j]} is {_times(factor)} what is logged"
-            mixture = np.diag(np.where(np.arange(n) == j, factor, 1.0))
-            yield Guess("torque_scale", text, (j,), mixture)
+            yield _torque_scale(robot, j, factor)
 
 
 def motion_scale_guesses(robot: Robot) -> Iterator[Guess]:
@@ -101,14 +110,51 @@ def motion_scale_guesses(robot: Robot) -> Iterator[Guess]:
     turn in every other joint's torque; that of a slide without weight, or of a last joint about the axis
     of a body that is round, changes nothing that can be seen.
     """
-    n = robot.num_joints
     for factor in _MOTION_FACTORS:
-        text = f"time is {_times(1.0 / factor)} as long as logged, or the robot has other lengths or gravity"
-        yield Guess("time_scale", text, tuple(range(n)), motion=_slower(factor))
-        for j in range(n):
-            text = f"the position of {robot.joints[j]} is {_times(factor)} what is logged"
-            one = np.where(np.arange(n) == j, factor, 1.0)
-            yield Guess("encoder_scale", text, (j,), motion=_scaled(one))
+        yield _time_scale(robot, factor)
+        for j in range(robot.num_joints):
+            yield _encoder_scale(robot, j, factor)
+
+
+def zero_guess(robot: Robot, joint: int, zero: float) -> Guess:
+    """A position [rad or m] that reads too large by a constant.
+
+    Gravity and the couplings of links tell it; the zero of a first joint about a vertical axis, or of a last
+    one about the axis of a round body, changes nothing that can be seen.
+    """
+    unit = "rad" if robot.kinds[joint] == "revolute" else "m"
+    text = (
+        f"the position of {robot.joints[joint]} reads {abs(zero):.2f} {unit} too "
+        f"{'large' if zero > 0 else 'small'}, or a link before it is turned by that"
+    )
+    remedy = "Take it off the positions, or fit the offset of that encoder"
+    return Guess(ENCODER_ZERO, text, (joint,), motion=_moved(joint, -zero), remedy=remedy)
+
+
+def _torque_scale(robot: Robot, joint: int, factor: float) -> Guess:
+    text = f"the torque of {robot.joints[joint]} is {_times(factor)} what is logged"
+    mixture = np.diag(np.where(np.arange(robot.num_joints) == joint, factor, 1.0))
+    return Guess(
+        "torque_scale", text, (joint,), mixture,
+        nearby=lambda times: _torque_scale(robot, joint, factor * times),
+    )  # fmt: skip
+
+
+def _encoder_scale(robot: Robot, joint: int, factor: float) -> Guess:
+    text = f"the position of {robot.joints[joint]} is {_times(factor)} what is logged"
+    one = np.where(np.arange(robot.num_joints) == joint, factor, 1.0)
+    return Guess(
+        "encoder_scale", text, (joint,), motion=_scaled(one),
+        nearby=lambda times: _encoder_scale(robot, joint, factor * times),
+    )  # fmt: skip
+
+
+def _time_scale(robot: Robot, factor: float) -> Guess:
+    text = f"time is {_times(1.0 / factor)} as long as logged, or the robot has other lengths or gravity"
+    return Guess(
+        "time_scale", text, tuple(range(robot.num_joints)), motion=_slower(factor),
+        nearby=lambda times: _time_scale(robot, factor * times),
+    )  # fmt: skip
 
 
 def _times(factor: float) -> str:
@@ -139,6 +185,13 @@ def _scaled(factor: np.ndarray) -> Callable[[Samples], Samples]:
 def _slower(factor: float) -> Callable[[Samples], Samples]:
     def changed(s: Samples) -> Samples:
         return replace(s, dq=factor * s.dq, ddq=factor**2 * s.ddq)
+
+    return changed
+
+
+def _moved(joint: int, by: float) -> Callable[[Samples], Samples]:
+    def changed(s: Samples) -> Samples:
+        return replace(s, q=s.q + by * (np.arange(s.q.shape[1]) == joint))
 
     return changed
 

@@ -18,7 +18,10 @@ _APART, _LONGEST = 0.006, 0.05
 # Logarithm of what is left with the delay over without, on logs of many rows; times the strictness of others.
 # On logs that lack any one law it is -0.16 at most, on measured arms -0.24 (harmonic drives); 20 ms
 # that show at all take off -0.19 to -1.1.
-_CLEAR = -0.3
+_CLEAR = -0.28
+# On a joint of which rigid body and friction leave less than this share nothing else can be taken for a delay:
+# a clearer one (in seconds) needs less there. On clean logs it is -0.13 at most on such joints.
+_WELL, _APART_WELL, _CLEAR_WELL = 0.05, 0.01, -0.16
 
 
 def late_torque(robot: Robot, rough: Rough) -> Finding | None:
@@ -29,11 +32,15 @@ def late_torque(robot: Robot, rough: Rough) -> Finding | None:
     """
     if robot.num_joints < 2:
         return None
-    _, sigma = rough.as_logged()
+    logged, sigma = rough.as_logged()
     found = rough.lateness(sigma)
-    apart = found.seconds - np.median(found.seconds)
-    needed = _CLEAR * rough.strictness
-    clear = (np.abs(apart) > _APART) & (np.abs(found.seconds) < _LONGEST) & (found.gain < needed)
+    own = np.eye(robot.num_joints, dtype=bool)
+    others = np.where(own, np.nan, found.seconds)  # a row a joint, without its own
+    apart = found.seconds - np.nanmedian(others, axis=1)
+    well = logged.left < _WELL
+    needed = np.where(well, _CLEAR_WELL, _CLEAR) * rough.strictness
+    least = np.where(well & (found.gain > _CLEAR * rough.strictness), _APART_WELL, _APART)
+    clear = (np.abs(apart) > least) & (np.abs(found.seconds) < _LONGEST) & (found.gain < needed)
     if not clear.any():
         return None
     j = int(np.argmin(np.where(clear, found.gain, 0.0)))

@@ -1,0 +1,137 @@
+"""What shows faintly is told where nothing else could be taken for it."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jaxswarm.identify.checks.channels import _believed
+from jaxswarm.identify.checks.check_log import against_robot
+from jaxswarm.identify.checks.guesses import (
+    ENCODER_ZERO,
+    degree_guesses,
+    motion_scale_guesses,
+    torque_scale_guesses,
+)
+from jaxswarm.identify.checks.late import late_torque
+from jaxswarm.identify.checks.rough import Lateness, Rough, Tried, samples_of
+from jaxswarm.identify.checks.scales import is_exact
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.robot.load import load_robot
+
+
+@pytest.fixture(scope="module")
+def arm():
+    bare = load_robot("ur10e")
+    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
+
+
+@pytest.fixture(scope="module")
+def log(arm):
+    return synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
+
+
+def column(values, joint, factor):
+    return values * np.where(np.arange(values.shape[1]) == joint, factor, 1.0)
+
+
+def motions(log):
+    return prepare_segments(log, Filtering(torque_cutoff=5.0))[1]
+
+
+HALF_AS_LARGE = {
+    "torque_scale": lambda log: replace(log, tau=column(log.tau, 1, 0.5)),
+    "encoder_scale": lambda log: replace(log, q=column(log.q, 1, 0.5)),
+    "time_scale": lambda log: replace(log, t=0.5 * log.t),
+}
+
+
+@pytest.mark.parametrize("check", HALF_AS_LARGE)
+def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, check):
+    rough = Rough(arm, samples_of(motions(HALF_AS_LARGE[check](log))))
+    logged, sigma = rough.as_logged()
+    guesses = [*torque_scale_guesses(arm), *motion_scale_guesses(arm)]
+    right = "time is twice" if check == "time_scale" else "joint2 is twice"
+    (guess,) = [g for g in guesses if g.check == check and right in g.what]
+    gain = 4.0  # one short log asks for more
+    assert is_exact(arm, rough, sigma, guess, gain)
+    assert not is_exact(arm, rough, sigma, guess.nearby(1.4), gain)
+    assert not is_exact(arm, rough, sigma, guess.nearby(0.7), gain)
+    assert not is_exact(arm, rough, sigma, guess, 0.0)
+
+
+def test_a_last_joint_of_the_wrong_sign_shows_behind_five_that_are_right(arm, log):
+    wrong = replace(log, q=column(log.q, 5, -1.0))
+    parts = motions(wrong)
+    logged, _ = Rough(arm, samples_of(parts)).as_logged()
+    assert logged.size < 0.1  # of all torques little is left
+    assert [one.check for one in against_robot(arm, parts)] == ["position_sign"]
+
+
+@pytest.mark.parametrize(("joint", "zero"), [(1, 0.3), (2, -0.1), (4, 0.5)])
+def test_a_zero_that_is_off_is_told_with_its_size_and_the_work_goes_on(arm, log, joint, zero):
+    off = replace(log, q=log.q + zero * (np.arange(6) == joint))
+    (found,) = against_robot(arm, motions(off))
+    assert found.check == ENCODER_ZERO and not found.refused
+    side = "large" if zero > 0 else "small"
+    assert f"the position of joint{joint + 1} reads {abs(zero):.2f} rad too {side}" in found.what
+
+
+def test_zeros_that_nothing_shows_are_not_guessed(arm, log):
+    """A first axis that is vertical, and a last one: no motion tells where they begin to count."""
+    off = replace(log, q=log.q + 0.3 * np.isin(np.arange(6), (0, 5)))
+    assert against_robot(arm, motions(off)) == []
+
+
+def test_turns_that_no_arm_makes_are_degrees_for_less():
+    robot, far = load_robot("emps"), np.array([True])
+    assert list(degree_guesses(robot, far)) == []  # a slide alone turns by nothing
+    turning = load_robot("rx60")
+    likely = {g.joints: g.likely for g in degree_guesses(turning, np.array([True, False, True]))}
+    assert likely == {(0, 1, 2): False, (0, 2): True}
+    (guess,) = degree_guesses(turning, np.ones(3, bool))
+    logged, found = (Tried(np.full(3, left), np.ones(3)) for left in (0.3, 0.26))
+    assert _believed(guess, found, logged, 1.0)
+    assert not _believed(replace(guess, likely=False), found, logged, 1.0)
+
+
+class Known:
+    """A rough model of which all is known."""
+
+    strictness = 1.0
+
+    def __init__(self, left: float, gain: float):
+        self.left, self.gain = left, gain
+
+    def as_logged(self):
+        left = np.full(6, 0.03)
+        left[1] = self.left
+        return Tried(left, np.ones(6)), np.ones(6)
+
+    def lateness(self, sigma):
+        seconds, gain = np.array([1.0, 18.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
+        gain[1] = self.gain
+        return Lateness(1e-3 * seconds, gain)
+
+
+@pytest.mark.parametrize(
+    ("left", "gain", "told"),
+    [(0.02, -0.2, True), (0.02, -0.1, False), (0.09, -0.24, False), (0.09, -0.4, True)],
+)
+def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, told):
+    """Bristles of harmonic drives look as late, on joints of which they leave a tenth."""
+    found = late_torque(arm, Known(left, gain))
+    assert (found is not None) == told
+    assert not told or "joint2 is 18 ms late" in found.what
+
+
+def test_the_other_joint_of_two_is_the_clock():
+    """The middle of both would halve what they are apart."""
+    both = Tried(np.full(2, 0.04), np.ones(2)), np.ones(2)
+    late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
+    pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
+    found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair)
+    assert found is not None and "b is 12 ms late" in found.what
