@@ -32,6 +32,7 @@ def lag_torque(
     k: np.ndarray,
     d: np.ndarray,
     gap: np.ndarray,
+    hard: np.ndarray,
     substeps: int = 2,
     terms: tuple[Term, ...] = (),
     own: bool = False,
@@ -42,7 +43,7 @@ def lag_torque(
         motion: The log.
         sensed: What the rigid torque does when the joint moves otherwise.
         pis: Rigid parameters, (m, 10 n); one row serves all options.
-        k, d, gap: Stiffness, damping and dead zone, each (m,).
+        k, d, gap, hard: Stiffness, damping, dead zone and hardening, each (m,).
         substeps: Integration steps per sample.
         terms: The model's, whose drives report the torque.
         own: Whether the torque of the joint itself is enough: (m, T', 1).
@@ -52,7 +53,7 @@ def lag_torque(
         joint, rows = 0, slice(sensed.joint, sensed.joint + 1)
     torque, by_q, by_dq, by_ddq = sensed.at(pis, rows)
     count = len(k)
-    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), (k, d, gap))
+    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), (k, d, gap, hard))
     lags = _lags(*felt, *gear, 1.0 / motion.rate, substeps)
     e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
@@ -80,20 +81,20 @@ def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
 
 
 @partial(jax.jit, static_argnames="substeps")
-def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, step, substeps):
+def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, substeps):
     """Lags (T, m) and their derivatives of m options; see :func:`deflection`."""
 
-    def lag(tau, s, c, m, k, d, gap):
-        return deflection(m, c, s, tau, k, d, gap, step, substeps)
+    def lag(tau, s, c, m, *gear):
+        return deflection(m, c, s, tau, *gear, step, substeps)
 
     driven = (jnp.broadcast_to(x, (len(x), len(k))) for x in (torque, by_q, by_dq, by_ddq))
-    return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0), out_axes=1)(*driven, k, d, gap)
+    return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0, 0), out_axes=1)(*driven, k, d, gap, hard)
 
 
 def gears(
     law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
+    """What makes gears of options (m,) with the link's inertia on a log, as the fit has them."""
     # A gear is as stiff as the median inertia asks for: taken once, not for every option.
     inertia = np.median(np.abs(sensed.inertia(pi)), keepdims=True)
     found = [law.gear(option, inertia) for option in options]
