@@ -39,7 +39,7 @@ SOFT = {
     ],
     "backlash": [{"gap": g} for g in (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)],
 }
-# The same for springs that harden, by the twist at which they push twice as hard: from far beyond the usual one.
+# The same for springs that harden, by the twist of twice the torque: from far beyond the usual one.
 STIFFENING = {
     "hardening_elasticity": [
         {"k": 3e3, "eh": twist, "d": 5.0} for twist in (0.04, 0.02, 0.01, 0.005, 0.0025)

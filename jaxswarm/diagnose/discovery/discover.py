@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
-from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, MOST_LEFT, OF_SMOOTH
+from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, LOUD, MOST_LEFT, OF_SMOOTH
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import candidate_of
@@ -23,6 +23,7 @@ from jaxswarm.diagnose.discovery.rivals import fit_alike, fitted_rivals
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stand_ins
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.diagnose.selection.survives import harmful, survives
@@ -59,11 +60,15 @@ class Search(NamedTuple):
 
 
 class _Open(NamedTuple):
-    """A joint to be searched: what its residual depends on, and how much of it a smooth function explains."""
+    """A joint to be searched: what its residual depends on, and how much of it a smooth function explains.
+
+    ``named``: laws of the catalog explain it nearly, and may have been bent to do so.
+    """
 
     joint: int
     depends_on: tuple[str, ...]
     share: float
+    named: bool = False
 
 
 def discover(
@@ -85,19 +90,29 @@ def discover(
     """
     found: list[Discovery] = []
     vain: list[NoFormula] = []
+    done: set[int] = set()
     joints = diagnosis.final.model.robot.joints
     while True:
-        done = {d.added.joint for d in found} | {n.joint for n in vain}
-        waiting = [one for one in _unlawful(diagnosis, seed) if one.joint not in done]
+        waiting = [one for one in _to_be_searched(diagnosis, seed) if one.joint not in done]
         if not waiting:
             return diagnosis, Search(tuple(found), tuple(vain))
+        done.add(waiting[0].joint)
         progress(f"searching a formula for {joints[waiting[0].joint]}")
         diagnosis, outcome = _discover_instead(diagnosis, waiting[0], other, seed)
         if isinstance(outcome, NoFormula):
-            vain.append(outcome)
+            vain += [] if waiting[0].named else [outcome]
             continue
         diagnosis, outcome = without_stand_ins(diagnosis, outcome, seed)
         found.append(replace(outcome, rivals=fitted_rivals(outcome)))
+
+
+def _to_be_searched(diagnosis: Diagnosis, seed: int) -> list[_Open]:
+    """Joints that no law explains, then those on which laws were added and more than noise is left."""
+    told = _unlawful(diagnosis, seed)
+    known = {one.joint for one in told}
+    added = {step.added.joint for step in diagnosis.kept} - known
+    loud = [r for r in remainders(diagnosis.final) if r.over_noise > LOUD and r.joint in added]
+    return told + [_Open(r.joint, (), 0.0, named=True) for r in loud]
 
 
 def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
@@ -114,16 +129,30 @@ def _unlawful(diagnosis: Diagnosis, seed: int) -> list[_Open]:
 def _discover_instead(
     diagnosis: Diagnosis, left: _Open, other: Sequence[Motion], seed: int
 ) -> tuple[Diagnosis, Discovery | NoFormula]:
-    """Search one joint in place of what may stand in for its law; if that is not clearly better, beside it."""
+    """Search one joint in place of what may stand in for its law; if that is not clearly better, beside it.
+
+    Not beside it where it explains the joint nearly: what is left is then no law of its own.
+    """
     bare = bared(diagnosis, left.joint)
     again = [] if bare is None else [o for o in _unlawful(bare, seed) if o.joint == left.joint]
     if again:
         outcome = _discover_on(bare, again[0], other, seed)
-        if isinstance(outcome, Discovery):
-            now, then = (remainders(one)[left.joint] for one in (outcome.after, diagnosis.final))
-            if now.over_noise < CLEARLY_LESS * then.over_noise:
-                return bare, outcome
+        if isinstance(outcome, Discovery) and _clearly_better(
+            diagnosis.final, outcome.after, left.joint, other
+        ):
+            return bare, outcome
+    if left.named:
+        return diagnosis, NoFormula(left.joint, 0, None, "laws of the catalog explain it as well")
     return diagnosis, _discover_on(diagnosis, left, other, seed)
+
+
+def _clearly_better(named: Estimate, found: Estimate, joint: int, other: Sequence[Motion]) -> bool:
+    """Whether a formula leaves clearly less than named laws do, where they were fitted and elsewhere."""
+    two, one = (remainders(fit)[joint].over_noise for fit in (found, named))
+    pairs = [
+        (float(b[joint]), float(a[joint])) for a, b, *_ in errors_elsewhere(named, found, other)
+    ]
+    return all(b < CLEARLY_LESS * a for b, a in [(two, one), *pairs])
 
 
 def _discover_on(
