@@ -16,12 +16,13 @@ from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
+from jaxswarm.identify.estimation.clock_skew import with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.report import order_pictures, report_of
 from jaxswarm.logs import Log, read_log, summarize
-from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.motion import Filtering, Motion, with_skew_of
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -177,7 +178,9 @@ def identify_files(
         # A long log is as large as all that is made of it, and its samples are not asked for again.
         del read, logs
         progress("fitting")
-        found = estimate(robot, terms, fitted)
+        found = with_clocks(estimate(robot, terms, fitted), bounded=True)
+        if unseen is not None:
+            unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
         found, search = _searched(found, options, progress)
         found, estimator, bodies = refined(found, options, progress)
         order_pictures(drawing, found, max(unseen or found.motions, key=lambda m: len(m.t)), search)

@@ -147,6 +147,7 @@ def unfiltered(part: Log, like: Motion, start: float) -> Motion:
         tau=part.tau,
         channels={name: np.asarray(x, dtype=float) for name, x in part.channels.items()},
         decimator=Decimator(np.ones(1), 1),
+        step_noise=None,
     )
 
 

@@ -12,6 +12,7 @@ from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
+from jaxswarm.identify.estimation.clock_skew import with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
@@ -25,7 +26,7 @@ from jaxswarm.identify.run import (
     refuse_undeclarable,
 )
 from jaxswarm.logs import Log
-from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.motion import Filtering, Motion, with_skew_of
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result
 from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double, refuse_shared
@@ -130,11 +131,13 @@ def identify(
         scored, unseen = prepared(validation, robot, motions[0].filtering, terms, accept)
         refuse_shared(read, scored)
     progress("fitting")
-    found = estimate(robot, terms, motions)
+    found = with_clocks(estimate(robot, terms, motions), bounded=True)
+    if unseen is not None:
+        unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
     progress("scoring")
     report = report_of(found, described(read), unseen, scored[0].source if scored else None, None)
     report["findings"] = findings([*read, *scored])
-    return _result(report, found, max(unseen or motions, key=lambda part: len(part.t)))
+    return _result(report, found, max(unseen or found.motions, key=lambda part: len(part.t)))
 
 
 def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:

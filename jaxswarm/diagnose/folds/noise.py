@@ -3,7 +3,8 @@ r"""The noise in the compared band: what no model can go below, row by row.
 Three things make it. The torque's own sensor noise is told by its sample-to-sample differences. The motion is
 known only as well as its encoders tell: its noise goes through smoothing and derivatives into
 :math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
-out of the model is found by drawing that noise and sending it the same way. And where a joint starts, stops or
+out of the model is found by drawing that noise and sending it the same way. When a torque jumped between two
+samples is not known either (:mod:`jaxswarm.logs.steps`). And where a joint starts, stops or
 sticks, motion and torque are sharper than any smoothing or sampling shows: such errors are short, so that they
 have as much power per hertz above the compared band as in it, and are read off there.
 
@@ -88,10 +89,11 @@ def _sharp_noise(found: Estimate, motion: Motion) -> np.ndarray:
 
 
 def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
-    """Power (T', n) that the white noise of a log's positions makes of the model's torque."""
+    """Power (T', n) of the model's error: of the white noise of positions, and of when torques jump."""
     rows = len(motion.decimator.kept(len(motion.t)))
+    steps = np.zeros((rows, motion.q.shape[1])) if motion.step_noise is None else motion.step_noise
     if motion.position_noise is None:
-        return np.zeros((rows, motion.q.shape[1]))
+        return steps**2
     rng = np.random.default_rng(seed)
     ratio = motion.velocity_ratio
     speed = None if ratio is None else motion.position_noise / np.sqrt(ratio)
@@ -105,7 +107,7 @@ def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
 
     plain = torque(0.0)
     power = [motion.decimator.apply(torque(1.0) - plain) ** 2 for _ in range(_DRAWS)]
-    return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
+    return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0) + steps**2
 
 
 def _sharp_power(found: Estimate, motion: Motion) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
+from jaxswarm.identify.report.console import clock_lines
 
 # A joint below so many times its noise is told to be left alone.
 _DONE = 2.0
@@ -222,11 +223,4 @@ def log_notes(result: dict) -> list[str]:
     told = {f"{item['log']}: {item['what']}": None for item in result.get("findings", ())}
     if not told:
         told = {note: None for log in result.get("logs", ()) for note in log["notes"]}
-    skew = result.get("filtering", {}).get("clock_skew_s", 0.0)
-    if skew:
-        late = "after" if skew > 0 else "before"
-        told[
-            f"The torque is read {1e3 * abs(skew):.2f} ms {late} the position: less than half a sample, "
-            "so a matter of the clock and not of the robot. The model allows for it."
-        ] = None
-    return list(told)
+    return [*told, *clock_lines(result)]

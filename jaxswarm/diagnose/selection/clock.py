@@ -2,16 +2,15 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.score import certainty
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.estimation.estimate import Estimate, estimate
-from jaxswarm.logs.motion import shift_motion
+from jaxswarm.identify.estimation.clock_skew import with_clocks, with_skew
 
 # How often the skew is found anew.
 _MOST_SKEWS = 3
@@ -35,6 +34,16 @@ def allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term])
     return True
 
 
+def settle_clocks(search: Search) -> None:
+    """Fit the skew with everything else, once all is added: what was missing before may have moved it."""
+    settled = with_clocks(search.current)
+    late = settled.motions[0].skew - search.current.motions[0].skew
+    if late:
+        search.current = with_motion_noise(settled, search.seed)
+        search.declared = with_skew(search.declared, late) if search.steps else search.current
+        search.crossfit = cross_fit(search.current)
+
+
 def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:
     """A delay [s] below half a sample: a matter of the clock, not of the robot, and so always allowed for.
 
@@ -46,15 +55,3 @@ def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:
             shrunk = max(0.0, 1.0 - 1.0 / max(certainty(s.p_value), 1e-9) ** 2)
             return float(s.coefficients[0]) * shrunk
     return 0.0
-
-
-def with_skew(current: Estimate, seconds: float) -> Estimate:
-    """The same model fitted to logs whose motion is moved against the torque."""
-    motions = tuple(shift_motion(m, seconds) for m in current.motions)
-    return estimate(
-        current.model.robot,
-        current.model.terms,
-        motions,
-        bounded=False,
-        start=np.asarray(current.model.robot.parameters).ravel(),
-    )

@@ -10,7 +10,7 @@ from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model, model_torque
-from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.logs.motion import Motion, with_skew_of
 
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25
@@ -74,7 +74,7 @@ def _moving(motion: Motion) -> np.ndarray:
 
 def log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
     """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
-    motion = shift_motion(motion, found.motions[0].skew - motion.skew)
+    motion = with_skew_of(motion, found.motions[0])
     predicted = model_torque((model or found.model).during(None), motion)
     left = motion.decimator.apply(motion.tau - predicted)
     return left[_inside(motion)]

@@ -20,7 +20,7 @@ from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
-from jaxswarm.diagnose.selection.clock import allow_for_skew
+from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
 from jaxswarm.diagnose.selection.refit import refit, refit_with
@@ -77,6 +77,7 @@ def diagnose(
     search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     _take_back_harm(search)
+    settle_clocks(search)
     _hold_within_bounds(search)
     return Diagnosis(
         within_bounds(search.declared),

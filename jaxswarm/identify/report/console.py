@@ -13,7 +13,7 @@ def print_identification(report: dict, out: Path) -> None:
     errors = error_rows(report)
     console.print(error_table(report["robot"], errors, report["joints"], report["torque_units"]))
     console.print("", base_table(report["base_parameters"]), sep="\n")
-    for line in consistency_lines(report) + estimator_lines(report):
+    for line in clock_lines(report) + consistency_lines(report) + estimator_lines(report):
         console.print(line)
     search = report["optimizer"]
     if search["name"] != "least_squares":
@@ -24,6 +24,18 @@ def print_identification(report: dict, out: Path) -> None:
             f"{100 * excess['median']:.3g} % (median)"
         )
     console.print(f"written to {out}")
+
+
+def clock_lines(report: dict) -> list[str]:
+    """By how much the clocks of torque and position are apart, where they are."""
+    skew = report.get("filtering", {}).get("clock_skew_s", 0.0)
+    if not skew:
+        return []
+    late = "after" if skew > 0 else "before"
+    return [
+        f"The torque is read {1e3 * abs(skew):.2f} ms {late} the position: less than a sample, so a matter "
+        "of the clock and not of the robot. The model allows for it."
+    ]
 
 
 def consistency_lines(report: dict) -> list[str]:

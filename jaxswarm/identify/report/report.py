@@ -58,6 +58,7 @@ def report_of(
         "filtering": {
             "motion_cutoff_hz": list(found.motions[0].motion_cutoff),
             "torque_cutoff_hz": found.motions[0].torque_cutoff,
+            "clock_skew_s": found.motions[0].skew,
         },
         "residual_std": solution.sigma,
         "torque_units": units(robot),

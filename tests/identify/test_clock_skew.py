@@ -1,0 +1,76 @@
+"""The clocks of torque and position: a part of a sample is found with the parameters, a delay is left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import jaxswarm
+from jaxswarm.effects.term import parse_terms
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.robot.load import load_robot
+
+_RATE = 125.0
+_FRICTION = {"b": (0.8, 0.3, 0.1), "fc": (3.0, 1.5, 0.5)}
+
+
+@pytest.fixture(scope="module")
+def arm():
+    bare = load_robot("rx60")
+    return bare.replace(parameters=random_links(bare, np.random.default_rng(4)))
+
+
+def _log(arm, late: float, seed: int = 5):
+    """A log with friction, whose torque is that of so many samples later."""
+    terms = tuple(
+        replace(term, values={p: _FRICTION[p][term.joint] for p in _FRICTION if p in names})
+        for term in parse_terms("viscous_friction,coulomb_friction", arm.joints)
+        for names in [[p.name for p in term.law.linear]]
+    )
+    fine = 40
+    log = synthetic_log(
+        arm, terms, seed, noise=Noise(0.0, 0.0), duration=16.0, rate=fine * _RATE, motion_seed=1
+    )
+    first, moved = 10 * fine, round(late * fine)
+    kept = slice(first, -first, fine)
+    torque = slice(first + moved, len(log.t) - first + moved, fine)
+    rng = np.random.default_rng(seed)
+    q = log.q[kept] + 2e-5 * rng.normal(size=log.q[kept].shape)
+    tau = log.tau[torque] + 0.05 * rng.normal(size=q.shape)
+    return replace(log, t=log.t[kept] - log.t[first], q=q, tau=tau, channels={})
+
+
+def _viscous(fitted):
+    rows = [e for e in fitted["effects"] if e["effect"] == "viscous_friction"]
+    return [e["parameters"]["b"]["value"] for e in rows]
+
+
+@pytest.mark.parametrize("late", [0.4, -0.3])
+def test_a_part_of_a_sample_is_found_with_the_rest(arm, late):
+    fitted = jaxswarm.identify(_log(arm, late), arm, "viscous_friction,coulomb_friction")
+    found = fitted["filtering"]["clock_skew_s"] * _RATE
+    assert found == pytest.approx(-late, abs=0.03)
+    np.testing.assert_allclose(_viscous(fitted), _FRICTION["b"], rtol=0.02, atol=0.01)
+
+
+def test_another_log_is_scored_by_the_same_clocks(arm):
+    log, other = _log(arm, 0.4), _log(arm, 0.4, seed=6)
+    fitted = jaxswarm.identify(
+        log, arm, "viscous_friction,coulomb_friction", validation=replace(other, source="other")
+    )
+    errors = fitted["error"]["validation"]["rms"]
+    assert max(errors) < 0.06
+
+
+def test_clocks_that_agree_are_left(arm):
+    fitted = jaxswarm.identify(_log(arm, 0.0), arm, "viscous_friction,coulomb_friction")
+    assert abs(fitted["filtering"]["clock_skew_s"]) * _RATE < 0.02
+
+
+def test_a_delay_of_samples_is_no_matter_of_clocks(arm):
+    fitted = jaxswarm.identify(_log(arm, 3.0), arm, "viscous_friction,coulomb_friction")
+    assert fitted["filtering"]["clock_skew_s"] == 0.0
+    told = jaxswarm.identify(_log(arm, 3.0), arm, "viscous_friction,coulomb_friction,time_delay")
+    assert told["filtering"]["clock_skew_s"] == 0.0
+    delay = next(e for e in told["effects"] if e["effect"] == "time_delay")
+    assert delay["parameters"]["seconds"]["value"] == pytest.approx(-3.0 / _RATE, rel=0.05)
