@@ -89,9 +89,14 @@ def period_of(log: Log) -> float | None:
     >>> round(period_of(log), 2)
     4.0
     """
-    step = max(float(np.median(np.diff(log.t))), (log.t[-1] - log.t[0]) / _GRID)
-    clock = np.arange(log.t[0], log.t[-1], step)
-    q = np.column_stack([np.interp(clock, log.t, column) for column in log.q.T])
+    return repeats_after(log.t, log.q)
+
+
+def repeats_after(t: np.ndarray, positions: np.ndarray) -> float | None:
+    """The same of positions (T, n) at times (T,)."""
+    step = max(float(np.median(np.diff(t))), (t[-1] - t[0]) / _GRID)
+    clock = np.arange(t[0], t[-1], step)
+    q = np.column_stack([np.interp(clock, t, column) for column in positions.T])
     dq = np.column_stack([velocity(clock, column) for column in q.T])
     size = np.sqrt(np.mean(dq**2, axis=0))
     dq = dq[:, size > 1e-9] / size[size > 1e-9]

@@ -11,6 +11,7 @@ from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, load_model, model_torque, save_model
+from jaxswarm.identify.estimation.events import edge_error
 from jaxswarm.identify.forward.regression import event_rows
 from jaxswarm.identify.report.summary import linear_units
 from jaxswarm.logs.motion import prepare
@@ -103,3 +104,17 @@ def test_two_contacts_are_two_terms_and_an_unplaced_one_is_neither():
     assert both.model.terms[-1].values["tau_joint2"] == pytest.approx(5.0, abs=1.0)
     assert linear_units(first, small_arm()) == ["N m", "N m"]
     assert DECLARED[0].identity == (DECLARED[0].effect, 0, None, None)
+
+
+@pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
+def test_begin_of_a_step_in_noise_is_within_its_interval(size):
+    """2000 steps of known size in white noise, their begin by least squares over all rows."""
+    rng = np.random.default_rng(0)
+    rows, begin = 400, 200
+    step = size * (np.arange(rows) >= begin)
+    seen = step + rng.normal(size=(2000, rows))
+    # Rows k and later are in the step: squares fall by sum(2 size x - size^2) over them.
+    gain = np.cumsum((2 * size * seen - size**2)[:, ::-1], axis=1)[:, ::-1]
+    off = np.argmax(gain, axis=1) - begin
+    error = np.hypot(1 / np.sqrt(12), edge_error(np.array([size]), np.ones(1), 1.0))
+    assert 0.92 < np.mean(np.abs(off) <= 1.96 * error) < 0.995

@@ -26,9 +26,12 @@ from jaxswarm.identify.estimation.gauss_newton import Problem
 from jaxswarm.identify.estimation.sign_width import width_groups, width_range
 from jaxswarm.identify.estimation.validate import time_blocks
 from jaxswarm.identify.forward.model import linear_values
+from jaxswarm.logs.coverage import repeats_after
 
 # Blocks per log, and the least number of rows in one.
 _BLOCKS, _LEAST_ROWS = 20, 8
+# Phases of a motion that repeats itself: fewer prove nothing, and time is held out.
+_LEAST_PHASES = 6
 # Residuals beyond this multiple of the noise are bounded in their influence.
 _REACH = 4.0
 
@@ -142,8 +145,7 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     error = solution.residual * weight
     torque = error if frozen else regression.target * weight
     length = correlation_length(error, regression.log)
-    per_log = min(_BLOCKS, np.bincount(regression.log).min() // _LEAST_ROWS)
-    block = time_blocks(regression.log, max(4, int(per_log)))
+    block = blocks_of(found)
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
     count = max(size, columns.shape[2])
@@ -154,6 +156,28 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     halves = (first, second)
     noise = np.sqrt((row_doubt(found) ** 2).mean(axis=0))
     return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size)
+
+
+def blocks_of(found: Estimate) -> np.ndarray:
+    """Number the rows (T,) by blocks: stretches of time, or of the phase of a motion that repeats itself.
+
+    What repeats with the motion, as the errors of its sampling do, is in every period alike: time that is
+    held out of such a log repeats time that was fitted, phases that are held out do not.
+    """
+    log, t = found.regression.log, found.regression.t
+    per_log = max(4, min(_BLOCKS, int(np.bincount(log).min()) // _LEAST_ROWS))
+    block = time_blocks(log, per_log)
+    for k, motion in enumerate(found.motions):
+        period = repeats_after(motion.t, motion.q)
+        rows = log == k
+        if period is None or not rows.any():
+            continue
+        step = found.regression.step[k]
+        count = min(per_log, int(period / step) // _LEAST_ROWS)
+        if count >= _LEAST_PHASES:
+            phase = (t[rows] - t[rows][0]) / period % 1.0
+            block[rows] = k * per_log + (phase * count).astype(int)
+    return np.unique(block, return_inverse=True)[1]
 
 
 def width_slopes(found: Estimate) -> np.ndarray:

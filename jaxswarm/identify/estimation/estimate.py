@@ -7,12 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
 from jaxswarm.identify.estimation.events import with_event_torques
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
     Place,
     free_parameters,
-    width_parameter,
 )
 from jaxswarm.identify.estimation.gauss_newton import (
     Problem,
@@ -20,11 +20,9 @@ from jaxswarm.identify.estimation.gauss_newton import (
     newton,
     settle,
     standard_errors,
-    widths_apart,
 )
-from jaxswarm.identify.estimation.least_squares import Fit, weighted_cost
-from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
-from jaxswarm.identify.estimation.sign_width import best_widths, width_groups, width_range
+from jaxswarm.identify.estimation.least_squares import Fit
+from jaxswarm.identify.estimation.sign_width import best_widths, width_groups
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
@@ -34,9 +32,6 @@ from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
-
-# What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
-_HARDLY_TOLD = 4.0
 
 
 @dataclass(frozen=True)
@@ -104,67 +99,12 @@ def estimate(
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     groups = width_groups(robot, terms) if refine_width else []
-    moving = free_parameters(terms, _free_widths(motions, groups, width))
+    moving = free_parameters(terms, free_widths(motions, groups, width))
     # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
-    here = newton(problem, moving, settle(problem, Place(terms, width), pi))
-    split, doubt = _own_widths(problem, here, groups) if groups else (groups, {})
-    if split != groups:
-        moving = free_parameters(terms, _free_widths(motions, split, here.place.width))
-        here = newton(problem, moving, here)
-        here, moving = _leaning(problem, here, moving, groups, split, doubt)
+    here, moving = choose_widths(
+        problem, newton(problem, moving, settle(problem, Place(terms, width), pi)), moving, groups
+    )
     return _finish(problem, here, moving)
-
-
-def _leaning(problem: Problem, here: Settled, moving, groups, split, doubt):
-    """The fit with widths that lean on each other, unless the log denies it; and what is free there."""
-    told = told_by_the_others(groups, split, here.place.width, doubt)
-    known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
-    if len(known) == len(split):
-        return here, moving
-    free = free_parameters(here.place.terms, _free_widths(problem.motions, known, told))
-    there = newton(problem, free, settle(problem, here.place._replace(width=told), here.pi))
-    sigma = here.solution.sigma
-    one, two = (weighted_cost(x.solution.residual, sigma) for x in (here, there))
-    denied = two > (1.0 + _HARDLY_TOLD / len(here.solution.residual)) * one
-    return (here, moving) if denied else (there, free)
-
-
-def _free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
-    """The widths to fit; a sign that is sharper than any sample shows has none."""
-    ranges = [width_range(motions, group) for group in groups]
-    return [
-        width_parameter(group, limits)
-        for group, limits in zip(groups, ranges, strict=True)
-        if limits[0] < width[group[0]] < limits[1]
-    ]
-
-
-def _own_widths(
-    problem: Problem, here: Settled, groups
-) -> tuple[list[tuple[int, ...]], dict[int, float]]:
-    """The groups without the joints whose sign is another than their group's, and what joints' widths are
-    doubted by (logarithms).
-    """
-    alone = [
-        width_parameter((j,), width_range(problem.motions, group))
-        for group in groups
-        if len(group) > 1
-        for j in group
-    ]
-    alone = [one for one in alone if one.lower < here.place.width[one.joints[0]] < one.upper]
-    if not alone:
-        return groups, {}
-    change, doubt = widths_apart(problem, alone, here)
-    scale = np.array([np.log(one.upper / one.lower) for one in alone])
-    joints = [one.joints[0] for one in alone]
-    ratio, error = (dict(zip(joints, x * scale, strict=True)) for x in (change, doubt))
-    own = set()
-    for group in groups:
-        rows = [j for j in group if j in ratio]
-        found = apart(np.array([ratio[j] for j in rows]), np.array([error[j] for j in rows]))
-        own |= {rows[k] for k in found}
-    rest = [tuple(j for j in group if j not in own) for group in groups]
-    return [*(group for group in rest if group), *((j,) for j in sorted(own))], error
 
 
 def _uncertainty(solution: Fit) -> Uncertainty:

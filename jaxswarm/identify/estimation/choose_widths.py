@@ -1,0 +1,110 @@
+"""Which widths of the sign are fitted: one for a kind of joint, a joint's own, or what leans on the others'."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.identify.estimation.free_parameters import (
+    FreeParameter,
+    free_parameters,
+    width_parameter,
+)
+from jaxswarm.identify.estimation.gauss_newton import (
+    Problem,
+    Settled,
+    newton,
+    settle,
+    widths_apart,
+)
+from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
+from jaxswarm.identify.estimation.sign_width import width_range
+from jaxswarm.logs.motion import Motion
+
+# What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
+_HARDLY_TOLD = 4.0
+
+
+def choose_widths(
+    problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
+) -> tuple[Settled, list[FreeParameter]]:
+    """The fit with the widths that its log tells, and what is free there.
+
+    Args:
+        problem: What stays the same.
+        here: A fit with one width for all joints of a group.
+        moving: What is free there.
+        groups: Joints of a kind with directed friction.
+    """
+    own = _own_widths(problem, here, groups)
+    freed = _freed(groups, own, here.place.width)
+    rest = [tuple(j for j in group if j not in freed) for group in groups]
+    split = [*(group for group in rest if group), *((j,) for j in sorted(freed))]
+    if freed:
+        moving = free_parameters(
+            here.place.terms, free_widths(problem.motions, split, here.place.width)
+        )
+        here = newton(problem, moving, here)
+        own = _own_widths(problem, here, groups)
+    if own:
+        here, moving = _leaning(problem, here, moving, groups, split, freed, own)
+    return here, moving
+
+
+def free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
+    """The widths to fit; a sign that is sharper than any sample shows has none."""
+    ranges = [width_range(motions, group) for group in groups]
+    return [
+        width_parameter(group, limits)
+        for group, limits in zip(groups, ranges, strict=True)
+        if limits[0] < width[group[0]] < limits[1]
+    ]
+
+
+def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own):
+    """The fit with widths that lean on each other, unless the log denies it; and what is free there."""
+    told = told_by_the_others(groups, freed, here.place.width, own)
+    known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
+    if len(known) == len(split):
+        return here, moving
+    free = free_parameters(here.place.terms, free_widths(problem.motions, known, told))
+    there = newton(problem, free, settle(problem, here.place._replace(width=told), here.pi))
+    sigma = here.solution.sigma
+    one, two = (weighted_cost(x.solution.residual, sigma) for x in (here, there))
+    denied = two > (1.0 + _HARDLY_TOLD / len(here.solution.residual)) * one
+    return (here, moving) if denied else (there, free)
+
+
+def _own_widths(problem: Problem, here: Settled, groups) -> dict[int, tuple[float, float]]:
+    """What the width of every joint that shares one by its kind would be alone, to first order, with its error.
+
+    Logarithms both; a width at a limit is not told, and its error is infinite. Nothing where none is told.
+    """
+    every = [
+        width_parameter((j,), width_range(problem.motions, group))
+        for group in groups
+        if len(group) > 1
+        for j in group
+    ]
+    alone = [one for one in every if one.lower < here.place.width[one.joints[0]] < one.upper]
+    if not alone:
+        return {}
+    untold = {
+        one.joints[0]: (float(np.log(here.place.width[one.joints[0]])), np.inf) for one in every
+    }
+    change, doubt = widths_apart(problem, alone, here)
+    scale = np.array([np.log(one.upper / one.lower) for one in alone])
+    now = np.log([here.place.width[one.joints[0]] for one in alone])
+    rows = zip(now + change * scale, doubt * scale, strict=True)
+    found = {one.joints[0]: (float(y), float(v)) for one, (y, v) in zip(alone, rows, strict=True)}
+    return untold | found
+
+
+def _freed(groups, own: dict[int, tuple[float, float]], width) -> set[int]:
+    """The joints whose sign is another than that of their kind, beyond doubt."""
+    freed = set()
+    for group in groups:
+        rows = [j for j in group if j in own and np.isfinite(own[j][1])]
+        ratio = np.array([own[j][0] - np.log(width[j]) for j in rows])
+        freed |= {rows[k] for k in apart(ratio, np.array([own[j][1] for j in rows]))}
+    return freed
