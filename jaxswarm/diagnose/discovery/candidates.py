@@ -25,8 +25,8 @@ _TERMS, _TRIED, _LEADS, _STRICT = 3, 30, 2, 10
 # A term more is looked for while the joint is not near its noise, and while the last one took this share of the
 # squared error that was left before it.
 _WORTH = 0.1
-# What is left within this share of the squared error, a twentieth of the torque, is the doubt of the motion that
-# a law is computed from: on a drag of two joints it was 0.0019, and two terms of no meaning were fitted to it.
+# What is left within this share of the squared error, a twentieth of the torque, is the doubt of the motion
+# that a law is computed from: on a drag of two joints it was 0.0019, and two terms of no meaning fitted it.
 _DOUBT = 0.0025
 
 
