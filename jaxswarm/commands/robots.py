@@ -82,7 +82,7 @@ def register(app: typer.Typer) -> None:
 
     @commands.callback()
     def robots(context: typer.Context, json: Json = False) -> None:
-        """List the built-in robots; ``robots show ROBOT`` prints and draws one."""
+        """List the built-in robots; 'robots show ROBOT' prints and draws one."""
         if context.invoked_subcommand is not None:
             return
         from jaxswarm.catalog import BUILTIN

@@ -4,25 +4,32 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from jaxswarm.diagnose.candidates.link_lag import MOST_NUMBERS
 from jaxswarm.errors import InputError
+from jaxswarm.identify.forward.sensitivity import is_kept, numbers_of
 from jaxswarm.logs.motion import Motion
 
-# Curves of transmissions that are held at a time, with what they are made of.
-_CURVES = 200
+# Signals of a joint that stand in memory at once: motion, torques, loads, what laws see, each with copies.
+_SIGNALS = 60
+# Derivatives of a torque by every joint that are kept from one candidate to the next.
+_TURNED = 3
+# Curves of transmissions that are held at a time, with what they are made of; of a long log some at a time.
+_CURVES, _WITH = 200, 6
 _GIB = 2**30
 
 
 def needed(motions: Sequence[Motion]) -> float:
     """Memory [GiB] that a diagnosis of motions holds at its peak, beside the program's own half.
 
-    The columns of the rigid body with and without acceleration, and their derivatives by the motion of
-    every joint, on the working clock.
+    The columns of the rigid body and their derivatives by the motion of every joint where they are kept, the
+    curves of transmissions, and the signals themselves, on the working clock.
     """
     numbers = 0.0
     for motion in motions:
         samples, joints = motion.q.shape
-        slopes = 3 * 10 * joints * (joints + 1) // 2
-        numbers += samples * joints * (2 * 10 * joints + slopes + _CURVES)
+        numbers += numbers_of(motion) if is_kept(motion) else 0
+        numbers += min(samples * joints * _CURVES, _WITH * MOST_NUMBERS)
+        numbers += samples * joints * (_SIGNALS + _TURNED * joints)
     return 8.0 * numbers / _GIB
 
 

@@ -2,6 +2,7 @@
 
 import importlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs
@@ -78,8 +79,8 @@ def diagnose_files(
         outputs.write_results(out, page | {"report.html": render(unfit | told, {})})
         return unfit | told
     refuse_too_large(read.motions)
-    every = [*read.motions, *read.unseen]
-    journal = Journal(out, fingerprint(robot, every, terms, options.seed))
+    read = replace(read, fitted=[])  # a long log is large, and its samples are not asked for again
+    journal = Journal(out, fingerprint(robot, [*read.motions, *read.unseen], terms, options.seed))
     with Drawing() as drawing:
         diagnosis = diagnose(
             robot, terms, read.motions, seed=options.seed, progress=progress, journal=journal,

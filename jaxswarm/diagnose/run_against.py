@@ -114,6 +114,8 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):
         entry["parameters"] = _parameters(change, robot)
+        if change.term.law.way is not None:
+            entry["way"] = change.term.law.way(change.term.values)
     pairs = list(zip(result["effects"], found.changes, strict=True))
     result["effects"] = [entry for entry, change in pairs if not change.known]
     result["changed"] = [entry for entry, change in pairs if change.known]

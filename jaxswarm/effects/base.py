@@ -18,7 +18,14 @@ from jaxswarm.errors import InputError, nearest
 
 SCOPES = ("joint", "pair", "global")
 # What the picture of an effect can have as its horizontal axis.
-AXES = ("position", "velocity", "acceleration", "time", "load", "partner velocity", "model torque")
+AXES = (
+    *("position", "velocity", "acceleration", "time", "partner position", "partner velocity"),
+    *("load", "model torque", "torque rate"),
+)
+
+
+def _none_below_zero(p: Mapping) -> bool:
+    return all(value >= 0.0 for value in p.values())
 
 
 class Export(NamedTuple):
@@ -34,7 +41,7 @@ class Export(NamedTuple):
     format: str
     attributes: Callable[[Mapping], dict]
     adds: bool = True
-    holds: Callable[[Mapping], bool] = lambda p: all(value >= 0.0 for value in p.values())
+    holds: Callable[[Mapping], bool] = _none_below_zero
 
 
 @dataclass(frozen=True)
@@ -74,6 +81,7 @@ class Effect:
         uses_direction: Whether its torque depends on the smooth sign of a velocity.
         uses_load: Whether it depends on the rigid torque, whose parameters are being fitted.
         derived: ``derived(p) -> {name: (value, unit)}``: other usual ways to state the parameters.
+        way: ``way(p)``: which way it went, in a word or two beside its name; None: its name says it.
     """
 
     name: str
@@ -103,6 +111,7 @@ class Effect:
     uses_direction: bool = False
     uses_load: bool = False
     derived: Callable[[dict], dict] | None = None
+    way: Callable[[Mapping], str] | None = None
 
     @property
     def linear(self) -> tuple[Parameter, ...]:

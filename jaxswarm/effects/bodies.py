@@ -34,7 +34,7 @@ BASE_TILT = register(
             "it with a level, or set the direction of gravity."
         ),
         gravity=_tilted,
-        shown_against="model torque",
+        shown_against="position",
     )
 )
 
@@ -55,10 +55,10 @@ _MOMENT = "kg m"
 _INERTIA = "kg m^2"
 
 
-def body_table(least: float = 0.0, linear: bool = False) -> tuple[Parameter, ...]:
-    """The ten inertial parameters of a body on the last link, of at least a mass [kg]."""
+def body_table(linear: bool = False) -> tuple[Parameter, ...]:
+    """The ten inertial parameters of a body on the last link; one taken off has a mass below zero."""
     return (
-        Parameter("m", "kg", least, 1e3, linear, 1.0, "mass", neutral=0.0),
+        Parameter("m", "kg", -1e3, 1e3, linear, 1.0, "mass", neutral=0.0),
         *(
             Parameter(f"mc{a}", _MOMENT, -1e3, 1e3, linear, 0.0, f"first moment along {a}")
             for a in "xyz"
@@ -84,16 +84,20 @@ register(
         name="payload",
         scope="global",
         parameters=_PAYLOAD,
-        summary="ten inertial parameters added to the last link, against an earlier model",
+        summary="ten inertial parameters added to the last link, or taken off it, against an earlier model",
         reference="Khalil, Gautier, Lemoine 2007, ICRA",
         meaning=(
-            "The last link carries another body than before: a tool, a work piece, or a wrong "
-            "payload setting of the controller; compare the mass with what is mounted."
+            "The last link carries another body than before (a mass below zero: one was taken off): a "
+            "tool, a work piece, or a wrong payload setting of the controller; compare the mass with "
+            "what is mounted."
         ),
         body=body_of,
         reference_only=True,
+        # Adding zero leaves no zero with a sign.
         derived=lambda p: (
-            {f"c{a}": (p[f"mc{a}"] / p["m"], "m") for a in "xyz"} if p["m"] > 0 else {}
+            {f"c{a}": (p[f"mc{a}"] / p["m"] + 0.0, "m") for a in "xyz"} if p["m"] else {}
         ),
+        way=lambda p: "taken off" if p["m"] < 0.0 else "put on",
+        shown_against="position",
     )
 )

@@ -115,8 +115,9 @@ def _(law: BodyChange, rng, num_draws):
         _require(firm.shape == (2,) and not firm.any(), law, "gives way by nothing")
         return
     if law.window:
-        along = np.asarray(law.weight({"start": 0.5, "end": 1.5}, np.linspace(0.0, 2.0, 64)))
+        along = np.asarray(law.weight({"start": 0.5, "end": 1.5}, jnp.linspace(0.0, 2.0, 64)))
         _require(along[0] == along[-1] == 0.0 and along.max() == 1.0, law, "has no window")
+    assert law.body is not None  # one of the four, as its check sees to
     nothing = np.asarray(law.body(law.neutral()))
     _require(
         nothing.shape == (10,) and not nothing.any(), law, "is no body of ten zeros if neutral"
@@ -130,7 +131,8 @@ def _(law: BodyChange, rng, num_draws):
 @check_kind.register
 def _(law: TransmissionLaw, rng, num_draws):
     inertia = jnp.full(4, 0.5)
-    tried = law.around(0.5, 1e4, 0.01) if law.extends else law.lattice(0.5)
+    assert law.around is not None or law.lattice is not None  # its check sees to that
+    tried = law.around(0.5, 1e4, 0.01) if law.around is not None else law.lattice(0.5)
     for values in (law.nominal(), *tried):
         known = {p.name for p in law.parameters}
         _require(

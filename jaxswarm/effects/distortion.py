@@ -17,5 +17,7 @@ def distortion_columns(law: MeasurementLaw, torque: np.ndarray) -> np.ndarray:
 
 @partial(jax.jit, static_argnames="law")
 def _slopes(law: MeasurementLaw, torque: jax.Array) -> dict:
+    distortion = law.distortion
+    assert distortion is not None  # callers ask those that distort
     zero = {p.name: jnp.zeros((), torque.dtype) for p in law.linear}
-    return jax.jacfwd(lambda p: law.distortion(p, torque))(zero)
+    return jax.jacfwd(lambda p: distortion(p, torque))(zero)

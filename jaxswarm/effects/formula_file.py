@@ -122,6 +122,7 @@ def _imported(path: Path):
         # A file that registers its law itself can do so again.
         REGISTRY.pop(name, None)
     spec = importlib.util.spec_from_file_location(f"_effects_{path.stem}", path)
+    assert spec is not None and spec.loader is not None  # it ends in .py
     module = importlib.util.module_from_spec(spec)
     kept, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:

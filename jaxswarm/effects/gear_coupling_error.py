@@ -28,6 +28,6 @@ register(
             "check the coupling ratio of the two in the controller."
         ),
         excess=lambda p, q, q_other: -p["c"] * q_other,
-        shown_against="position",
+        shown_against="partner position",
     )
 )

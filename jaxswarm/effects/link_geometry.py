@@ -36,6 +36,6 @@ register(
         uses_load=True,
         carried=True,
         min_joints=2,
-        shown_against="model torque",
+        shown_against="position",
     )
 )

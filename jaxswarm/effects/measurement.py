@@ -66,6 +66,6 @@ register(
         ),
         report=lambda p, x, step: _shift(x, p["seconds"], step),
         clock=True,
-        shown_against="model torque",
+        shown_against="torque rate",
     )
 )

@@ -22,6 +22,10 @@ class Unit(str):
         unit.sliding = sliding
         return unit
 
+    def __getnewargs__(self) -> tuple[str, str]:
+        """What makes it anew in another process: results of a fleet hold units."""
+        return str(self), self.sliding
+
 
 # The phase of a wave, and how often it repeats over the travel of a joint.
 PHASE, ORDER = Unit("rad", "rad"), Unit("1", "1/m")

@@ -22,7 +22,7 @@ register(
         name="payload_change",
         scope="global",
         parameters=(
-            *body_table(-1e3, linear=True),
+            *body_table(linear=True),
             Parameter("start", "s", 0.1, LATEST, False, 1.0, "when it is picked up", "log"),
             Parameter("end", "s", 0.1, LATEST, False, LATEST, "when it is put down", "log"),
             Parameter(

@@ -62,6 +62,7 @@ def law_torque(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
     """
     if law.rate is not None:
         series = series._replace(state=states(law, parameters, series))
+    assert law.torque is not None  # a law without one is not registered
     return jax.vmap(partial(law.torque, parameters))(series)
 
 

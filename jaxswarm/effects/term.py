@@ -152,7 +152,7 @@ def _expand(law: Effect, where: str, joints: tuple[str, ...]) -> list[Term]:
             raise InputError(f"effect {law.name} acts on the whole arm; write it without @{where}")
         return [Term(law.name)]
     if not where:
-        chosen = [(j, None) for j in range(len(joints))]
+        chosen: list[tuple[int, int | None]] = [(j, None) for j in range(len(joints))]
     else:
         name, _, partner = where.partition(":")
         other = _joint(partner, joints) if partner else None

@@ -67,6 +67,6 @@ register(
         probe={"tc": 0.01},
         contains=("time_delay",),
         extends=("time_delay",),
-        shown_against="model torque",
+        shown_against="torque rate",
     )
 )

@@ -85,12 +85,15 @@ def refuse_dead_torque(log: Log) -> None:
     Raises:
         InputError: Naming the joint.
     """
-    for joint, torque in zip(log.joints, () if log.tau is None else log.tau.T, strict=False):
-        if len(torque) > 1 and np.ptp(torque) == 0.0:
-            raise InputError(
-                f"{log.source}: the torque of {joint} is {torque[0]:g} in every sample: the channel is "
-                "dead. Log it again, or use a robot without this joint"
-            )
+    if log.tau is None or len(log.tau) < 2:
+        return
+    dead = [j for j, torque in enumerate(log.tau.T) if np.ptp(torque) == 0.0]
+    if dead:
+        first, names = dead[0], ",".join(log.joints[j] for j in dead)
+        raise InputError(
+            f"{log.source}: the torque of {log.joints[first]} is {log.tau[0, first]:g} in every sample: the "
+            f"channel is dead. Log it again, or hold what nobody moves still: --lock {names}"
+        )
 
 
 def _note(rate: str, of: str, joints: list[str]) -> str:

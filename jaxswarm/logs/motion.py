@@ -131,7 +131,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     stride = stride_for(log, len(full_clock), rate, band.motion.max())
     working = rate / stride
     clock = full_clock[::stride]
-    velocity = None if band.ratio is None else thin(logged, rate, stride)
+    velocity = None if band.ratio is None or logged is None else thin(logged, rate, stride)
     q = smooth(thin(q, rate, stride), working, band.motion, velocity, band.ratio)
     dq, ddq = derivatives(q, working, 2)
     if log.ddq is not None:

@@ -160,6 +160,7 @@ def _solve(
     bands[-1] += 1.0
     right = x.copy()
     if rho > 0.0:
+        assert velocity is not None  # a ratio of noises is that of a logged velocity
         strength = min(rho * rate * rate, _STRONGEST)
         bands += _gram(_SLOPE, length, strength, 7)
         right += _transposed(_SLOPE, velocity[3:-3] / rate, length) * strength
@@ -172,6 +173,7 @@ def _solve(
     mean = scipy.linalg.cho_solve_banded((factor, False), right, check_finite=False)
     squares = ((x - mean) ** 2).sum(axis=0) + weight * (np.diff(mean, 4, axis=0) ** 2).sum(axis=0)
     if rho > 0.0:
+        assert velocity is not None
         slope = sum(c * mean[k : length - 6 + k] for k, c in enumerate(_SLOPE))
         squares += strength * ((velocity[3:-3] / rate - slope) ** 2).sum(axis=0)
         for row, columns, stencil in _ends(length):

@@ -2,6 +2,7 @@
 
 import heapq
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +17,8 @@ def build_robot(
     name: str,
     joints: Sequence[Joint],
     *,
-    gravity: Sequence[float] = DOWN,
-    drive_gain: Sequence[float] | None = None,
+    gravity: Sequence[float] | np.ndarray = DOWN,
+    drive_gain: Sequence[float] | np.ndarray | None = None,
 ) -> Robot:
     """Build a robot from joints in any order; fixed joints are lumped into their parents.
 
@@ -48,17 +49,21 @@ def build_robot(
             f"robot {name!r}: drive_gain has {len(drive_gain)} entries for {len(moving)} moving "
             "joints: give one for each."
         )
+    # Arrays of NumPy, whose numbers are known when a program is traced.
+    known: dict[str, Any] = {
+        "rotation": snap(np.stack([rotation for rotation, _ in poses])),
+        "translation": np.stack([translation for _, translation in poses]),
+        "axis": snap(np.stack([unit_axis(joint.name, joint.axis) for joint in moving])),
+        "gravity": np.asarray(gravity, dtype=float),
+        "parameters": np.stack(parameters),
+        "drive_gain": np.asarray(drive_gain, dtype=float),
+    }
     return Robot(
         name=name,
         joints=tuple(joint.name for joint in moving),
         kinds=tuple(joint.kind for joint in moving),
         parents=tuple(parents),
-        rotation=snap(np.stack([rotation for rotation, _ in poses])),
-        translation=np.stack([translation for _, translation in poses]),
-        axis=snap(np.stack([unit_axis(joint.name, joint.axis) for joint in moving])),
-        gravity=np.asarray(gravity, dtype=float),
-        parameters=np.stack(parameters),
-        drive_gain=np.asarray(drive_gain, dtype=float),
+        **known,
     )
 
 
@@ -72,7 +77,9 @@ def _lumped(ordered: Sequence[Joint]) -> tuple[list[Joint], list[int], list[tupl
     carrier: dict[str | None, tuple[int, np.ndarray, np.ndarray]] = {
         None: (-1, np.eye(3), np.zeros(3))
     }
-    parents, poses, parameters = [], [], []
+    parents: list[int] = []
+    poses: list[tuple] = []
+    parameters: list[np.ndarray] = []
     for joint in ordered:
         index, rotation, translation = carrier[joint.parent]
         translation = rotation @ np.asarray(joint.translation, dtype=float) + translation
@@ -99,15 +106,19 @@ def build_description(description: Description) -> Robot:
 
 def description_of(robot: Robot) -> Description:
     """Return a built robot as joints again."""
+    rotation, translation, axis, parameters = (
+        np.asarray(x, dtype=float)
+        for x in (robot.rotation, robot.translation, robot.axis, robot.parameters)
+    )
     joints = tuple(
         Joint(
             name=name,
             kind=robot.kinds[i],
             parent=None if robot.parents[i] < 0 else robot.joints[robot.parents[i]],
-            **{
-                key: np.asarray(getattr(robot, key)[i], dtype=float)
-                for key in ("rotation", "translation", "axis", "parameters")
-            },
+            rotation=rotation[i],
+            translation=translation[i],
+            axis=axis[i],
+            parameters=parameters[i],
         )
         for i, name in enumerate(robot.joints)
     )

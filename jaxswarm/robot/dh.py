@@ -38,8 +38,8 @@ def robot_from_dh(
     joints: Sequence[str] | None = None,
     base_rotation: np.ndarray | None = None,
     parameters: np.ndarray | None = None,
-    gravity: Sequence[float] = (0.0, 0.0, -STANDARD_GRAVITY),
-    drive_gain: Sequence[float] | None = None,
+    gravity: Sequence[float] | np.ndarray = (0.0, 0.0, -STANDARD_GRAVITY),
+    drive_gain: Sequence[float] | np.ndarray | None = None,
 ) -> Robot:
     """Build a serial arm from a Denavit-Hartenberg table of n rows.
 

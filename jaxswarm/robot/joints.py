@@ -80,7 +80,7 @@ class Description:
 
     name: str
     joints: tuple[Joint, ...]
-    gravity: tuple[float, float, float] = DOWN
+    gravity: tuple[float, ...] = DOWN
     drive_gain: Mapping[str, float] = dataclasses.field(default_factory=dict)
     notes: tuple[str, ...] = ()
     base_shapes: tuple[Capsule, ...] = ()

@@ -16,7 +16,7 @@ program. Reference: Featherstone 2008, chapter 5; Khalil and Dombre 2002, chapte
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -26,7 +26,8 @@ from jaxswarm.robot import many
 from jaxswarm.robot import spatial as sp
 from jaxswarm.robot.model import Robot
 
-SinCos = Callable[[jax.Array], tuple[jax.Array, jax.Array]]
+# Angles are JAX's, or NumPy's along a log.
+SinCos = Callable[[Any], tuple[Any, Any]]
 
 
 class Transform(NamedTuple):
@@ -49,7 +50,7 @@ def sincos(angle: jax.Array) -> tuple[jax.Array, jax.Array]:
     return sp.settle((jnp.sin(angle), jnp.cos(angle)))
 
 
-def joint_transforms(robot: Robot, q: jax.Array, sincos: SinCos = sincos) -> list[Transform]:
+def joint_transforms(robot: Robot, q: sp.ByJoint, sincos: SinCos = sincos) -> list[Transform]:
     """Return for each joint the pose of its link in its parent link's frame.
 
     Args:
@@ -93,8 +94,8 @@ def joint_transforms(robot: Robot, q: jax.Array, sincos: SinCos = sincos) -> lis
 def link_motions(
     robot: Robot,
     transforms: list[Transform],
-    dq: jax.Array | None,
-    ddq: jax.Array | None,
+    dq: sp.ByJoint | None,
+    ddq: sp.ByJoint | None,
     *,
     with_gravity: bool = True,
 ) -> list[LinkMotion]:

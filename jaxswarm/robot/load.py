@@ -52,7 +52,7 @@ def describe_robot(
 ) -> Description:
     """Return the joints that a name or a path stands for, options applied; see :func:`load_robot`."""
     if isinstance(spec, RobotChoice):
-        spec, options = spec.spec, spec.options
+        options = spec.options
     return apply_options(_read(str(spec)), options or RobotOptions())
 
 

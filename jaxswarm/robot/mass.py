@@ -33,7 +33,7 @@ from jaxswarm.robot.model import Robot
 Entries = list[list[sp.Entry]]
 
 
-def mass_matrix(robot: Robot, q: jax.Array, *, sincos: SinCos = sincos) -> jax.Array:
+def mass_matrix(robot: Robot, q: jax.Array | np.ndarray, *, sincos: SinCos = sincos) -> jax.Array:
     """Return the symmetric mass matrix (n, n) at joint positions q (n,), in kg m^2 or kg.
 
     >>> from jaxswarm.robot.builtin import rx60
@@ -71,8 +71,8 @@ def forward_dynamics(
     q, dq, tau = jnp.asarray(q), jnp.asarray(dq), jnp.asarray(tau)
     if many.is_many_in_pairs(robot):
         poses = many.transforms(robot, q, sincos)
-        load = tau - many_torques(robot, poses, q, dq, None)
-        return many.solve(many.mass_matrix(robot, poses, q), load)
+        rest = tau - many_torques(robot, poses, q, dq, None)
+        return many.solve(many.mass_matrix(robot, poses, q), rest)
     matrix, bias = equations_of_motion(robot, q, dq, sincos=sincos)
     load = [sp.minus(tau[i], bias[i]) for i in range(robot.num_joints)]
     return sp.stack(solve_symmetric(matrix, load), q[0])

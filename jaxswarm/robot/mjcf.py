@@ -60,16 +60,17 @@ def describe_mjcf(path: str | Path) -> Description:
     return Description(name, tuple(joints), tuple(model.opt.gravity.tolist()), notes=tuple(notes))
 
 
-def _frame(body: int) -> str | None:
+def _frame(body: int) -> str:
     """Name of the fixed joint at a body's frame; no joint of a file can be called so."""
-    return f"(body {body})" if body else None
+    return f"(body {body})"
 
 
 def _of_body(mujoco, model, body: int, names, couplings) -> list[Joint]:
     """Return the joints of a body and the fixed one that carries it."""
     rotation = rotation_quaternion(model.body_quat[body])
     translation = model.body_pos[body].copy()
-    parent = _frame(int(model.body_parentid[body]))
+    above = int(model.body_parentid[body])
+    parent = _frame(above) if above else None  # the world carries the base
     anchor, joints = np.zeros(3), []
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
     for j in range(first, first + count):

@@ -217,7 +217,10 @@ def _tool(robot: str, joints: tuple[Joint, ...], numbers: tuple[float, ...]) -> 
             f"robot {robot!r} has {len(tips)} last links ({', '.join(tips[:5])}): say with --joints "
             "which chain carries the tool."
         )
-    inertia = np.zeros((3, 3)) if len(numbers) == 4 else inertia_matrix(numbers)
+    inertia = np.zeros((3, 3)) if len(numbers) == 4 else inertia_matrix(np.array(numbers))
     return Joint(
-        TOOL, "fixed", tips[0], parameters=body_parameters(numbers[0], numbers[1:4], inertia)
+        TOOL,
+        "fixed",
+        tips[0],
+        parameters=body_parameters(numbers[0], np.array(numbers[1:4]), inertia),
     )

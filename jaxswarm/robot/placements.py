@@ -8,6 +8,8 @@ the old one has rotation R and origin p:
 with h = R m c. Reference: J. Wittenburg, Dynamics of Multibody Systems, 2008, section 3.1.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
@@ -40,7 +42,7 @@ def rotation_z(angle: float) -> np.ndarray:
     return snap(np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]))
 
 
-def rotation_rpy(rpy: np.ndarray) -> np.ndarray:
+def rotation_rpy(rpy: Sequence[float] | np.ndarray) -> np.ndarray:
     """Return Rz(yaw) Ry(pitch) Rx(roll) for roll, pitch, yaw in rad (the convention of URDF).
 
     >>> rotation_rpy([0.0, 0.0, np.pi / 2]).astype(int).tolist()

@@ -80,9 +80,9 @@ def regressor(
 def _of_links(robot: Robot, q, dq, ddq, sincos: SinCos):
     """Return base rotation, base translation and motion of all links as entries (n, ...)."""
     if many.is_many(robot):
-        poses = many.transforms(robot, q, sincos)
-        motion = LinkMotion(*many.link_motions(robot, poses, q, dq, ddq))
-        return *many.base_transforms(robot, poses, q), motion
+        all_poses = many.transforms(robot, q, sincos)
+        motion = LinkMotion(*many.link_motions(robot, all_poses, q, dq, ddq))
+        return *many.base_transforms(robot, all_poses, q), motion
     transforms = joint_transforms(robot, q, sincos)
     motions = link_motions(robot, transforms, dq, ddq)
     poses = base_transforms(robot, transforms)

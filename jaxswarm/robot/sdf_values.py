@@ -24,8 +24,8 @@ def link_parameters(link: Element, notes: list[str], place: str) -> np.ndarray:
             f"{place.rpartition(': ')[2]} has no inertia: SDF means 1 kg, here it has none"
         )
         return np.zeros(10)
-    mass = inertial.find("mass")
-    mass = 1.0 if mass is None else float(numbers_in(mass, 1, f"{place}: mass")[0])
+    given = inertial.find("mass")
+    mass = 1.0 if given is None else float(numbers_in(given, 1, f"{place}: mass")[0])
     if mass < 0.0:
         raise InputError(f"{place}: mass = {mass:g} kg is below zero: correct it.")
     tensor, element = np.eye(3), inertial.find("inertia")

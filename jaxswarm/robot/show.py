@@ -20,7 +20,8 @@ _ROUNDING = 1e-6
 
 def link_poses(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return rotation (n, 3, 3) and origin (n, 3) of the links in the base frame, in numpy."""
-    rotations, origins = [], []
+    rotations: list[np.ndarray] = []
+    origins: list[np.ndarray] = []
     for i, (kind, parent) in enumerate(zip(robot.kinds, robot.parents, strict=True)):
         above = rotations[parent] if parent >= 0 else np.eye(3)
         start = origins[parent] if parent >= 0 else np.zeros(3)
@@ -89,7 +90,7 @@ def draw(choice: RobotChoice, path: Path) -> None:
     rotation, origin = link_poses(robot, q)
     figure = Figure(figsize=(8.0, 6.0), dpi=_DPI)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.0, 0.02, 0.72, 0.92), projection="3d")
+    axes: Any = figure.add_axes((0.0, 0.02, 0.72, 0.92), projection="3d")
     mass = np.asarray(robot.parameters)[:, 0]
     heavy = mass > 0.0
     center = origin.copy()

@@ -14,7 +14,7 @@ as lanes.
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 2.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import jax
@@ -23,8 +23,11 @@ import numpy as np
 from jax.experimental.xla_metadata import set_xla_metadata
 
 Entry = Any  # float when known at trace time, else a JAX array, or a NumPy one along a log
-Vector = tuple[Entry, Entry, Entry]
-Matrix = tuple[Vector, Vector, Vector]
+# Three of them each, which no comprehension can promise.
+Vector = tuple[Entry, ...]
+Matrix = tuple[Vector, ...]
+# An entry a joint, by its index.
+ByJoint = Sequence[Entry] | jax.Array | np.ndarray
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 

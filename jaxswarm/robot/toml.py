@@ -99,7 +99,9 @@ def _from_table(name: str, table: Any, gravity, gains) -> Robot:
     for column in ("convention", "alpha", "a", "d"):
         if column not in table:
             raise InputError(f"[dh] lacks {column}: convention, alpha, a and d are needed.")
-    columns = {c: _numbers(table, c, (None,), None, "[dh]") for c in ("alpha", "a", "d")}
+    columns: dict[str, Any] = {
+        c: _numbers(table, c, (None,), None, "[dh]") for c in ("alpha", "a", "d")
+    }
     if "theta" in table:
         columns["theta"] = _numbers(table, "theta", (None,), None, "[dh]")
     if "parameters" in table:

@@ -20,6 +20,7 @@ from jaxswarm.robot.model import Robot
 from jaxswarm.robot.options import RobotOptions, apply_options
 from jaxswarm.robot.placements import body_parameters, move_parameters, rotation_rpy
 from jaxswarm.robot.urdf_shapes import link_shapes
+from jaxswarm.robot.xacro import refuse_xacro
 from jaxswarm.robot.xmltree import attribute, numbers, parse_xml, read_bytes
 
 _KINDS = {
@@ -87,7 +88,7 @@ def describe_urdf(text: str | bytes, source: str) -> Description:
     root = parse_xml(text, source)
     if root.tag != "robot":
         raise InputError(f"{source}: its root is <{root.tag}>: a URDF starts with <robot>.")
-    _refuse_xacro(root, source)
+    refuse_xacro(root, source)
     links = _links(root, source)
     elements = [element for element in root if element.tag == "joint"]
     above: dict[str, str] = {}
@@ -108,16 +109,6 @@ def describe_urdf(text: str | bytes, source: str) -> Description:
     shapes = tuple(shape for link in roots for shape in link_shapes(links[link]))
     name = root.get("name") or Path(source).stem
     return Description(name, joints, notes=tuple(notes), base_shapes=shapes)
-
-
-def _refuse_xacro(root: Element, source: str) -> None:
-    for element in root.iter():
-        values = element.attrib.values()
-        if element.tag.startswith("xacro:") or any("${" in v or "$(" in v for v in values):
-            raise InputError(
-                f"{source}: is a xacro template (<{element.tag}>): expand it first with "
-                f"'xacro {source} > robot.urdf' (package xacro of ROS, or pip install xacro)."
-            )
 
 
 def _links(root: Element, source: str) -> dict[str, Element]:
@@ -171,13 +162,13 @@ def _joint(element: Element, name: str, parent: str | None, link: Element, notes
     axis = numbers(element.find("axis"), "xyz", 3, (1.0, 0.0, 0.0), place)
     if kind != "fixed" and np.linalg.norm(axis) < SHORTEST_AXIS:
         raise InputError(f"{place}: axis xyz = {axis.tolist()} is no direction: give one.")
-    mimic = element.find("mimic")
-    if mimic is not None:
+    followed, mimic = element.find("mimic"), None
+    if followed is not None:
         factor, offset = (
-            float(numbers(mimic, key, 1, (default,), place)[0])
+            float(numbers(followed, key, 1, (default,), place)[0])
             for key, default in (("multiplier", 1.0), ("offset", 0.0))
         )
-        mimic = Mimic(attribute(mimic, "joint", place), factor, offset)
+        mimic = Mimic(attribute(followed, "joint", place), factor, offset)
     return Joint(
         name=name,
         kind=_KINDS[kind],

@@ -90,9 +90,10 @@ def rest(
     memory = jnp.zeros((len(plant.remembering), *q.shape[1:]), q.dtype)
     warmth = jnp.full_like(q, AMBIENT) if temperature is None else jnp.asarray(temperature, q.dtype)
     for k, acting in enumerate(plant.remembering):
-        if acting.law.start is not None:
+        law = acting.law
+        if isinstance(law, TorqueLaw) and law.start is not None:
             sample = sample_of(plant, acting, q, dq, 0.0, warmth)
-            memory = memory.at[k].set(acting.law.start(acting.values, sample))
+            memory = memory.at[k].set(law.start(acting.values, sample))
     return State(q, dq, motor_q, motor_dq, memory)
 
 

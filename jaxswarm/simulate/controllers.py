@@ -31,9 +31,11 @@ class Controller(Protocol):
         """Return the motor torques (n,) for encoder position and velocity (n,)."""
 
 
-def _column(gain: jax.Array, like: jax.Array) -> jax.Array:
-    gain = jnp.asarray(gain, like.dtype)
-    return gain.reshape(gain.shape + (1,) * (like.ndim - gain.ndim)) if gain.ndim else gain
+def _column(gain: jax.Array | float, like: jax.Array) -> jax.Array:
+    column = jnp.asarray(gain, like.dtype)
+    return (
+        column.reshape(column.shape + (1,) * (like.ndim - column.ndim)) if column.ndim else column
+    )
 
 
 @jax.tree_util.register_dataclass
@@ -49,7 +51,7 @@ class PD:
 
     kp: jax.Array
     kd: jax.Array
-    limit: jax.Array = float("inf")
+    limit: jax.Array | float = float("inf")
 
     def command(self, q, dq, reference: Reference):
         """Return the motor torques (n,)."""
@@ -72,8 +74,8 @@ class Cascade:
 
     kp: jax.Array
     kv: jax.Array
-    gain: jax.Array = 1.0
-    limit: jax.Array = float("inf")
+    gain: jax.Array | float = 1.0
+    limit: jax.Array | float = float("inf")
 
     def command(self, q, dq, reference: Reference):
         """Return the motor torques (n,)."""
@@ -97,7 +99,7 @@ class ComputedTorque:
     model: Robot
     kp: jax.Array
     kd: jax.Array
-    limit: jax.Array = float("inf")
+    limit: jax.Array | float = float("inf")
 
     def command(self, q, dq, reference: Reference):
         """Return the motor torques (n,)."""

@@ -11,7 +11,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.kinds import TorqueLaw, TransmissionLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import of_kind
 from jaxswarm.robot import spatial as sp
@@ -26,10 +26,12 @@ def sample_fields(law: TorqueLaw) -> frozenset[str]:
     >>> sorted(sample_fields(get_law("rotor_inertia")))
     ['ddq']
     """
+    torque = law.torque
+    assert torque is not None  # a law without one is not registered
     with jax.ensure_compile_time_eval():
         sample = Sample(*[jnp.ones(()) for _ in Sample._fields])
         values = {name: jnp.asarray(value, float) for name, value in law.nominal().items()}
-    program = jax.make_jaxpr(lambda s: law.torque(values, s))(sample).jaxpr
+    program = jax.make_jaxpr(lambda s: torque(values, s))(sample).jaxpr
     used = {id(v) for equation in program.eqns for v in equation.invars}
     used |= {id(v) for v in program.outvars}
     pairs = zip(Sample._fields, program.invars, strict=True)
@@ -41,7 +43,7 @@ def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, **more) -> Sa
     j, other = acting.joint, acting.other
     like = jnp.zeros_like(dq[j])
     dq_other = like if other is None else dq[other]
-    fields = dict.fromkeys(Sample._fields, 0.0)
+    fields: dict[str, Any] = dict.fromkeys(Sample._fields, 0.0)
     fields.update(
         t=t,
         q=q[j],
@@ -109,9 +111,10 @@ def _slope(law: TorqueLaw, values: dict, sample: Sample, name: str) -> jax.Array
 
 def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
     """Torque a transmission passes from motor to link, for a twist theta - q and its rate."""
-    own = plant.transmissions(joint)
-    springs = [a.law.spring(a.values) for a in own if a.law.spring is not None]
-    gap = sum((a.law.gap(a.values) for a in own if a.law.gap is not None), 0.0)
+    held = [(a.law, a.values) for a in plant.transmissions(joint)]
+    own = [(law, values) for law, values in held if isinstance(law, TransmissionLaw)]
+    springs = [law.spring(values) for law, values in own if law.spring is not None]
+    gap = sum((law.gap(values) for law, values in own if law.gap is not None), 0.0)
     if springs:
         k, d = springs[0]
     else:

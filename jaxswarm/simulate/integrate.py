@@ -62,7 +62,8 @@ def rk4_step(
 def _ahead(plant: Plant, start: State, slopes: tuple, drive: Drive, t, h) -> State:
     """State a time h after the start of the step, moving with these slopes."""
     moved = jax.tree.map(lambda x, dx: x + h * dx, tuple(start[:4]), slopes)
-    return State(*moved, _memory(plant, start, State(*moved, ()), drive, t, h))
+    now = start._replace(**dict(zip(State._fields[:4], moved, strict=True)), memory=())
+    return now._replace(memory=_memory(plant, start, now, drive, t, h))
 
 
 def _memory(plant: Plant, start: State, now: State, drive: Drive, t, h) -> tuple:

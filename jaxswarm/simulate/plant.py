@@ -56,7 +56,7 @@ class Plant:
 
     robot: Robot
     acting: tuple[Acting, ...]
-    width: jax.Array
+    width: jax.Array | np.ndarray
 
     @property
     def soft(self) -> tuple[int, ...]:
@@ -188,6 +188,7 @@ def _(law: BodyChange, plant, acting):
         return plant.replace(robot=robot.replace(rotation=rotation, translation=translation))
     if law.window or law.compliance is not None:
         return plant.replace(acting=(*plant.acting, acting))
+    assert law.body is not None  # one of the four, as its check sees to
     parameters = jnp.asarray(robot.parameters).at[-1].add(law.body(acting.values))
     return plant.replace(robot=robot.replace(parameters=_known(parameters)))
 

@@ -17,6 +17,7 @@ library's functions.
 """
 
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -72,7 +73,7 @@ def polynomial_sincos(angle: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def _horner(coefficients: tuple[float, ...], x: jax.Array) -> jax.Array:
-    result = coefficients[-1]
+    result: Any = coefficients[-1]
     for c in reversed(coefficients[:-1]):
         result = result * x + c
     return result

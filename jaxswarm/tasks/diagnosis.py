@@ -131,7 +131,11 @@ def _result(result: dict, model: Model, shown) -> Fitted:
         error_table(
             f"{result['robot']}: on unseen motion", rows, result["joints"], result["torque_units"]
         ),
-        effect_table(result["effects"], "added effects"),
+        *(
+            effect_table(result[key], title)
+            for key, title in (("effects", "added effects"), ("changed", "changed effects"))
+            if result[key]
+        ),
     )
     lines = (verdict_sentence(result), *result.get("reasons", ()), *next_steps(result))
     return Fitted(result, lines, tables, model=model, motion=shown)

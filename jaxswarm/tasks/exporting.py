@@ -1,17 +1,22 @@
 """An identified model in other tools' formats, with rigid bodies for links where the format needs them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jaxswarm import outputs
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.physical.consistency import are_bodies
 from jaxswarm.identify.physical.export import export_mjcf, export_sdf, export_urdf
 from jaxswarm.identify.physical.export_c import c_text
+from jaxswarm.identify.physical.export_parts import split_effects
 from jaxswarm.identify.physical.export_yaml import yaml_text
 from jaxswarm.identify.physical.physical_model import PULL, PhysicalModel, physical_model
 from jaxswarm.identify.report.summary import units
@@ -32,13 +37,48 @@ def _write_c(model: Model, path: Path) -> None:
     path.write_text(c_text(model.robot, model.terms, model.width), encoding="utf-8")
 
 
-# A writer, and whether the format wants rigid bodies.
-FORMATS: dict[str, tuple[Callable[[Model, Path], object], bool]] = {
-    "urdf": (lambda model, path: export_urdf(model.robot, path, model.terms), True),
-    "mjcf": (lambda model, path: export_mjcf(model.robot, path, model.terms), True),
-    "sdf": (lambda model, path: export_sdf(model.robot, path, model.terms), True),
-    "yaml": (_write_yaml, True),
-    "c": (_write_c, False),
+@dataclass(frozen=True)
+class Format:
+    """A format of files.
+
+    Attributes:
+        write: Writes a model to a path.
+        holds: Attributes of joints that the format holds of effects, and the effects it does not hold.
+        bodies: Whether it wants rigid bodies.
+        unread: What usual readers make of an attribute of the file.
+    """
+
+    write: Callable[[Model, Path], object]
+    holds: Callable[[Sequence[Term]], tuple[dict[int, dict[str, float]], list[Term]]]
+    bodies: bool = True
+    unread: Mapping[str, str] = field(default_factory=dict)
+
+
+def _torques_only(terms: Sequence[Term]) -> tuple[dict[int, dict[str, float]], list[Term]]:
+    return {}, [term for term in terms if term not in of_kind(terms, TorqueLaw)]
+
+
+_ALONE = "inverse dynamics of Pinocchio are those of the bodies alone, without the file's {}"
+FORMATS = {
+    "urdf": Format(
+        lambda model, path: export_urdf(model.robot, path, model.terms),
+        partial(split_effects, form="urdf"),
+        unread={"damping": _ALONE.format("damping"), "friction": _ALONE.format("friction")},
+    ),
+    "mjcf": Format(
+        lambda model, path: export_mjcf(model.robot, path, model.terms),
+        partial(split_effects, form="mjcf"),
+    ),
+    "sdf": Format(
+        lambda model, path: export_sdf(model.robot, path, model.terms),
+        partial(split_effects, form="mjcf"),
+        unread={
+            "frictionloss": "Drake passes the file's dry friction over",
+            "armature": "Gazebo passes the file's rotor inertia over",
+        },
+    ),
+    "yaml": Format(_write_yaml, lambda terms: ({}, [])),
+    "c": Format(_write_c, _torques_only, bodies=False),
 }
 _ENDINGS = {
     **{f".{name}": name for name in ("urdf", "mjcf", "sdf", "yaml", "c")},
@@ -76,14 +116,14 @@ def export(
         InputError: If something cannot be used or written.
     """
     model, path = as_model(model), Path(path)
-    write, bodies = _format(path, format)
+    form = _format(path, format)
     if path.is_dir():
         raise InputError(f"--out {path}: is a folder; name a file such as {path / 'arm.urdf'}")
     if not 0.0 < prior_weight < np.inf:
         raise InputError(f"prior weight {prior_weight}: give a number above zero")
     outputs.check_folder(path.parent)
     found = None
-    if bodies and (prior is not None or not are_bodies(model.robot)):
+    if form.bodies and (prior is not None or not are_bodies(model.robot)):
         progress("finding the nearest rigid bodies")
         columns, where = _columns(model, log)
         start = None if prior is None else as_robot(prior)
@@ -91,11 +131,11 @@ def export(
         model = found.model
     progress("writing")
     path.parent.mkdir(parents=True, exist_ok=True)
-    write(model, path)
-    return _result(model, path, found)
+    form.write(model, path)
+    return _result(model, path, found, form)
 
 
-def _format(path: Path, name: str | None) -> tuple[Callable[[Model, Path], object], bool]:
+def _format(path: Path, name: str | None) -> Format:
     name = name or _ENDINGS.get(path.suffix.lower())
     if name is None:
         raise InputError(f"{path}: the ending names no format; say which: {', '.join(FORMATS)}")
@@ -116,16 +156,27 @@ def _columns(model: Model, log) -> tuple[np.ndarray | None, str]:
     return np.asarray(rigid_columns(model.robot, q, dq, ddq)), read.source
 
 
-def _result(model: Model, path: Path, found: PhysicalModel | None) -> Result:
+def _notes(model: Model, form: Format) -> tuple[list[str], list[str]]:
+    """Effects that the file does not hold, and what a reader of it has to know."""
+    held, left = form.holds(model.terms)
+    labels = [term.label(model.robot.joints) for term in left]
+    named = {name for attributes in held.values() for name in attributes}
+    notes = [told for name, told in form.unread.items() if name in named]
+    if labels:
+        notes.insert(0, f"not in the file: {', '.join(labels)}")
+    if model.smooth:
+        notes.append("smooth terms without a law belong to predict alone and are not exported")
+    return labels, notes
+
+
+def _result(model: Model, path: Path, found: PhysicalModel | None, form: Format) -> Result:
     robot = model.robot
     side = path.with_name(path.name + ".json")
     content: dict[str, Any] = {"robot": robot.name, "out": str(path), "moved": None}
     if side.exists():
         content["side_file"] = str(side)
     lines = [f"written to {path}" + (f", what it cannot hold to {side.name}" * side.exists())]
-    notes = []
-    if model.smooth:
-        notes.append("smooth terms without a law belong to predict alone and are not exported")
+    content["not_in_file"], notes = _notes(model, form)
     content["notes"] = notes
     if found is None:
         return Result(content, (*lines, *notes))

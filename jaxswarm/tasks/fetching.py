@@ -173,10 +173,13 @@ def _get(pooch, address: str, place: Path, own: str, known: str | None) -> None:
         ) from error
     except Exception as error:
         # Whatever the network and its libraries raise, the user can only try another way.
-        raise InputError(
-            f"{address}: cannot be fetched ({type(error).__name__}); check the connection, or download "
-            "it by hand"
-        ) from error
+        answer = getattr(getattr(error, "response", None), "status_code", None)
+        what, remedy = (
+            (type(error).__name__, "check the connection, or download it by hand")
+            if answer is None
+            else (f"the server answers {answer}", "it may have moved; look for it by hand")
+        )
+        raise InputError(f"{address}: cannot be fetched ({what}); {remedy}") from error
 
 
 def _copy(url: str, output_file: str, pooch: object) -> None:

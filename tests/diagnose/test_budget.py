@@ -13,7 +13,7 @@ from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.journal import FILE
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.report.result import to_result
-from jaxswarm.diagnose.report.text import evidence_sentence
+from jaxswarm.diagnose.report.text import evidence_sentence, next_steps
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.term import Term
@@ -61,6 +61,8 @@ def test_no_time_at_all_still_tells_of_the_declared_model():
     result = to_result(outcome_of(found), rules=Rules())
     assert result["verdict"] == "unexplained"
     assert "the budget left no time for" in evidence_sentence(result)
+    # No law was asked: nobody may say that none explains it.
+    assert "no known law" not in " ".join(next_steps(result))
 
 
 def test_a_budget_that_suffices_is_not_told():

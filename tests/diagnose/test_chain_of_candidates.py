@@ -10,8 +10,9 @@ from planted import BAND, blank, declared_fit, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.backlash import _curves, _Point
 from jaxswarm.diagnose.candidates.journal import fingerprint
+from jaxswarm.diagnose.candidates.lattice import BATCH, lattice_of
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.search import _lattice, _survey, _Task, searching
+from jaxswarm.diagnose.candidates.search import _survey, _Task, searching
 from jaxswarm.diagnose.candidates.whole_model import body_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -122,9 +123,9 @@ def test_a_point_without_a_finite_torque_hides_no_other():
     )  # fmt: skip
     q = np.linspace(-3.0, 3.0, 600)
     series = make_sample(q=q)
-    lattice, cell = _lattice(1, 128, (480, 1))
+    lattice, cell = lattice_of(1, 128, (480, 1))
     task = _Task(np.int32(0), np.bool_(False), cell, series, fold_of(np.sin(3.0 * q)))
-    points, gains = _survey((law,), 1, task, lattice, 4, np.ones(1))
+    points, gains = _survey((law,), 1, BATCH, task, lattice, 4, np.ones(1))
     assert 1.0 + 3.0 * float(points[0, 0]) == pytest.approx(3.0, abs=0.05)
     assert np.isfinite(gains).all()
 

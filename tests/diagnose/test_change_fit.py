@@ -75,6 +75,17 @@ def test_intervals_of_a_payload_hold_the_truth_although_the_earlier_model_was_po
     assert np.mean(blind) < 0.75
 
 
+def test_a_body_that_was_taken_off_is_one_with_all_signs_turned():
+    motion = motion_of(carrying(small_arm(), -BODY), 1, 0.1, 12.0, 11)
+    values, errors = found_payload(1, earlier(100), motion)
+    told = [name for name in MOMENTS if np.isfinite(errors[name])]
+    assert told
+    for name in told:
+        assert abs(values[name] + MOMENTS[name]) < 4.0 * errors[name]
+    assert values["m"] < 0.0
+    assert body_violations(-np.array(list(values.values()))) == ()
+
+
 def test_a_payload_weighed_by_currents_carries_the_doubt_of_the_drive_gains():
     """Gains that are a tenth too large scale a payload by as much; its interval says so."""
     arm = small_arm().replace(drive_gain=jnp.array([10.0, 8.0]))

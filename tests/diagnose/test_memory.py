@@ -1,5 +1,7 @@
 """What a round need not search again."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,6 +9,9 @@ from hypothesis import strategies as st
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.synthetic import demo_case, synthetic_log
+from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import rx60
 
 TERM = Term("stribeck_friction", 1)
 VALUES = [{"vs": 0.1, "delta": 2.0}]
@@ -51,3 +56,17 @@ def test_only_the_first_score_counts():
     memory.explained(TERM, 0.0)
     assert memory.recall(TERM, 0.9 * old[None]) is None
     memory.explained(Term("hysteresis", 1), 0.5)
+
+
+def test_columns_of_a_log_are_kept_until_its_motion_is_another():
+    arm, declared, _ = demo_case(rx60(), 1)
+    motion = prepare(synthetic_log(arm, declared, 1, duration=6.0))
+    memory = Memory()
+    memory.look_at([motion])
+    memory.laws["one"] = 1
+    memory.look_at(
+        [replace(motion, model_noise=np.zeros(3))]
+    )  # what is known of its noise moves nothing
+    assert memory.laws == {"one": 1}
+    memory.look_at([replace(motion, q=motion.q.copy())])
+    assert not memory.laws

@@ -1,6 +1,7 @@
 """A diagnosis that would not fit into memory is refused before it begins, with numbers."""
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,11 +25,22 @@ def test_what_is_needed_holds_the_columns_and_their_derivatives(motion):
     rigid = rigid_of(rx60(), motion)
     held = rigid.full.nbytes + rigid.low.nbytes
     for joint in range(3):
-        own = sensitivity_of(rx60(), motion, joint, rigid)
+        own = sensitivity_of(rx60(), motion, joint, rigid)._whole
         held += own.by_q.nbytes + own.by_dq.nbytes + own.by_ddq.nbytes
     told = 2**30 * memory.needed([motion])
     assert held < told < 3 * held
     assert memory.needed([motion, motion]) == pytest.approx(2 * memory.needed([motion]))
+
+
+def test_a_long_log_needs_no_columns_of_all_its_samples(motion, monkeypatch):
+    long = replace(
+        motion, t=np.empty(250_000), q=np.empty((250_000, 7))
+    )  # a million samples at 1 kHz
+    assert memory.needed([long]) < 3.5
+    sensitivity = importlib.import_module("jaxswarm.identify.forward.sensitivity")
+    kept = memory.needed([motion])
+    monkeypatch.setattr(sensitivity, "_KEPT", 0)
+    assert memory.needed([motion]) < kept
 
 
 def test_too_large_is_refused_with_what_is_needed_and_what_there_is(motion, monkeypatch):

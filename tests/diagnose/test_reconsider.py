@@ -141,3 +141,16 @@ def test_a_law_bent_into_the_sum_of_two_is_told_as_two():
 def test_a_pair_is_refused_where_one_law_says_it_all(case):
     step = step_of(case, "nonlinear_viscous_friction", ["quadratic_drag"])
     assert pair([step], step.after, [1], 60, Rules()) is None
+
+
+@pytest.mark.parametrize(("partner", "named"), [(0.0, None), (2.0, "cable_coupling")])
+def test_a_law_of_more_numbers_is_taken_where_it_leaves_less_once_all_is_fitted(partner, named):
+    """Both were near each other when they were chosen between; only one knows of the other joint."""
+    hidden = Term("cable_coupling", 1, other=0, values={"kc": partner, "k": 4.0, "tau0": -2.4})
+    before, crossfit = declared_fit(log_with(hidden))
+    asked = [Term("joint_spring", 1), Term("cable_coupling", 1, other=0)]
+    scores = score_terms(Linearization(before, crossfit), asked, 0)
+    spring, cable = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
+    current = refit_with(before, spring)
+    found = reconsider_module._fuller(spring, [cable], before, current, ())
+    assert (found and found[0].candidate.term.effect) == named

@@ -5,7 +5,8 @@ from planted import declared_fit, log_with
 from test_unexplained import LAWS, with_extra
 
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
-from jaxswarm.diagnose.report.text import remaining
+from jaxswarm.diagnose.report.remains import remaining
+from jaxswarm.diagnose.report.text import evidence_sentence
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.logs.motion import prepare
 
@@ -52,3 +53,22 @@ def test_the_sentence_says_how_much_of_it_holds_elsewhere():
     assert remaining({**entry, "share_on_other_motion": -2.0}).endswith(
         "on other motion none of it"
     )
+
+
+def test_the_sentence_names_the_joints_and_times_that_matter_most():
+    """All of them stand in the list below it."""
+    windows = [{"log": 0, "start": float(k), "end": k + 0.5 + 0.1 * k} for k in range(4)]
+    entry = {"share": 0.4, "depends_on": [], "band_hz": [0.2, 3.0], "windows": windows}
+    left = [
+        {**entry, "joint": f"joint{k}", "over_noise": x} for k, x in enumerate((9.0, 3.0, 8.0, 5.0))
+    ]
+    errors = {"relative_global": 0.1, "on": "other motion"}
+    result = {
+        **{"error": {"before": errors, "after": errors}, "verdict": "unexplained", "proof": "none"},
+        **{"effects": [], "changed": [], "discovered": [], "unexplained": left, "joints": []},
+    }
+    told = evidence_sentence(result)
+    assert all(f"joint{k} is left with" in told for k in (0, 2, 3)) and "joint1" not in told
+    assert told.count("mostly at 2-2.7 s, 3-3.8 s, other times") == 3
+    assert "; and less on 1 more joint (error" in told
+    assert "1-1.6 s" in remaining(left[0]) and "other times" not in remaining(left[0])

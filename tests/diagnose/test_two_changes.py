@@ -3,6 +3,7 @@
 import numpy as np
 
 import jaxswarm
+from jaxswarm.diagnose.report.text import verdict_sentence
 
 
 def slide(mass, friction, seed, phase):
@@ -31,3 +32,19 @@ def test_a_load_and_friction_are_told_as_such_and_no_gain_takes_a_little_of_both
     assert {"payload", "rotor_inertia"} <= kinds
     (mass,) = (row["value"] for row in load["parameters"].values())
     assert abs(mass - 4.0) < 0.02
+
+
+def test_a_load_that_was_put_down_is_told_with_its_sign():
+    """No inertia that can only grow explains it, and no gain takes friction with it."""
+    model = jaxswarm.identify(slide(20.0, 5.0, 0, 0.0), "emps", "viscous_friction,coulomb_friction")
+    found = jaxswarm.diagnose(slide(16.0, 3.0, 1, 0.7), "emps", model=model.model)
+    assert found["verdict"] == "explained"
+    (load,), (friction,) = found["effects"], found["changed"]
+    mass, slid = load["parameters"]["m"], friction["parameters"]["fc"]
+    assert load["effect"] == "payload" and load["way"] == "taken off"
+    assert abs(mass["value"] + 4.0) < 0.02 and mass["std_error"] < 0.01
+    assert "payload (taken off)" in verdict_sentence(found)
+    assert "changed effects" in repr(found) and "added effects" in repr(found)
+    assert abs(slid["change"]["value"] + 2.0) < 0.03
+    weighed = found.model.robot.parameters[-1, 0] - model.model.robot.parameters[-1, 0]
+    assert abs(weighed + 4.0) < 0.02

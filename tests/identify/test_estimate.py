@@ -79,6 +79,24 @@ def test_friction_below_zero_is_held_at_its_bound(arm):
     assert [t.values["b"] for t in free.model.terms] == pytest.approx([-0.2, -0.2], abs=0.01)
 
 
+def test_a_sum_of_inertias_below_zero_is_not_called_determined(arm):
+    """By so much that no inertia of the arm makes up for it, and by so little that noise does."""
+
+    def lacking(size):
+        motion = make_motion(arm, lambda q, dq, ddq: -size * ddq * [1.0, 0.0], noise=0.01)
+        return estimate(arm, (), [motion], width=WIDTH)
+
+    def row(found):
+        return next(row for row in base_parameter_table(found) if row["name"] == "Izz1")
+
+    own = row(lacking(0.0))
+    assert own["verdict"] == "determined" and "-" not in own["expression"]
+    below = row(lacking(own["value"] + 10.0 * own["std_error"]))
+    assert below["value"] < 0.0 and below["verdict"] == "impossible"
+    near = row(lacking(own["value"] + 0.5 * own["std_error"]))
+    assert near["value"] < 0.0 and near["verdict"] == "weak"
+
+
 def test_several_logs_fit_together(arm):
     motions = [make_motion(arm, friction, length=300, noise=0.02, seed=s) for s in (1, 2)]
     both = estimate(arm, parse_terms(EFFECTS, arm.joints), motions, width=WIDTH)
@@ -92,7 +110,7 @@ def test_summary_has_a_row_for_every_parameter(found):
     assert len(names) == found.fit.base.size
     assert len(names) + len(lost) == 20 + 4
     assert {row["verdict"] for row in base_parameter_table(found)} <= {
-        "determined", "weak", "at bound",
+        "determined", "weak", "impossible", "at bound",
     }  # fmt: skip
     matrix = correlation(found)
     np.testing.assert_allclose(np.diag(matrix), 1.0)

@@ -52,6 +52,30 @@ def test_the_motion_tells_rivals_further_apart_than_the_ordinary_one(short):
     assert abs(log.dq).max() <= 0.4 and abs(log.ddq).max() <= 2.0
 
 
+@pytest.mark.parametrize("true", [DRAG, POWER])
+def test_on_the_planned_motion_the_loop_names_the_right_one_and_doubts_nothing(true, short):
+    """Of two arms that differ in the rivals, both are found for what they are."""
+    plan = jaxswarm.excite("emps", SLIDE, separate=f"{DRAG},{POWER}").log
+    (q,), (dq,), (ddq,) = plan.q.T, plan.dq.T, plan.ddq.T
+    speed = np.abs(dq)
+    more = 150.0 * dq * speed if true == DRAG else 26.0 * np.sqrt(speed) * np.sign(dq)
+    force = 95.0 * ddq + 200.0 * dq + 20.0 * np.tanh(dq / 0.002) + more
+    turns, noise = 4, np.random.default_rng(0).normal(size=(4 * len(q), 2)) * [1e-6, 1.0]
+    t = np.arange(len(noise)) * plan.t[1]
+    found = jaxswarm.diagnose(
+        jaxswarm.log_from_arrays(
+            t,
+            np.tile(q, turns) + noise[:, 0],
+            np.tile(force, turns) + noise[:, 1],
+            joints=("slide",),
+        ),
+        "emps",
+        "viscous_friction,coulomb_friction",
+    )
+    assert [f"{e['effect']}@{e['joint']}" for e in found["effects"]] == [true]
+    assert found["verdict"] == "explained" and found["undecided"] == []
+
+
 def test_of_an_effect_that_contains_the_other_only_the_rest_counts(short):
     pair = "viscous_friction@slide,asymmetric_friction@slide"
     apart = jaxswarm.excite("emps", SLIDE, separate=pair, duration=4.0)["separation"]

@@ -107,3 +107,12 @@ def test_a_constant_error_of_a_velocity_is_taken_off_and_told(bias):
     assert float(note.split(" is ")[1].split()[0]) == pytest.approx(bias, abs=2e-3)
     assert not any("velocity" in text for text in clean.notes)
     np.testing.assert_allclose(wrong.dq, clean.dq, atol=2e-3)
+
+
+def test_all_dead_torques_are_held_still_by_one_option():
+    """A gripper publishes zeros for its fingers: the remedy is the option that leaves them out."""
+    log = made()
+    with pytest.raises(InputError, match="--lock joint1,joint2$"):
+        refuse_dead_torque(replace(log, tau=0.0 * log.tau))
+    with pytest.raises(InputError, match="--lock joint2$"):
+        refuse_dead_torque(replace(log, tau=log.tau * [1.0, 0.0]))

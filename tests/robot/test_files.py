@@ -1,5 +1,8 @@
 """URDF as people have it, and the options of a robot, against Pinocchio."""
 
+import re
+import shlex
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -156,10 +159,14 @@ def test_mimics_that_lead_nowhere():
 
 
 def test_xacro_gets_the_command_that_expands_it(tmp_path):
-    path = tmp_path / "arm.urdf.xacro"
-    path.write_text(gripper_arm('<xacro:include filename="hand.xacro"/>'))
-    with pytest.raises(InputError, match="xacro .*arm.urdf.xacro > robot.urdf"):
+    path = tmp_path / "my arms" / "arm.urdf.xacro"
+    path.parent.mkdir()
+    path.write_text(gripper_arm('<xacro:include filename="$(find hands)/hand.xacro"/>'))
+    with pytest.raises(InputError) as told:
         load_robot(path)
+    command = re.search(r"expand it first: (xacro .*) \(package xacro", str(told.value))[1]
+    assert shlex.split(command) == ["xacro", str(path), ">", "arm.urdf"]
+    assert "it takes files of hands" in str(told.value)
     path.write_text(gripper_arm().replace('value="2.0"', 'value="${m}"'))
     with pytest.raises(InputError, match="is a xacro template"):
         load_robot(path)

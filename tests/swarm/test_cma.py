@@ -200,6 +200,7 @@ def test_a_lowest_value_in_a_corner_is_found_exactly():
         ({}, 5, "CMARestarts"),
         ({}, 300, "LMMAES"),
         ({"num_evaluations": 1000}, 30, "SepCMAES"),
+        ({"num_evaluations": 2000}, 20, "SepCMAES"),
         ({"num_evaluations": 500}, 5, "CMARestarts"),
         ({"num_evaluations": 5000}, 5, "SHADE"),
         ({"num_evaluations": 5000, "noisy": True}, 5, "CMARestarts"),

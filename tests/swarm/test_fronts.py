@@ -10,6 +10,7 @@ import pytest
 from jaxswarm.errors import InputError
 from jaxswarm.swarm import Space, front, hypervolume, minimize, minimize_runs, mopso, nsga2, pso
 from jaxswarm.swarm.pareto import crowding, ranks
+from jaxswarm.swarm.random import fold
 
 KEY = jax.random.key(0)
 
@@ -68,6 +69,28 @@ def test_zdt1(optimizer):
     assert 0.97 * whole < hypervolume(best.values, [1.1, 1.1]) < whole
     np.testing.assert_allclose(jax.vmap(lambda x: jnp.stack(zdt1(x, 0)))(best.params), best.values)
     assert bool((found.history[1:] <= found.history[:-1]).all())
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("optimizer", [nsga2(2, 24), mopso(2, 24, size=24)])
+def test_a_front_stays_long_after_it_was_found(optimizer, dtype):
+    """10,000 updates; what is most crowded leaves a full front, so its worth wavers but does not fall."""
+
+    def step(state, _):
+        value = jax.vmap(lambda x: jnp.stack(zdt1(x, 0)))(state.position)
+        return optimizer.update(fold(KEY, state.count), state, value)[0], None
+
+    def thousand(state, _):
+        state = jax.lax.scan(step, state, length=1000)[0]
+        return state, getattr(state, state.FRONT[1])
+
+    begin = optimizer.init(KEY, 3, dtype)
+    state, fronts = jax.jit(lambda s: jax.lax.scan(thousand, s, length=10))(begin)
+    worth = [hypervolume(values, [1.1, 1.1]) for values in np.asarray(fronts)]
+    assert np.isfinite(fronts).all() and min(worth) > 0.95 * max(worth)
+    for leaf in jax.tree.leaves(state):
+        inexact = jnp.issubdtype(leaf.dtype, jnp.inexact)
+        assert not inexact or (leaf.dtype == dtype and np.isfinite(leaf).all())
 
 
 def test_three_objectives_and_many_runs():

@@ -1,6 +1,7 @@
 """The reference step by hand, the parts one by one, and schedules that count from zero."""
 
 import dataclasses
+import math
 
 import jax
 import jax.numpy as jnp
@@ -10,11 +11,14 @@ import pytest
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm import (
+    OPTIMIZERS,
+    Space,
     absorb,
     bounce,
     clip,
     global_best,
     gpso,
+    minimize_runs,
     periodic,
     pso,
     random_informants,
@@ -63,7 +67,8 @@ def test_reference_step_by_hand(half_source):
     2  (0.4, 0.4)   (0.2, 0.2)   (0.8, 0.6)   5     nan    (0.8, 0.6)
        v' = 0.1 + 0.5(0.4) + 0.5(-0.2), 0.1 + 0.5(0.2) + 0.5(0.0)        (0.6, 0.6)
     """
-    optimizer = pso(3, inertia=0.5, cognitive=1.0, social=1.0, random=half_source)
+    choice = dict(inertia=0.5, cognitive=1.0, social=1.0, velocity_limit=math.inf)
+    optimizer = pso(3, **choice, random=half_source)
     state = optimizer.init(KEY, 2)._replace(
         position=jnp.array([[0.2, 0.4], [0.6, 0.8], [0.4, 0.4]]),
         velocity=jnp.array([[0.1, 0.0], [0.0, -0.2], [0.2, 0.2]]),
@@ -213,6 +218,38 @@ def test_spherical_rule_does_not_see_axes():
     center = 1.2 * (p + g) / 3
     radius = jnp.linalg.norm(straight - center, axis=1)
     assert float(radius.max()) <= float(jnp.linalg.norm(center)) * (1 + 1e-9)
+
+
+def test_a_swarm_has_as_many_particles_as_it_needs():
+    for dims, num in (2, 20), (5, 20), (15, 30), (20, 40), (300, 40):
+        assert pso().init(KEY, dims).position.shape == (num, dims)
+        assert pso(12).init(KEY, dims).position.shape == (12, dims)
+
+
+def test_a_short_run_reaches_a_lowest_value_on_the_walls():
+    """100 evaluations a dimension down a slope: the corner is met, not only neared."""
+    dims, slope = 5, jnp.logspace(0.0, 1.0, 5)
+    space, optimizer = Space.vector([-5.0] * dims, [5.0] * dims), pso()
+    steps = 100 * dims // optimizer.init(KEY, dims).position.shape[0]
+    keys = jax.random.split(KEY, 40)
+    runs = minimize_runs(
+        lambda x, _: jnp.sum((x + 5.0) * slope, axis=1), optimizer, space, keys, num_steps=steps
+    )
+    assert (np.asarray(runs.value) == 0.0).mean() >= 0.9
+
+
+@pytest.mark.parametrize(
+    "name, limit, wall",
+    [
+        ("spso", math.inf, absorb()),
+        ("spso2011", math.inf, bounce(0.5)),
+        *((name, 0.2, reflect(0.5)) for name in ("gpso", "sepso", "clpso", "aelspso")),
+    ],
+)
+def test_published_swarms_keep_their_limit_and_walls(name, limit, wall):
+    swarm = OPTIMIZERS[name].factory()
+    swarm = getattr(swarm, "inner", swarm)
+    assert swarm.velocity_limit == limit and swarm.boundary == wall
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import ctypes
 import shutil
 import subprocess
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -180,6 +181,30 @@ def test_every_law_is_the_same_in_c(tmp_path):
                 rates.append(float(term.law.rate(term.values, sample)))
         np.testing.assert_allclose(tau, wanted, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(rate[: len(rates)], rates, rtol=1e-12)
+
+
+def test_what_a_file_does_not_hold_is_told_by_name(model, tmp_path):
+    more = (
+        Term("coulomb_friction", 0, values={"fc": 2.0}),
+        Term("rotor_inertia", 1, values={"ia": 0.3}),
+        Term("torque_ripple", 1, values={"sine": 0.5, "cosine": 0.1, "n": 20.0}),
+        Term("base_tilt", values={"gx": 0.1, "gy": 0.0}),
+    )
+    richer = replace(model, terms=(*model.terms, *more))
+    left = {
+        name: export(richer, tmp_path / f"arm.{name}", log=None)["not_in_file"]
+        for name in ("urdf", "xml", "sdf", "yaml", "c")
+    }
+    ripple = "torque_ripple@joint2"
+    assert left == {
+        **{"urdf": ["rotor_inertia@joint2", ripple, "base_tilt"], "xml": [ripple, "base_tilt"]},
+        **{"sdf": [ripple, "base_tilt"], "yaml": [], "c": ["base_tilt"]},
+    }
+    told = repr(export(richer, tmp_path / "arm.sdf"))
+    assert f"not in the file: {ripple}, base_tilt" in told
+    assert "Drake passes the file's dry friction over" in told
+    assert "Gazebo passes the file's rotor inertia over" in told
+    assert "Pinocchio" in repr(export(model, tmp_path / "arm.urdf"))
 
 
 def test_c_tells_what_it_leaves_out():

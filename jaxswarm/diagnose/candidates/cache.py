@@ -1,5 +1,6 @@
 """What earlier rounds found, so that a round searches only what may have changed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -33,7 +34,8 @@ class Memory:
         round: Number of the present round, from zero.
         known: What was found, by effect, joint and partner.
         gravity: Columns of gravity along each base axis, by the logs they belong to.
-        laws: The logs, and decimated columns of laws on them, by term, values and width of the sign.
+        laws: Decimated columns of laws on the logs, by term, values and width of the sign.
+        positions: Of the logs that columns are kept of.
     """
 
     journal: Journal | None = None
@@ -41,13 +43,14 @@ class Memory:
     round: int = -1
     known: dict = field(default_factory=dict)
     gravity: dict = field(default_factory=dict)
-    laws: tuple = ((), {})
+    laws: dict = field(default_factory=dict)
+    positions: tuple[np.ndarray, ...] = ()
 
-    def laws_of(self, motions: tuple[Motion, ...]) -> dict:
-        """Decimated columns of laws on these logs."""
-        if self.laws[0] is not motions:
-            self.laws = (motions, {})
-        return self.laws[1]
+    def look_at(self, motions: Sequence[Motion]) -> None:
+        """Forget the columns of other logs. What is found out about the noise of a log leaves its motion."""
+        positions = tuple(m.q for m in motions)
+        if [*map(id, positions)] != [*map(id, self.positions)]:
+            self.laws, self.positions = {}, positions
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if a new search would not change the decision; else None.

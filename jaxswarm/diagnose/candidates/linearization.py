@@ -11,7 +11,7 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.body import body_along, moves_links, tilted
+from jaxswarm.identify.forward.body import body_along, tilted
 from jaxswarm.identify.forward.columns import columns_along, joint_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
@@ -33,6 +33,7 @@ class Linearization:
 
     def __init__(self, found: Estimate, crossfit: CrossFit, memory: Memory | None = None):
         self.found, self.crossfit, self.memory = found, crossfit, memory or Memory()
+        self.memory.look_at(found.motions)
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = tilted(model.robot, model.terms)
@@ -51,10 +52,8 @@ class Linearization:
             self.true.append(body.motion)
 
     def carried(self, k: int) -> np.ndarray:
-        """Rigid columns (T, n, 10 n) of a log, in the gravity and motion of the model's links."""
-        if not moves_links(self.found.model.terms):
-            return self.found.rigids[k].full
-        return rigid_columns(self.arm, *self.moved[k])
+        """Rigid columns (T, n, 10) of the last link along a log, in the model's gravity and motion."""
+        return rigid_columns(self.arm, *self.moved[k], first=self.arm.num_joints - 1)
 
     def sensed(self, joint: int) -> list[Sensitivity]:
         """What the rigid torque of every log does when a joint moves otherwise."""
@@ -148,7 +147,7 @@ class Linearization:
         if term.law.uses_load:
             return self.on_joint(self.low(build), term.joint)
         # They follow from the motion, and many from that alone: the next round finds them ready.
-        laws = self.memory.laws_of(motions)
+        laws = self.memory.laws
         reports = tuple((t.place, *t.values.items()) for t in of_kind(terms, MeasurementLaw))
         own_width = width[term.joint] if term.law.uses_direction else None
         place = (term, *term.values.items(), own_width, reports)

@@ -23,6 +23,8 @@ _MOST_LAG = 1.0
 # Options are filled up to the first or to multiples of the second, so that two programs serve all lattices:
 # an option more costs a tenth of a millisecond, a program a tenth of a second.
 _FEW, _MANY = 24, 72
+# Numbers that a torque of all options may hold: of a long log some options pass at a time.
+MOST_NUMBERS = 2**24
 
 
 def lag_torque(
@@ -48,12 +50,34 @@ def lag_torque(
         terms: The model's, whose drives report the torque.
         own: Whether the torque of the joint itself is enough: (m, T', 1).
     """
-    joint, rows = sensed.joint, slice(None)
-    if own:
-        joint, rows = 0, slice(sensed.joint, sensed.joint + 1)
-    torque, by_q, by_dq, by_ddq = sensed.at(pis, rows)
-    count = len(k)
-    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), (k, d, gap, hard))
+    at_once = max(1, MOST_NUMBERS // motion.q[:, : 1 if own else None].size)
+    parts = []
+    for start in range(0, len(k), at_once):
+        some = slice(start, start + at_once)
+        felt = sensed.at(pis if len(pis) == 1 else pis[some], _acted_on(sensed, own))
+        gear = (k[some], d[some], gap[some], hard[some])
+        parts.append(_changed(motion, sensed.joint, felt, gear, substeps, terms, own))
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _acted_on(sensed: Sensitivity, own: bool) -> slice:
+    """The joints whose torque is asked for."""
+    return slice(sensed.joint, sensed.joint + 1) if own else slice(None)
+
+
+def _changed(
+    motion: Motion,
+    moving: int,
+    sensed: tuple[np.ndarray, ...],
+    gear: tuple[np.ndarray, ...],
+    substeps: int,
+    terms: tuple[Term, ...],
+    own: bool,
+) -> np.ndarray:
+    """The torque of :func:`lag_torque` for options that stand in memory together, (m, T', n or 1)."""
+    torque, by_q, by_dq, by_ddq = sensed
+    joint, count = 0 if own else moving, len(gear[0])
+    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), gear)
     lags = _lags(*felt, *gear, 1.0 / motion.rate, substeps)
     e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
@@ -62,7 +86,7 @@ def lag_torque(
     change = e * by_q
     change += v * by_dq
     change += a * by_ddq
-    told = report_own(terms, motion, change[:, 0], sensed.joint) if own else change
+    told = report_own(terms, motion, change[:, 0], moving) if own else change
     told = told[:, None] if own else report(terms, motion, told)
     return -np.moveaxis(motion.decimator.apply(told), 2, 0)
 

@@ -19,6 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.diagnose.candidates.lattice import BATCH, batch_of, lattice_of, points_of
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
@@ -30,10 +31,6 @@ from jaxswarm.logs.motion import Motion
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
-# Lattice points, shared by the dimensions, for a law that does not ask for its own number of them.
-_POINTS = 128
-# Lattice points whose columns are held at a time.
-_BATCH = 32
 # What explains less of the residual than this share on every fold is not refined: it comes to nothing.
 _WORTH = 0.02
 # Threads that search: beside the one that builds other candidates, and when that has finished.
@@ -67,10 +64,11 @@ def _columns_at(
     return decimate(full, taps, factor)
 
 
-@partial(jax.jit, static_argnames=("laws", "factor"))
+@partial(jax.jit, static_argnames=("laws", "factor", "batch"))
 def _survey(
     laws: tuple[TorqueLaw, ...],
     factor: int,
+    batch: int,
     task: _Task,
     lattice: jax.Array,
     count,
@@ -83,7 +81,7 @@ def _survey(
     at = partial(_columns_at, laws, factor, task, taps)
 
     def look(k, best):
-        points = jax.lax.dynamic_slice_in_dim(lattice, k * _BATCH, _BATCH)
+        points = jax.lax.dynamic_slice_in_dim(lattice, k * batch, batch)
         columns = jax.vmap(at)(points)
 
         def one_fold(fold, point, most):
@@ -160,8 +158,9 @@ def searching(
     joined = [_rows(fold, count) for fold, count in zip(folds, rows, strict=True)]
     whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     laws = _searched(law for law, _, _ in tasks)
-    points = max(_BATCH * -(-(law.grid_size or _POINTS) // _BATCH) for law in laws)
+    points = max(BATCH * -(-points_of(law) // BATCH) for law in laws)
     most = points, max(len(law.nonlinear) for law in laws)
+    batch = batch_of(length + ends[-1])
     precise, tracing = jax.config.jax_enable_x64, Lock()
 
     def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
@@ -170,8 +169,8 @@ def searching(
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
-        points = law.grid_size or _POINTS
-        lattice, cell = _lattice(len(law.nonlinear), points, most)
+        points = points_of(law)
+        lattice, cell = lattice_of(len(law.nonlinear), points, most)
         task = _Task(
             np.int32(laws.index(law)),
             np.bool_(law.positive),
@@ -181,7 +180,7 @@ def searching(
         )
         with jax.enable_x64(precise):  # a thread has settings of its own
             with tracing:
-                best = _survey(laws, factor, task, lattice, -(-points // _BATCH), taps)
+                best = _survey(laws, factor, batch, task, lattice, -(-points // batch), taps)
             positions, gains = map(np.asarray, best)
             if (gains > _WORTH * (task.folds.residual**2).sum(axis=1)).any():
                 with tracing:
@@ -215,19 +214,6 @@ def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
     """The laws that share compiled programs: all that are registered, and these."""
     known = {one.name: one for one in (*REGISTRY.values(), *laws)}
     return tuple(one for one in known.values() if one.searched)
-
-
-def _lattice(dims: int, points: int, most: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Lattice points in the unit cube, ``most`` in shape, and half the width of a cell with its neighbors.
-
-    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most of any law.
-    """
-    count = int(points ** (1 / dims) + 1e-9)
-    axis = (np.arange(count) + 0.5) / count
-    grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
-    lattice = np.full(most, 0.5)
-    lattice[:, :dims] = grid[np.minimum(np.arange(most[0]), len(grid) - 1)]
-    return lattice, np.where(np.arange(most[1]) < dims, 1.0 / count, 0.5)
 
 
 def _decode(law: TorqueLaw, u) -> dict:

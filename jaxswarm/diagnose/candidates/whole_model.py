@@ -121,8 +121,7 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate:
         columns = lin.crossfit.weigh(_gravity_columns(lin, term))
     else:
         bodies = body_basis(law)
-        last = slice(-10, None)
-        columns = lin.stack(lambda k: lin.reported(k, lin.carried(k)[:, :, last] @ bodies))
+        columns = lin.stack(lambda k: lin.reported(k, lin.carried(k) @ bodies))
         if law.window:
             return windowed_candidate(lin, term, columns)
     return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])

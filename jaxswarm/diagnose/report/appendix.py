@@ -29,7 +29,8 @@ def rigid_body(result: dict) -> str:
     rows = grids.base_parameters(result)
     note = (
         "Base form: the combinations of standard parameters that this motion tells apart. 'determined': "
-        "known well enough for the torque; 'weak': its interval is wide; 'at bound': physics holds it."
+        "known well enough for the torque; 'weak': its interval is wide; 'impossible': below zero, where no "
+        "body is; 'at bound': physics holds it."
     )
     content = table(rows, "base parameters of the model")
     title = f"Parameters of the rigid body and of linear effects ({len(rows.rows)})"

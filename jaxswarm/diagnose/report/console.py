@@ -7,6 +7,7 @@ from rich.console import Console
 from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
 from jaxswarm.diagnose.report.grids import Grid
+from jaxswarm.diagnose.report.remains import remaining
 from jaxswarm.diagnose.report.text import (
     evidence_sentence,
     grouped,
@@ -15,7 +16,6 @@ from jaxswarm.diagnose.report.text import (
     next_steps,
     proof_sentence,
     reasons,
-    remaining,
     where,
 )
 from jaxswarm.tables import Table

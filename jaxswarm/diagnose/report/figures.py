@@ -17,62 +17,97 @@ from jaxswarm.logs.motion import Motion
 
 # Width of the ladder [in] at which its text has its own size on the page, and its panels side by side.
 _WIDTH, _ACROSS = 9.5, 4
+# An effect is drawn on its own joint if that feels this share of what another one does, in its own noise.
+_HARDLY = 0.3
 # Letters below the panels that fit into a line.
 _LETTERS = 110
 
 
-def evidence_axis(term: Term, model: Model, motion: Motion) -> tuple[str, np.ndarray]:
-    """The variable against which an effect shows itself: label and values (T,)."""
-    j = 0 if term.joint is None else term.joint
+def evidence_axis(
+    term: Term, model: Model, motion: Motion, shown: int | None = None
+) -> tuple[str, np.ndarray]:
+    """The variable against which an effect shows itself: label and values (T,).
+
+    Args:
+        term: The effect.
+        model: The final model.
+        motion: A log.
+        shown: The joint whose torque is drawn; None: the effect's own.
+    """
+    j = (shown or 0) if term.joint is None else term.joint
+    felt = j if shown is None else shown
     partner = j if term.other is None else term.other
-    name, torque = motion.joints[j], units(model.robot)[j]
-    own, other = ("rad" if model.robot.kinds[k] == "revolute" else "m" for k in (j, partner))
-    if term.law.shown_against == "load":
+    (name, other), torque = (motion.joints[k] for k in (j, partner)), units(model.robot)[felt]
+    own, its = ("rad" if model.robot.kinds[k] == "revolute" else "m" for k in (j, partner))
+
+    def load() -> np.ndarray:
         bare = Model(model.robot, (), model.width, model.filtering, model.sigma)
-        load = np.abs(model_torque(bare, motion)[:, j]) * np.tanh(motion.dq[:, j] / model.width[j])
-        return f"|load| sign(dq) of {name} [{torque}]", load
-    if term.law.shown_against == "model torque":
-        return f"torque of the model on {name} [{torque}]", model_torque(model, motion)[:, j]
-    return {
-        "position": (f"q of {name} [{own}]", motion.q[:, j]),
-        "velocity": (f"dq of {name} [{own}/s]", motion.dq[:, j]),
-        "acceleration": (f"ddq of {name} [{own}/s^2]", motion.ddq[:, j]),
-        "partner velocity": (f"dq of {motion.joints[partner]} [{other}/s]", motion.dq[:, partner]),
-        "time": ("time [s]", motion.t),
+        sign = np.tanh(motion.dq[:, felt] / model.width[felt])
+        return np.abs(model_torque(bare, motion)[:, felt]) * sign
+
+    def modeled() -> np.ndarray:
+        return model_torque(model, motion)[:, felt]
+
+    def slope() -> np.ndarray:
+        # In the band in which torques are compared: a sign that turns has no slope.
+        low, rate = motion.decimator, np.gradient(modeled(), motion.t)
+        return np.interp(motion.t, motion.t[low.kept(len(rate))], low.apply(rate[:, None])[:, 0])
+
+    label, values = {
+        "position": (f"q of {name} [{own}]", lambda: motion.q[:, j]),
+        "velocity": (f"dq of {name} [{own}/s]", lambda: motion.dq[:, j]),
+        "acceleration": (f"ddq of {name} [{own}/s^2]", lambda: motion.ddq[:, j]),
+        "time": ("time [s]", lambda: motion.t),
+        "partner position": (f"q of {other} [{its}]", lambda: motion.q[:, partner]),
+        "partner velocity": (f"dq of {other} [{its}/s]", lambda: motion.dq[:, partner]),
+        "load": (f"|load| sign(dq) of {motion.joints[felt]} [{torque}]", load),
+        "model torque": (f"torque of the model on {motion.joints[felt]} [{torque}]", modeled),
+        "torque rate": (
+            f"change of the model's torque on {motion.joints[felt]} [{torque}/s]",
+            slope,
+        ),
     }[term.law.shown_against]
+    return label, values()
 
 
 def evidence(step: Step, final: Model, motion: Motion) -> Figure:
     """Partial residual of an effect: what the others leave, and what the effect says of it.
 
     Left against the variable the law is about, right over time; the dots are measured minus the final
-    model without this effect, the line is the effect.
+    model without this effect, the line is the effect. A law about time has the right panel alone.
     """
     others = tuple(t for t in final.terms if t.identity != step.added.identity)
     without = step.rest or Model(final.robot, others, final.width, final.filtering, final.sigma)
     low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
     whole, rest = model_torque(final, motion), model_torque(without, motion)
     contribution = low.apply(whole - rest)
-    partial = low.apply(motion.tau - rest)
-    j = step.added.joint
-    if j is None:
-        j = int(np.argmax(contribution.std(axis=0) / np.asarray(final.sigma)))
-    label, x = evidence_axis(step.added, final, motion)
-    x = x[kept]
-    figure, axes = plots.panels(1, 2, 9.5, 3.6, sharey=True)
-    order = np.argsort(x)
-    axes[0].plot(
-        x, partial[:, j], ".", ms=2, alpha=0.4, color=plots.MEASURED, label="measured - others"
-    )
-    axes[0].plot(x[order], contribution[order, j], ".", ms=2, color=plots.MODEL, label="effect")
-    axes[0].set_xlabel(label)
+    j = _felt(step.added, contribution.std(axis=0) / np.asarray(final.sigma))
+    told, partial = contribution[:, j], low.apply(motion.tau - rest)[:, j]
+    label, x = evidence_axis(step.added, final, motion, j)
+    count = 1 if step.added.law.shown_against == "time" else 2
+    figure, axes = plots.panels(1, count, 9.5, 3.6, sharey=True)
+    if count == 2:
+        dots = {"marker": ".", "ls": "", "ms": 2}
+        axes[0].plot(x[kept], partial, alpha=0.4, color=plots.MEASURED, **dots)
+        axes[0].plot(x[kept], told, color=plots.MODEL, **dots)
+        axes[0].set_xlabel(label)
+    axes[-1].plot(motion.t[kept], partial, color=plots.MEASURED, lw=0.8, label="measured - others")
+    axes[-1].plot(motion.t[kept], told, color=plots.MODEL, lw=0.8, label="effect")
+    axes[-1].set_xlabel("time [s]")
     axes[0].set_ylabel(f"{motion.joints[j]} [{units(final.robot)[j]}]")
-    axes[0].legend(frameon=False, fontsize=8, markerscale=4)
-    axes[1].plot(motion.t[kept], partial[:, j], color=plots.MEASURED, lw=0.8)
-    axes[1].plot(motion.t[kept], contribution[:, j], color=plots.MODEL, lw=0.8)
-    axes[1].set_xlabel("time [s]")
+    # Above the panels, where it hides no dot.
+    figure.legend(loc="outside upper right", frameon=False, fontsize=8, ncols=2, handlelength=1.2)
     figure.suptitle(step.added.label(motion.joints), fontsize=11)
     return figure
+
+
+def _felt(term: Term, sizes: np.ndarray) -> int:
+    """The joint on which an effect is drawn: its own, or the one that feels it most where that hardly does.
+
+    A link that sits elsewhere than the model says is felt by the joints before it.
+    """
+    most = int(np.argmax(sizes))
+    return most if term.joint is None or sizes[term.joint] < _HARDLY * sizes[most] else term.joint
 
 
 def ladder(result: dict) -> Figure:

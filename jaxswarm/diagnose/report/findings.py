@@ -5,6 +5,7 @@ from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.flags import flagged
 from jaxswarm.diagnose.report.markup import bullets, folded, image, source, table, text
 from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.diagnose.report.remains import remaining
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import (
     evidence_sentence,
@@ -12,7 +13,6 @@ from jaxswarm.diagnose.report.text import (
     next_steps,
     proof_sentence,
     reasons,
-    remaining,
     where,
 )
 

@@ -71,6 +71,12 @@ def _base_flags(result: dict) -> list[str]:
         for row in rows
         if row["verdict"] == "at bound"
     ]
+    told += [
+        f"{row['name']} of {row['effect']} = {row['value']:.4g}{unit_text(row['unit'])}: no body has "
+        "that, nor has its interval; look for what the model lacks"
+        for row in rows
+        if row["verdict"] == "impossible"
+    ]
     weak = [row["name"] for row in rows if row["verdict"] == "weak"]
     if weak:
         told.append(f"weakly determined by this motion: {', '.join(weak)}")

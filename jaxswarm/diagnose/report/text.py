@@ -2,6 +2,7 @@
 
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
+from jaxswarm.diagnose.report.remains import left_of, when
 from jaxswarm.identify.report.console import clock_lines
 
 # A joint below so many times its noise is told to be left alone.
@@ -21,7 +22,8 @@ def grouped(entries: list[dict], joints: list[str], between: str = ", ") -> str:
     places: dict[str, list[str]] = {}
     for entry in entries:
         other = f" (driven by {entry['other']})" if entry.get("other") else ""
-        places.setdefault(entry["effect"], []).append(f"{entry['joint'] or ''}{other}")
+        way = f" ({entry['way']})" if entry.get("way") else ""
+        places.setdefault(entry["effect"] + way, []).append(f"{entry['joint'] or ''}{other}")
     told = []
     for effect, names in places.items():
         whole = len(joints) > 1 and sorted(names) == sorted(joints)
@@ -44,7 +46,7 @@ def evidence_sentence(result: dict) -> str:
     if result["effects"] or result["changed"] or result["discovered"]:
         change += f" before, {percent(after['relative_global'])} after, on {after['on']}"
     added = _found(result)
-    left = "; ".join(remaining(u) for u in result["unexplained"])
+    left = left_of(result["unexplained"])
     # A search that was cut short has not asked every law.
     unknown = (
         "that the budget left no time for" if result.get("budget") else "that no known law explains"
@@ -76,39 +78,6 @@ def proof_sentence(result: dict) -> str:
     logs = [entry["on"] for entry in result["error"]["validation"]]
     leads = f"; the worst of them, {result['error']['after']['on']}, leads" if logs[1:] else ""
     return f"Shown on other motion that was not fitted: {', '.join(logs)}{leads}."
-
-
-def remaining(entry: dict) -> str:
-    """What is left on a joint, in one clause: when and at which frequencies it is, and what it follows."""
-    times = f"{entry['over_noise']:.1f} times the noise at {when(entry)}"
-    if entry["depends_on"]:
-        names = " and ".join(entry["depends_on"])
-        return (
-            f"{percent(entry['share'], 0)} of the remaining error of {entry['joint']} ({times}) "
-            f"follows {names}{_elsewhere(entry)}"
-        )
-    return f"{entry['joint']} is left with {times}"
-
-
-def _elsewhere(entry: dict) -> str:
-    """How much of it holds on motion that was not fitted."""
-    share = entry.get("share_on_other_motion")
-    if share is None:
-        return ""
-    if share <= 0.0:
-        return ", on other motion none of it"
-    return f", on other motion {percent(share, 0)}"
-
-
-def when(entry: dict) -> str:
-    """At which frequencies, and in which stretches of which log, a joint is far from its noise."""
-    low, high = entry["band_hz"]
-    several = any(w["log"] for w in entry["windows"])
-    spans = ", ".join(
-        f"{w['start']:.3g}-{w['end']:.3g} s" + (f" of log {w['log'] + 1}" if several else "")
-        for w in entry["windows"]
-    )
-    return f"{low:.2g} to {high:.2g} Hz" + (f", mostly at {spans}" if spans else "")
 
 
 def _found(result: dict) -> str:
@@ -178,7 +147,8 @@ def next_steps(result: dict) -> list[str]:
         steps.append(
             f"No formula for {u['joint']} among {u['programs_tried']} programs: {u['because']}."
         )
-    for u in result["unexplained"]:
+    # A search that was cut short has not asked every law: it has to end first.
+    for u in result["unexplained"] if not result.get("budget") else ():
         steps += _look_at(u)
     return steps + _done(result)
 

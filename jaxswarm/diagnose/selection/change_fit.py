@@ -71,7 +71,7 @@ def crossed(before: Estimate, candidates: Sequence[Candidate]) -> np.ndarray:
 
 
 def fit_changes(before: Estimate, candidates: Sequence[Candidate]) -> Coefficients:
-    """Fit all changes together; a payload is held to bodies that exist."""
+    """Fit all changes together; a payload is held to bodies that exist, put on or taken off."""
     rows = change_rows(before, candidates)
     solution = fit(rows)
     kept = solution.base.kept
@@ -126,15 +126,21 @@ def _placed(own_values: np.ndarray, own: slice, size: int) -> np.ndarray:
 
 
 def _nearest_body(base: BaseParameters, values, covariance, own: slice) -> np.ndarray:
-    """Parameters (10,) of the body whose base parameters are nearest to those found, by their covariance."""
+    """Parameters (10,) of the body whose base parameters are nearest to those found, by their covariance.
+
+    A body that was taken off counts with all of its parameters below zero: the nearer of the two is told.
+    """
     inside = np.flatnonzero((base.kept >= own.start) & (base.kept < own.stop))
     merge = base.reduce(np.eye(len(base.names)))[own, inside].T
     size, axes = np.linalg.eigh(covariance[np.ix_(inside, inside)])
     size = np.maximum(size, 1e-12 * size[-1])
     weight = (axes / np.sqrt(size)).T
     prior = plain_prior(1, mass=_PRIOR_MASS, size=_PRIOR_SIZE)
-    found = nearest_physical(merge, values[inside], prior=prior, weight=weight)
-    return found.parameters[0]
+    put_on, taken_off = (
+        nearest_physical(merge, sign * values[inside], prior=prior, weight=weight)
+        for sign in (1.0, -1.0)
+    )
+    return put_on.parameters[0] if put_on.cost <= taken_off.cost else -taken_off.parameters[0]
 
 
 def _known_by_gains(before: Estimate) -> np.ndarray:

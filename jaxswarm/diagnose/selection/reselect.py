@@ -49,12 +49,12 @@ def choose_again(
         progress: Called with one line per effect.
         other: Logs of other motion; what changes may not raise the error there.
     """
-    if len(steps) > 1 or _doubtful(steps, current):
+    over = current.fit.sigma / noise_of(current)
+    if len(steps) > 1 or _doubtful(steps, current) or (over > LOUD).any():
         done, found, changed = reconsider(steps, current, asked, rules, seed, progress, other)
         if changed:
             return done, found, True
         steps = done
-    over = current.fit.sigma / noise_of(current)
     acted = {step.score.joint for step in steps}
     far = {j for j in acted if over[j] > NEAR}
     unclear = sorted(j for j in acted - far if over[j] > LOUD)
@@ -124,6 +124,8 @@ def reconsider(
         instead = _replacement(
             _simpler(chosen, passed) if same else [chosen], chosen, rest, current, other
         )
+        if instead is None and same and (current.fit.sigma > LOUD * noise_of(current)).any():
+            instead = _fuller(chosen, near, rest, current, other)
         if instead is None:
             if same:
                 done[place] = replace(step, rivals=tuple(near))
@@ -171,6 +173,29 @@ def _replacement(
         else:
             fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
         if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
+            return pick, after
+    return None
+
+
+def _fuller(
+    chosen: Score,
+    near: Sequence[Score],
+    rest: Estimate,
+    current: Estimate,
+    other: Sequence[Motion],
+) -> tuple[Score, Estimate] | None:
+    """A law as good as the chosen one on its joint that, all fitted, leaves less by more than its numbers cost.
+
+    A cable between two joints and a spring explain the same of one of them; what the cable does to the other
+    shows only when the first is explained.
+    """
+    for pick in (s for s in near if s.candidate.size > chosen.candidate.size):
+        after = refit_with(rest, pick)
+        if after is None or _does_as_well(
+            current, after, pick.candidate.size - chosen.candidate.size
+        ):
+            continue
+        if not other or left_elsewhere(after, current, pick.joint, other) <= 1.0:
             return pick, after
     return None
 

@@ -18,6 +18,7 @@ from jaxswarm.identify.forward.columns import (
 )
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion, true_motion
+from jaxswarm.identify.forward.sensitivity import is_kept
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
@@ -64,6 +65,13 @@ class Body:
     def columns(self) -> np.ndarray:
         """On the working clock, (T, n, 10 n)."""
         return rigid_columns(self.arm, *self.moved) if self.rigid is None else self.rigid.full
+
+    @property
+    def last(self) -> np.ndarray:
+        """Those of the last link, (T, n, 10)."""
+        if self.rigid is not None and is_kept(self.motion):
+            return self.columns[:, :, -10:]
+        return rigid_columns(self.arm, *self.moved, first=self.arm.num_joints - 1)
 
     @property
     def low(self) -> np.ndarray:

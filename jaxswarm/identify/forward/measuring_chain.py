@@ -155,9 +155,7 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     if isinstance(law, BodyChange) and law.compliance is not None:
         return compliance_columns(law, body.arm, body.moved, body.pi, body.motion)
     if isinstance(law, BodyChange) and law.window:
-        return carried(term, body.motion)[:, None, None] * (
-            body.columns[:, :, -10:] @ body_basis(law)
-        )
+        return carried(term, body.motion)[:, None, None] * (body.last @ body_basis(law))
     return own_columns(term, body.motion, width, load)
 
 

@@ -1,6 +1,9 @@
 """What the rigid torque does when one joint moves otherwise than logged: columns and their derivatives."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,47 +15,131 @@ from jaxswarm.robot.model import Robot
 # Steps of the differences along position and velocity [rad, rad/s]. The torque is quadratic in velocity,
 # so that its step may be any, and linear in acceleration.
 _POSITION, _VELOCITY = 1e-5, 1e-2
+# Numbers that the columns of a log and their derivatives by all joints may hold together: a gigabyte, half a
+# minute of computing saved. Of a longer log they are made anew, so many samples at a time.
+_KEPT, _BLOCK = 2**27, 16_384
 
 
-@dataclass(frozen=True)
-class Sensitivity:
-    """Rigid columns of a log and their derivatives by the motion of one joint.
+class _Columns(NamedTuple):
+    """Rigid columns of a stretch and their derivatives by the motion of one joint, j.
 
     Links before the joint do not feel it: the derivatives have the columns of the links from it on.
 
     Attributes:
-        joint: The joint, j.
         full: Rigid columns, (T, n, 10 n).
         by_q, by_dq, by_ddq: Derivatives of the last 10 (n - j) columns by the joint's position,
             velocity and acceleration.
     """
 
-    joint: int
     full: np.ndarray
     by_q: np.ndarray
     by_dq: np.ndarray
     by_ddq: np.ndarray
+
+
+def numbers_of(motion: Motion) -> int:
+    """Numbers of a log's columns and their derivatives by all joints."""
+    samples, joints = motion.q.shape
+    return samples * joints * (10 * joints + 3 * 10 * joints * (joints + 1) // 2)
+
+
+def is_kept(motion: Motion) -> bool:
+    """Whether the columns and derivatives of a log are few enough to be kept."""
+    return numbers_of(motion) <= _KEPT
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """What the rigid torque of a log does when one joint moves otherwise.
+
+    Attributes:
+        robot: Kinematics and gravity.
+        motion: The log.
+        joint: The joint, j.
+        full: Rigid columns where they are known, (T, n, 10 n).
+        asked: Torques that were asked for last, by their parameters: many ask for the same.
+    """
+
+    robot: Robot
+    motion: Motion
+    joint: int
+    full: np.ndarray | None = None
+    asked: dict = field(default_factory=dict, repr=False, compare=False)
 
     def at(self, pi: np.ndarray, joints: slice = slice(None)) -> tuple[np.ndarray, ...]:
         """Torque of joints and its three derivatives, (T, n) each, for rigid parameters (10 n,).
 
         Of several sets of parameters (k, 10 n) they are (T, n, k).
         """
-        felt = pi[..., 10 * self.joint :].T
-        slopes = (slope[:, joints] @ felt for slope in (self.by_q, self.by_dq, self.by_ddq))
-        return (self.full[:, joints] @ pi.T, *slopes)
+        if is_kept(self.motion):
+            return self._torques(self._whole, pi, joints)
+        if (
+            pi.size > self.robot.parameters.size
+        ):  # of many sets a long log's are as large as its columns
+            return self._in_parts(pi, joints)
+        place = pi.tobytes()
+        if place not in self.asked:
+            self.asked.clear()
+            self.asked[place] = self._in_parts(pi.ravel())
+        return tuple(x[:, joints].reshape(len(x), -1, *pi.shape[:-1]) for x in self.asked[place])
 
     def inertia(self, pi: np.ndarray) -> np.ndarray:
         """The joint's own inertia along the log, (T,)."""
-        return self.by_ddq[:, self.joint] @ pi[10 * self.joint :]
+        if is_kept(self.motion):
+            return self._whole.by_ddq[:, self.joint] @ pi[10 * self.joint :]
+        return self.at(pi)[3][:, self.joint]
 
     def own(self) -> np.ndarray:
         """The joint's own row of the columns and of their derivatives, (4, T, 10 n)."""
-        rows = np.zeros((4, *self.full[:, self.joint].shape))
-        rows[0] = self.full[:, self.joint]
-        for row, slope in zip(rows[1:], (self.by_q, self.by_dq, self.by_ddq), strict=True):
-            row[:, 10 * self.joint :] = slope[:, self.joint]
+        count, joints = self.motion.q.shape
+        rows = np.zeros((4, count, 10 * joints))
+        for part, columns in self._parts():
+            rows[0, part] = columns.full[:, self.joint]
+            for row, slope in zip(rows[1:], columns[1:], strict=True):
+                row[part, 10 * self.joint :] = slope[:, self.joint]
         return rows
+
+    @cached_property
+    def _whole(self) -> _Columns:
+        return self._columns(slice(None), self.full)
+
+    def _parts(self) -> Iterator[tuple[slice, _Columns]]:
+        """Stretches of the log with their columns."""
+        if is_kept(self.motion):
+            yield slice(None), self._whole
+            return
+        for start in range(0, len(self.motion.t), _BLOCK):
+            part = slice(start, start + _BLOCK)
+            yield part, self._columns(part)
+
+    def _torques(self, columns: _Columns, pi: np.ndarray, joints: slice) -> tuple[np.ndarray, ...]:
+        felt = pi[..., 10 * self.joint :].T
+        slopes = (slope[:, joints] @ felt for slope in columns[1:])
+        return (columns.full[:, joints] @ pi.T, *slopes)
+
+    def _in_parts(self, pi: np.ndarray, joints: slice = slice(None)) -> tuple[np.ndarray, ...]:
+        shape = (*self.motion.q[:, joints].shape, *pi.shape[:-1])
+        found = tuple(np.empty(shape) for _ in _Columns._fields)
+        for part, columns in self._parts():
+            for x, own in zip(found, self._torques(columns, pi, joints), strict=True):
+                x[part] = own
+        return found
+
+    def _columns(self, part: slice, full: np.ndarray | None = None) -> _Columns:
+        motion, joint = self.motion, self.joint
+        here = (motion.q[part], motion.dq[part], motion.ddq[part])
+        full = rigid_columns(self.robot, *here) if full is None else full
+
+        def moved(argument: int, step: float) -> np.ndarray:
+            there = list(here)
+            there[argument] = here[argument] + step * (np.arange(self.robot.num_joints) == joint)
+            return rigid_columns(self.robot, *there, first=joint)
+
+        def central(argument: int, step: float) -> np.ndarray:
+            return (moved(argument, step) - moved(argument, -step)) / (2.0 * step)
+
+        by_ddq = moved(2, 1.0) - full[:, :, 10 * joint :]
+        return _Columns(full, central(0, _POSITION), central(1, _VELOCITY), by_ddq)
 
 
 def sensitivity_of(
@@ -69,23 +156,10 @@ def sensitivity_of(
         rigid: The log's rigid columns where they are known; it keeps what is found here.
     """
     if rigid is None or not np.array_equal(robot.gravity, rigid.gravity):
-        here = (motion.q, motion.dq, motion.ddq)
-        return _differences(robot, motion, joint, rigid_columns(robot, *here))
+        return Sensitivity(robot, motion, joint)
     if joint not in rigid.sensed:
-        rigid.sensed[joint] = _differences(robot, motion, joint, rigid.full)
+        if not is_kept(motion):  # of a long log the torques of one joint are enough
+            rigid.sensed.clear()
+        full = rigid.full if is_kept(motion) else None
+        rigid.sensed[joint] = Sensitivity(robot, motion, joint, full)
     return rigid.sensed[joint]
-
-
-def _differences(robot: Robot, motion: Motion, joint: int, full: np.ndarray) -> Sensitivity:
-    here = (motion.q, motion.dq, motion.ddq)
-
-    def moved(argument: int, step: float) -> np.ndarray:
-        there = list(here)
-        there[argument] = here[argument] + step * (np.arange(robot.num_joints) == joint)
-        return rigid_columns(robot, *there, first=joint)
-
-    def central(argument: int, step: float) -> np.ndarray:
-        return (moved(argument, step) - moved(argument, -step)) / (2.0 * step)
-
-    by_ddq = moved(2, 1.0) - full[:, :, 10 * joint :]
-    return Sensitivity(joint, full, central(0, _POSITION), central(1, _VELOCITY), by_ddq)

@@ -66,4 +66,5 @@ def base_table(rows: Sequence[dict]) -> Table:
         )
         for row in rows
     ]
-    return Table("base parameters", head, tuple(cells))
+    doubtful = frozenset(k for k, row in enumerate(rows) if row["verdict"] != "determined")
+    return Table("base parameters", head, tuple(cells), doubtful)

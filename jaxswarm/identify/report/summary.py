@@ -5,6 +5,7 @@ import numpy as np
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term, physical_unit
+from jaxswarm.identify.estimation.base_parameters import BaseParameters
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.regression import event_columns
 from jaxswarm.robot.model import Robot
@@ -12,6 +13,10 @@ from jaxswarm.robot.names import PARAMETER_UNITS
 
 # Below this relative standard error, or this share of the torque, a parameter is called determined.
 _RELATIVE, _TORQUE_SHARE = 0.1, 0.005
+# A share of a column below this is rounding.
+_MERGED = 1e-6
+# Half a 95 % interval in standard errors; places of mass and moments of inertia among a link's ten.
+_HALF, _NEVER_NEGATIVE = 1.96, (0, 4, 6, 9)
 
 
 def units(robot) -> tuple[str, ...]:
@@ -23,11 +28,13 @@ def base_parameter_table(found: Estimate) -> list[dict]:
     """One row per base parameter: name, expression, value, std_error, relative error, verdict.
 
     Verdicts: ``determined``; ``weak`` (standard error above 10 % of the value and worth more than
-    0.5 % of the torque); ``at bound`` (physics holds it there, the data would go beyond).
+    0.5 % of the torque, or below zero where no body is, within its interval); ``impossible`` (below zero
+    there by more than that); ``at bound`` (physics holds it there, the data would go beyond).
     """
     solution, regression = found.fit, found.regression
     size = np.sqrt((regression.torque**2).mean())
     effect = np.sqrt((regression.columns[:, :, solution.base.kept] ** 2).mean(axis=(0, 1)))
+    positive = _positive(solution.base, 10 * found.model.robot.num_joints)
     rows = []
     for k, (column, text) in enumerate(
         zip(solution.base.kept, solution.base.expressions(), strict=True)
@@ -36,6 +43,8 @@ def base_parameter_table(found: Estimate) -> list[dict]:
         relative = error / abs(value) if value else np.inf
         if solution.at_bound[k]:
             verdict = "at bound"
+        elif positive[k] and value < 0.0:
+            verdict = "weak" if value + _HALF * error > 0.0 else "impossible"
         elif relative <= _RELATIVE or error * effect[k] <= _TORQUE_SHARE * size:
             verdict = "determined"
         else:
@@ -54,6 +63,19 @@ def base_parameter_table(found: Estimate) -> list[dict]:
             }
         )
     return rows
+
+
+def _positive(base: BaseParameters, rigid: int) -> np.ndarray:
+    """Whether a base parameter is a sum of masses and moments of inertia alone, which no body has below zero.
+
+    Args:
+        base: The base parameters.
+        rigid: Number of columns of the rigid body, the first ones.
+    """
+    columns = np.arange(len(base.names))
+    sound = (columns < rigid) & np.isin(columns % 10, _NEVER_NEGATIVE)
+    merged = np.where(sound[base.dropped], base.merge < -_MERGED, np.abs(base.merge) > _MERGED)
+    return sound[base.kept] & ~merged.any(axis=1)
 
 
 def unidentified(found: Estimate) -> list[dict]:

@@ -15,6 +15,7 @@ Reference:
 from typing import Any
 
 from jaxswarm.errors import InputError, nearest
+from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.control import converged, evolutionary_control
 from jaxswarm.swarm.optimizers.elitist_learning import ElitistLearning, elitist_learning
 from jaxswarm.swarm.optimizers.pso import pso
@@ -57,7 +58,8 @@ def aelspso(
         raise InputError(f"gate={gate!r} is unknown. {nearest(str(gate), GATES)}")
     control = evolutionary_control(adapt_coefficients=adapt_coefficients, scale=scale)
     chosen = dict(inertia=0.9, cognitive=2.0, social=2.0)
-    chosen |= dict(velocity_limit=0.2, initial_velocity=0.5, control=control)
+    chosen |= dict(velocity_limit=0.2, initial_velocity=0.5)
+    chosen |= dict(boundary=reflect(0.5), control=control)
     swarm = pso(num_particles, random=random, **(chosen | parts))
     return elitist_learning(
         swarm,

@@ -23,6 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.pso import PSO, pso
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.schedules import BY_HAND, coefficient, linear, run_length
@@ -55,6 +56,7 @@ def clpso(
         inertia=inertia,
         cognitive=1.49445,
         velocity_limit=0.2,
+        boundary=reflect(0.5),
         initial_velocity=0.5,
         control=Exemplars(
             Gap(*run_length(num_steps, BY_HAND))

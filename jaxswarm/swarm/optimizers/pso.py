@@ -10,6 +10,12 @@ Each particle i carries a position x, a velocity v and the best position p it ha
 The swarms of the literature (``published``) differ only in the parts they choose, as ``optax.adam`` is a
 chain of transforms.
 
+The defaults were chosen on BBOB. Of the targets in 5-D with 100 evaluations a dimension 40 free particles
+between reflecting walls reached 0.13: twelve steps are too few, and most of these were wide. Half as many,
+no wider than a fifth of the range, reach 0.17, and 0.20 where walls stop them, since an optimum on a wall is
+then met and not only neared; with 1,000 a dimension 0.38 as before. In 20-D twenty collapse (0.17 instead
+of 0.24).
+
 References:
     J. Kennedy, R. Eberhart, "Particle swarm optimization", ICNN 1995; Y. Shi, R. Eberhart, "A
     modified particle swarm optimizer", CEC 1998 (inertia); I. C. Trelea, "The particle swarm
@@ -20,21 +26,29 @@ References:
     evaluations a dimension their median error was larger on most of the benchmark's problems.
 """
 
-import math
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable, dimensions, once
-from jaxswarm.swarm.optimizers.boundaries import reflect
+from jaxswarm.swarm.optimizers.boundaries import absorb
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
 from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.pytree import as_part, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
-__all__ = ["PSO", "PSOState", "pso"]
+__all__ = ["PSO", "PSOState", "default_particles", "pso"]
+
+FEWEST, MOST = 20, 40
+PER_DIMENSION = 2
+"""Particles: few, so that there are steps to make, but two a dimension, so that they do not collapse."""
+
+
+def default_particles(num_dims: int) -> int:
+    """Return the particles of a swarm that was given no number."""
+    return min(max(FEWEST, PER_DIMENSION * num_dims), MOST)
 
 
 class PSOState(NamedTuple):
@@ -77,14 +91,14 @@ class PSO:
     rule: Any
     control: Any
     initial_velocity: float
-    num_particles: int = static()
+    num_particles: int | None = static()
     random: str = static()
 
     def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> PSOState:
         """Uniform positions; velocities a share of the way to another such point, within the limit."""
         num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
-        shape = (self.num_particles, num_dims)
+        shape = (self.num_particles or default_particles(num_dims), num_dims)
         random = Random(key, self.random)
         position = random.uniform("position", shape, dtype)
         limit = evaluate("velocity_limit", self.velocity_limit, 0, dtype)
@@ -157,12 +171,12 @@ class PSO:
 
 
 def pso(
-    num_particles: int = 40,
+    num_particles: int | None = None,
     *,
     inertia: ScalarOrSchedule = 0.6,
     cognitive: ScalarOrSchedule = 1.7,
     social: ScalarOrSchedule = 1.7,
-    velocity_limit: ScalarOrSchedule = math.inf,
+    velocity_limit: ScalarOrSchedule = 0.2,
     topology: Any = None,
     boundary: Any = None,
     rule: Any = None,
@@ -173,13 +187,13 @@ def pso(
     """Assemble a particle swarm; the default coefficients are Trelea's, with a global best.
 
     Args:
-      num_particles: n, at least 2.
+      num_particles: n, at least 2; default two a dimension, but 20 at least and 40 at most.
       inertia: w, share of the velocity that is kept.
       cognitive: c1, pull of the particle's own memory.
       social: c2, pull of the attractor.
-      velocity_limit: largest step in any coordinate, in units of the unit cube.
+      velocity_limit: largest step in any coordinate, in units of the unit cube; ``math.inf`` for none.
       topology: who listens to whom (``topologies``); default ``global_best()``.
-      boundary: what happens at the walls (``boundaries``); default ``reflect(0.5)``.
+      boundary: what happens at the walls (``boundaries``); default ``absorb()``.
       rule: how velocities change (``rules``); default ``canonical()``.
       control: sets coefficients from the state of the swarm (``control``); default none.
       initial_velocity: share (0 to 1) of the way to another uniform point with which a particle
@@ -199,16 +213,17 @@ def pso(
     >>> state.position.shape, float(info.hyper["inertia"])
     ((20, 3), 0.5)
     """
+    if num_particles is not None:
+        why = "particles learn from each other"
+        num_particles = at_least("num_particles", num_particles, 2, why)
     return PSO(
-        num_particles=at_least(
-            "num_particles", num_particles, 2, "particles learn from each other"
-        ),
+        num_particles=num_particles,
         inertia=coefficient("inertia", inertia),
         cognitive=coefficient("cognitive", cognitive),
         social=coefficient("social", social),
         velocity_limit=coefficient("velocity_limit", velocity_limit, lower=0.0),
         topology=as_part(topology or global_best()),
-        boundary=as_part(boundary or reflect(0.5)),
+        boundary=as_part(boundary or absorb()),
         rule=as_part(rule or canonical()),
         control=control,
         initial_velocity=coefficient("initial_velocity", initial_velocity, lower=0.0, upper=1.0),

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from jaxswarm.swarm.optimizers.boundaries import absorb, bounce
+from jaxswarm.swarm.optimizers.boundaries import absorb, bounce, reflect
 from jaxswarm.swarm.optimizers.pso import PSO, pso
 from jaxswarm.swarm.optimizers.rules import spherical
 from jaxswarm.swarm.optimizers.topologies import random_informants
@@ -24,7 +24,7 @@ def spso(num_particles: int = 40, **parts: Any) -> PSO:
       **parts: keyword arguments of :func:`pso`, which override the choices made here.
     """
     c = 0.5 + math.log(2.0)
-    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c)
+    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, velocity_limit=math.inf)
     chosen |= dict(boundary=absorb(), initial_velocity=0.5)
     return pso(num_particles, **(chosen | parts))
 
@@ -46,6 +46,7 @@ def gpso(num_particles: int = 24, num_steps: float | None = None, **parts: Any) 
         cognitive=2.0,
         social=2.0,
         velocity_limit=0.2,
+        boundary=reflect(0.5),
         initial_velocity=0.5,
     )
     return pso(num_particles, **(chosen | parts))
@@ -64,5 +65,6 @@ def spso2011(num_particles: int = 40, **parts: Any) -> PSO:
     """
     c = 0.5 + math.log(2.0)
     chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, rule=spherical())
-    chosen |= dict(topology=random_informants(3), boundary=bounce(0.5), initial_velocity=0.5)
+    chosen |= dict(topology=random_informants(3), boundary=bounce(0.5))
+    chosen |= dict(initial_velocity=0.5, velocity_limit=math.inf)
     return pso(num_particles, **(chosen | parts))

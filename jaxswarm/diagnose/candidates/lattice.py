@@ -1,0 +1,41 @@
+"""The points at which nonlinear parameters of a law are first tried, and how many of them at a time."""
+
+import numpy as np
+
+from jaxswarm.effects.kinds import TorqueLaw
+
+# Lattice points, shared by the dimensions, for a law that does not ask for its own number of them.
+_POINTS = 128
+# Lattice points whose columns are held at a time; of a long log fewer, so that samples times points stay below
+# the other number: with what a law has in between, some hundred megabytes.
+BATCH, _HELD = 32, 2**21
+
+
+def points_of(law: TorqueLaw) -> int:
+    """How many points a law is tried at."""
+    return law.grid_size or _POINTS
+
+
+def batch_of(samples: int) -> int:
+    """How many lattice points pass at a time, a divisor of :data:`BATCH`.
+
+    >>> batch_of(5_000), batch_of(250_000), batch_of(10**9)
+    (32, 8, 1)
+    """
+    batch = BATCH
+    while batch > 1 and batch * samples > _HELD:
+        batch //= 2
+    return batch
+
+
+def lattice_of(dims: int, points: int, most: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Lattice points in the unit cube, ``most`` in shape, and half the width of a cell with its neighbors.
+
+    Dimensions beyond ``dims`` stay in the middle; the last point repeats up to the most of any law.
+    """
+    count = int(points ** (1 / dims) + 1e-9)
+    axis = (np.arange(count) + 0.5) / count
+    grid = np.stack(np.meshgrid(*[axis] * dims, indexing="ij"), axis=-1).reshape(-1, dims)
+    lattice = np.full(most, 0.5)
+    lattice[:, :dims] = grid[np.minimum(np.arange(most[0]), len(grid) - 1)]
+    return lattice, np.where(np.arange(most[1]) < dims, 1.0 / count, 0.5)

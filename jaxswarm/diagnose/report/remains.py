@@ -1,0 +1,56 @@
+"""What is left on a joint without a law, in words: how much, when, at which frequencies, what it follows."""
+
+from jaxswarm.diagnose.report.numbers import percent
+
+# What one sentence can hold: joints that are left with something, and windows of time of each.
+_MOST_JOINTS, _MOST_WINDOWS = 3, 2
+
+
+def left_of(entries: list[dict]) -> str:
+    """What is left on the joints that are farthest from their noise, and on how many more."""
+    far = sorted(entries, key=lambda u: -u["over_noise"])[:_MOST_JOINTS]
+    told = [remaining(u, _MOST_WINDOWS) for u in entries if any(u is one for one in far)]
+    more = len(entries) - len(far)
+    return "; ".join(told) + (f"; and less on {more} more joint{'s'[: more > 1]}" if more else "")
+
+
+def remaining(entry: dict, most: int | None = None) -> str:
+    """What is left on a joint, in one clause: when and at which frequencies it is, and what it follows.
+
+    Args:
+        entry: Of ``unexplained``.
+        most: Windows of time to name, the longest ones; None: all.
+    """
+    times = f"{entry['over_noise']:.1f} times the noise at {when(entry, most)}"
+    if entry["depends_on"]:
+        names = " and ".join(entry["depends_on"])
+        return (
+            f"{percent(entry['share'], 0)} of the remaining error of {entry['joint']} ({times}) "
+            f"follows {names}{_elsewhere(entry)}"
+        )
+    return f"{entry['joint']} is left with {times}"
+
+
+def _elsewhere(entry: dict) -> str:
+    """How much of it holds on motion that was not fitted."""
+    share = entry.get("share_on_other_motion")
+    if share is None:
+        return ""
+    if share <= 0.0:
+        return ", on other motion none of it"
+    return f", on other motion {percent(share, 0)}"
+
+
+def when(entry: dict, most: int | None = None) -> str:
+    """At which frequencies, and in which stretches of which log, a joint is far from its noise."""
+    low, high = entry["band_hz"]
+    several = any(w["log"] for w in entry["windows"])
+    long = sorted(entry["windows"], key=lambda w: w["start"] - w["end"])[:most]
+    spans = [
+        f"{w['start']:.3g}-{w['end']:.3g} s" + (f" of log {w['log'] + 1}" if several else "")
+        for w in entry["windows"]
+        if w in long
+    ]
+    if len(spans) < len(entry["windows"]):
+        spans.append("other times")
+    return f"{low:.2g} to {high:.2g} Hz" + (f", mostly at {', '.join(spans)}" if spans else "")
