@@ -131,8 +131,11 @@ def _(law: BodyChange, rng, num_draws):
 @check_kind.register
 def _(law: TransmissionLaw, rng, num_draws):
     inertia = jnp.full(4, 0.5)
-    assert law.around is not None or law.lattice is not None  # its check sees to that
-    tried = law.around(0.5, 1e4, 0.01) if law.around is not None else law.lattice(0.5)
+    if law.around is not None:
+        tried = law.around(0.5, 1e4, 0.01)
+    else:
+        assert law.lattice is not None  # its check sees to that
+        tried = law.lattice(0.5)
     for values in (law.nominal(), *tried):
         known = {p.name for p in law.parameters}
         _require(
