@@ -111,6 +111,7 @@ def main() -> None:
             "discover",
             "mechanisms",
             "rivals",
+            "limits",
             "worlds",
         ],
     )

@@ -39,6 +39,13 @@ SOFT = {
     ],
     "backlash": [{"gap": g} for g in (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)],
 }
+# The same for springs that harden, by the twist of twice the torque: from far beyond the usual one.
+STIFFENING = {
+    "hardening_elasticity": [
+        {"k": 3e3, "eh": twist, "d": 5.0} for twist in (0.04, 0.02, 0.01, 0.005, 0.0025)
+    ]
+}
+SPRUNG = SOFT | STIFFENING
 UNLISTED = ("position_friction", "crossed_velocity", "position_viscous")
 CLEAN = ("white", "colored", "quantized")
 
@@ -66,7 +73,8 @@ def all_cases(fast: bool) -> list[Case]:
     if fast:
         cases += [Case(e, 3, _joint(e, 1 + k), 1.0, k) for k, e in enumerate(hidden)]
         cases += [Case(c, 0, 0, 1.0, 50 + k) for k, c in enumerate(CLEAN)]
-        return cases + [Case(u, 3, 1, 1.0, 60 + k) for k, u in enumerate(UNLISTED)]
+        cases += [Case(u, 3, 1, 1.0, 60 + k) for k, u in enumerate(UNLISTED)]
+        return cases + [Case(e, 3, 1, 1.0, 70 + k) for k, e in enumerate(STIFFENING)]
     for number, (repeat, level, effect) in enumerate(product(range(5), range(5), hidden)):
         noise = (1.0, 0.5, 2.0)[repeat % 3]
         cases.append(Case(effect, level, _joint(effect, repeat), noise, 1000 + number))
@@ -76,12 +84,15 @@ def all_cases(fast: bool) -> list[Case]:
         for i, u in enumerate(UNLISTED)
         for k in range(20)
     ]
+    cases += [
+        Case(e, k % 5, _joint(e, k // 5), 1.0, 5000 + k) for e in STIFFENING for k in range(25)
+    ]
     return cases
 
 
 def _joint(effect: str, k: int) -> int:
     """Joint 1 of an upright arm carries no gravity, and its rotor merges with its link."""
-    if effect in ("load_dependent_friction", "rotor_inertia", "drive_gain", *SOFT):
+    if effect in ("load_dependent_friction", "rotor_inertia", "drive_gain", *SPRUNG):
         return 1 + k % 2
     return k % 3
 
@@ -123,8 +134,8 @@ def make_case(case: Case) -> tuple[Robot, tuple[Term, ...], tuple[Term, ...], Lo
     arm, declared = make_arm(rng)
     if case.effect == "coulomb_friction":
         declared = tuple(t for t in declared if (t.effect, t.joint) != (case.effect, case.joint))
-    if case.effect in SOFT:
-        soft = Term(case.effect, case.joint, values=SOFT[case.effect][case.level])
+    if case.effect in SPRUNG:
+        soft = Term(case.effect, case.joint, values=SPRUNG[case.effect][case.level])
         rotor = Term("rotor_inertia", case.joint, values={"ia": 0.5})
         hidden, declared = (soft,), (*declared, rotor)
         log, state = closed_loop(arm, (*declared, soft), WIDTH, case.seed)
@@ -177,7 +188,7 @@ def _sized(case, arm, declared, motion, base, rng):
 
 def _extended(case, drawn) -> tuple[Term, ...]:
     """The law beside which alone a law is asked: only what it adds to that one tells it."""
-    name = REGISTRY[case.effect].extends if case.effect in LATER else ""
+    name = next(iter(REGISTRY[case.effect].extends if case.effect in LATER else ()), "")
     if not isinstance(REGISTRY.get(name), TorqueLaw):
         return ()
     usual = REGISTRY[name].nominal()

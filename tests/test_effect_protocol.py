@@ -80,7 +80,7 @@ def test_every_registered_effect_is_of_one_of_the_five_kinds():
 
 def test_names_in_facts_are_registered():
     for effect in REGISTRY.values():
-        told = {*effect.contains, *effect.exclusive_with, *filter(None, [effect.extends])}
+        told = {*effect.contains, *effect.exclusive_with, *effect.extends}
         assert told <= set(REGISTRY), effect.name
         known = {p.name for p in effect.parameters}
         assert set(effect.identity) <= known, effect.name

@@ -53,7 +53,7 @@ def by_validation(x, y, fold) -> list[int]:
 
 def held_out(x, y, fold, chosen) -> float:
     """Squared error of unseen blocks."""
-    if not chosen:
+    if not len(chosen):
         return float(y @ y)
     error = 0.0
     for k in range(FOLDS):

@@ -12,6 +12,7 @@ from jaxswarm.effects import friction as friction
 from jaxswarm.effects import friction_change as friction_change
 from jaxswarm.effects import gear_coupling_error as gear_coupling_error
 from jaxswarm.effects import gravity_compensator as gravity_compensator
+from jaxswarm.effects import hardening_elasticity as hardening_elasticity
 from jaxswarm.effects import lagging_temperature as lagging_temperature
 from jaxswarm.effects import link_geometry as link_geometry
 from jaxswarm.effects import lugre_friction as lugre_friction

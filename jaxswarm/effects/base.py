@@ -58,7 +58,7 @@ class Effect:
         contains: Names of effects of the same joint that it makes redundant.
         replaces: Names of effects of the same joint that it is fitted without where the fit with them comes
             to values that cannot be.
-        extends: Name of an effect of the same place beside which alone it is asked: what it adds to that
+        extends: Names of effects of the same place beside one of which alone it is asked: what it adds to that
             one has to be worth as much as any other effect.
         exclusive_with: Names of effects that cannot act on the same joint beside it.
         requires: Channels that a log must have, such as ``"temperature"``.
@@ -92,7 +92,7 @@ class Effect:
     meaning: str = ""
     contains: tuple[str, ...] = ()
     replaces: tuple[str, ...] = ()
-    extends: str = ""
+    extends: tuple[str, ...] = ()
     exclusive_with: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     rests: float = 0.0

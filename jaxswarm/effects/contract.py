@@ -131,18 +131,21 @@ def _(law: BodyChange, rng, num_draws):
 @check_kind.register
 def _(law: TransmissionLaw, rng, num_draws):
     inertia = jnp.full(4, 0.5)
-    assert law.lattice is not None  # its check sees to that
-    for values in (law.nominal(), *law.lattice(0.5)):
+    if law.around is not None:
+        tried = law.around(0.5, 1e4, 0.01)
+    else:
+        assert law.lattice is not None  # its check sees to that
+        tried = law.lattice(0.5)
+    for values in (law.nominal(), *tried):
         known = {p.name for p in law.parameters}
         _require(
             set(values) == known, law, f"has a lattice of {sorted(values)}, not {sorted(known)}"
         )
-        k, d, gap = law.gear(values, inertia)
-        holds = all(bool(np.isfinite(x).all()) for x in (k, d, gap))
-        holds = holds and bool(np.all(k > 0)) and bool(np.all(d >= 0)) and bool(np.all(gap >= 0))
-        _require(
-            holds, law, f"is no gear at {values}: stiffness, damping and gap are {k}, {d}, {gap}"
-        )
+        gear = law.gear(values, inertia)
+        holds = all(bool(np.isfinite(x).all() and np.all(x >= 0)) for x in gear)
+        holds = holds and bool(np.all(gear[0] > 0))
+        told = "stiffness, damping, gap and hardening are " + ", ".join(map(str, gear))
+        _require(holds, law, f"is no gear at {values}: {told}")
 
 
 @check_kind.register

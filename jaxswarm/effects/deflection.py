@@ -1,11 +1,11 @@
 r"""The lag of a link behind its motor, where the encoder is.
 
 With the encoder on the motor, the link of joint j lags by :math:`e = q_m - q_l`. The transmission carries
-:math:`\tau_t = k\,z(e) + d\,\dot e`, with :math:`z` the identity for a spring and a dead zone of ``gap``
-to either side for backlash. The link obeys its own dynamics, so with :math:`RB_j` the rigid torque of
-joint j, linearized about the motor's motion,
+:math:`\tau_t = k\,z(e) + k_3\,z(e)^3 + d\,\dot e`, with :math:`z` the identity for a spring and a dead zone
+of ``gap`` to either side for backlash, :math:`k_3` zero but for a spring that hardens. The link obeys its own
+dynamics, so with :math:`RB_j` the rigid torque of joint j, linearized about the motor's motion,
 
-.. math:: M_{jj} \ddot e + (d + C_j) \dot e + K_j e + k\,z(e) = RB_j(q_m, \dot q_m, \ddot q_m),
+.. math:: M_{jj} \ddot e + (d + C_j) \dot e + K_j e + k\,z(e) + k_3\,z(e)^3 = RB_j(q_m, \dot q_m, \ddot q_m),
 
 :math:`M_{jj}, C_j, K_j` the derivatives of :math:`RB_j` with respect to acceleration, velocity and
 position of joint j. It is integrated from the motor's side (:func:`deflection`); the quasi-static
@@ -27,6 +27,8 @@ import numpy as np
 SUBSTEPS = 4
 # Damping ratio of a link on a closed gear.
 _CONTACT_DAMPING = 0.5
+# Steps to the first equilibrium: far up a cubic each takes a third off, near its end they square the error.
+_NEWTON = 16
 # Time [s] whose torque says on which flank a link starts: longer than the ends of a smoothing reach.
 _EARLY = 0.25
 
@@ -40,12 +42,14 @@ def deflection(
     k: jax.Array,
     d: jax.Array,
     gap: jax.Array,
+    hard: jax.Array,
     step: jax.Array,
     substeps: int = SUBSTEPS,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Integrate the lag of a link behind its motor along a log.
 
-    Trapezoidal (Newmark) steps with the contact on the flank taken as it was: stable for any stiffness.
+    Trapezoidal (Newmark) steps with the contact on the flank, and the slope of a spring that hardens, taken as
+    they were: stable for any stiffness.
 
     Args:
         inertia, damping, stiffness: Derivatives of the joint's rigid torque by its own acceleration,
@@ -54,6 +58,7 @@ def deflection(
         k: Stiffness of the transmission [N m/rad].
         d: Its damping [N m s/rad].
         gap: Dead zone to either side [rad]; zero for a spring.
+        hard: What the spring gains on the cube of its twist [N m/rad^3]; zero for a straight one.
         step: Sampling interval [s].
         substeps: Integration steps per sample.
 
@@ -70,9 +75,10 @@ def deflection(
             m, c, s, tau = (old + part * (new - old) for old, new in ends)
             beyond = e - jnp.clip(e, -gap, gap)
             closed = (jnp.abs(beyond) > 0) | (gap <= 0)
-            spring = s + jnp.where(closed, k, 0.0)
+            steeper = 3.0 * hard * beyond**2
+            spring = s + jnp.where(closed, k + steeper, 0.0)
             damper = c + jnp.where(closed, d, 0.0)
-            offset = jnp.where(closed, k * (e - beyond), 0.0)
+            offset = jnp.where(closed, k * (e - beyond) + steeper * (e - beyond / 3.0), 0.0)
             predicted, speed = e + h * v + 0.25 * h * h * a, v + 0.5 * h * a
             force = tau + offset - damper * speed - spring * predicted
             a = force / (m + 0.5 * h * damper + 0.25 * h * h * spring)
@@ -84,13 +90,22 @@ def deflection(
     # The first samples of a filtered motion are the least certain: their sign may be wrong.
     early = jnp.where(jnp.arange(len(torque)) * step < _EARLY, torque, 0.0)
     side = jnp.sign(early.sum())
-    pressed = torque[0] / (k + stiffness[0])
+    pressed = _pressed(torque[0], k + stiffness[0], hard)
     start = jnp.where(gap > 0, side * (gap + jnp.maximum(side * pressed, 0.0)), pressed)
     zero = jnp.zeros((), torque.dtype)
     m = jnp.maximum(inertia, 1e-6 * jnp.max(jnp.abs(inertia)) + 1e-12)
     driven = tuple((jnp.roll(x, 1).at[0].set(x[0]), x) for x in (m, damping, stiffness, torque))
     _, (e, v, a) = jax.lax.scan(advance, (start, zero, zero), driven)
     return e, v, a
+
+
+def _pressed(torque: jax.Array, k: jax.Array, hard: jax.Array) -> jax.Array:
+    """Twist at which a spring k e + hard e^3 holds a torque, by Newton's steps from that of a straight one."""
+
+    def closer(_, e):
+        return e - (k * e + hard * e**3 - torque) / (k + 3.0 * hard * e**2)
+
+    return jax.lax.fori_loop(0, _NEWTON, closer, torque / k)
 
 
 def contact_stiffness(

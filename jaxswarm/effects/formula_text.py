@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 
-from jaxswarm.effects.postfix import BINARY, FIELDS, NUMBER, UNARY, Program
+from jaxswarm.effects.postfix import BINARY, FIELDS, NOTHING, NUMBER, UNARY, Program
 
 # How strongly the parts of an expression hold together: sum, product, prefix or power, atom.
 _SUM, _PRODUCT, _POWER, _ATOM = range(4)
@@ -63,6 +63,8 @@ def latex(program: Program, names: Mapping[str, str] | None = None) -> str:
             return f"e^{{{a[0]}}}", _POWER
         if token == "abs":
             return rf"\left|{a[0]}\right|", _ATOM
+        if token == "root":
+            return rf"\sqrt{{{a[0]}}}", _ATOM
         known = {"sat": r"\operatorname{sat}"}.get(token, "\\" + token)
         return rf"{known}\left({a[0]}\right)", _ATOM
 
@@ -103,6 +105,8 @@ def python(program: Program) -> str:
             return f"{_held(a, _ATOM)} ** {2 if token == 'square' else 3}", _POWER
         if token == "sat":
             return f"jnp.clip({a[0]}, -1.0, 1.0)", _ATOM
+        if token == "root":
+            return f"{_held(a, _POWER)} / jnp.sqrt(jnp.abs({a[0]}) + {NOTHING})", _PRODUCT
         return f"jnp.{token}({a[0]})", _ATOM
 
     def binary(token: str, a: Part, b: Part) -> Part:

@@ -72,14 +72,21 @@ class TransmissionLaw(Effect):
     Attributes:
         spring: ``spring(p) -> (k, d)``: stiffness and damping [N m/rad, N m s/rad]; None: the gear is as
             stiff as its parameter ``flank`` says, the frequency [Hz] at which the link swings on it.
+        hardening: ``hardening(p)``: what the spring gains on the cube of its twist [N m/rad^3]; None: it is
+            straight.
         gap: ``gap(p)``: dead zone to either side [rad]; None: there is none. A law with one has the
             parameters ``gap``, ``flank`` and ``blur``, the time [s] over which its lag is averaged.
         lattice: ``lattice(inertia) -> [values, ...]``: what to try on a joint of this inertia [kg m^2].
+        around: ``around(inertia, k, twist) -> [values, ...]``: of a law that extends others, what to try in
+            place of a lattice: the lag that they give the link has the root mean square ``twist`` [rad], and
+            its torque the root mean square ``k twist``.
     """
 
     spring: Callable[[Mapping], tuple] | None = None
+    hardening: Callable[[Mapping], jax.Array] | None = None
     gap: Callable[[Mapping], jax.Array] | None = None
     lattice: Callable[[float], list[dict[str, float]]] | None = None
+    around: Callable[[float, float, float], list[dict[str, float]]] | None = None
 
     @property
     def positive(self) -> bool:
@@ -92,16 +99,18 @@ class TransmissionLaw(Effect):
         return True
 
     def gear(self, p: Mapping, inertia: jax.Array) -> tuple[jax.Array, ...]:
-        """Stiffness, damping and gap where the link's inertia is (T,)."""
+        """Stiffness, damping, gap and hardening where the link's inertia is (T,)."""
         if self.spring is None:
             k, d = contact_stiffness(inertia, p["flank"])
         else:
             k, d = self.spring(p)
-        return k, d, 0.0 * k if self.gap is None else self.gap(p)
+        ways = (0.0 * k if way is None else way(p) for way in (self.gap, self.hardening))
+        return k, d, *ways
 
     def excludes(self, other: Effect) -> bool:
-        """One transmission a joint: a dead zone has a spring on its flanks."""
-        return isinstance(other, TransmissionLaw) or super().excludes(other)
+        """One transmission a joint, for a dead zone has a spring on its flanks; but one may extend another."""
+        own = isinstance(other, TransmissionLaw) and other.name not in self.extends
+        return own or super().excludes(other)
 
     def check(self) -> None:
         """Refuse a transmission that is not fully described."""
@@ -109,10 +118,12 @@ class TransmissionLaw(Effect):
         names = {p.name for p in self.parameters}
         needed = set() if self.gap is None else {"gap", "flank", "blur"}
         needed |= set() if self.spring else {"flank"}
-        if self.scope != "joint" or self.lattice is None or self.linear or not needed <= names:
+        tried = self.around if self.extends else self.lattice
+        if self.scope != "joint" or tried is None or self.linear or not needed <= names:
             raise ValueError(
-                f"effect {self.name!r} is a transmission: it needs scope 'joint', a lattice, no linear "
-                f"parameter, and {sorted(needed)} among its parameters"
+                f"effect {self.name!r} is a transmission: it needs scope 'joint', a lattice (what is around "
+                f"the law it extends, if it does), no linear parameter, and {sorted(needed)} among its "
+                "parameters"
             )
 
 

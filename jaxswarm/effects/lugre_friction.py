@@ -43,7 +43,7 @@ register(
         rate=_rate,
         forgets="x0",
         contains=("hysteresis", "stribeck_friction"),
-        extends="hysteresis",
+        extends=("hysteresis",),
         shown_against="position",
         derived=lambda p: {
             "sigma": (p["fc"] / p["x0"], "N m/rad"),

@@ -22,6 +22,8 @@ FIELDS = (
     "dq_other",
     "ddq_other",
 )
+# What a root adds to its argument: far below any angle that is logged.
+NOTHING = 1e-12
 BINARY: dict[str, Callable] = {
     "+": lambda xp, a, b: a + b,
     "-": lambda xp, a, b: a - b,
@@ -38,9 +40,11 @@ UNARY: dict[str, Callable] = {
     "abs": lambda xp, a: xp.abs(a),
     "tanh": lambda xp, a: xp.tanh(a),
     "sat": lambda xp, a: xp.clip(a, -1.0, 1.0),
+    # It keeps the sign, and has a slope at zero, where buffers and slack cables rest.
+    "root": lambda xp, a: a / xp.sqrt(xp.abs(a) + NOTHING),
 }
 # Functions whose argument has to be a pure number.
-FUNCTIONS = ("sin", "cos", "exp", "tanh", "sat")
+FUNCTIONS = ("sin", "cos", "exp", "tanh", "sat", "root")
 NUMBER = "2"
 WORDS = {*FIELDS, *BINARY, *UNARY, NUMBER}
 # Operands that wait at most, and tokens of a program: bounds of what a file may hold.

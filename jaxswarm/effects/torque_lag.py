@@ -66,7 +66,7 @@ register(
         # The slope at zero is that of the delay: drawn to a common time constant it is the filter's own.
         probe={"tc": 0.01},
         contains=("time_delay",),
-        extends="time_delay",
+        extends=("time_delay",),
         shown_against="torque rate",
     )
 )

@@ -122,10 +122,11 @@ def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
         frequency = 2.0 * jnp.pi * FLANK_FREQUENCY
         rotor = plant.rotor(joint)
         k, d = rotor * frequency**2, 0.4 * rotor * frequency
+    hard = sum((a.law.hardening(a.values) for a in own if a.law.hardening is not None), 0.0)
     if isinstance(gap, float) and gap == 0.0:
-        return k * twist + d * twist_rate
+        return (k + hard * twist**2) * twist + d * twist_rate
     into = jnp.sign(twist) * jnp.maximum(jnp.abs(twist) - gap, 0.0)
     # The damping fades in over a tenth of the gap: a force that jumps on contact would cost
     # the integrator its order.
     closed = jnp.minimum(jnp.abs(into) / (0.1 * gap), 1.0)
-    return k * into + d * closed * twist_rate
+    return (k + hard * into**2) * into + d * closed * twist_rate

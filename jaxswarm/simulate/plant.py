@@ -3,12 +3,12 @@
 A joint with a :class:`TransmissionLaw` is *soft*: its motor has a coordinate of its own, and the
 transmission passes
 
-    s = k z + d (dtheta - dq),   z = dead zone of (theta - q), ``gap`` to either side.
+    s = k z + k3 z^3 + d (dtheta - dq),   z = dead zone of (theta - q), ``gap`` to either side,
 
-Every other joint moves with its motor. Encoders sit on the motors, and so do the laws: friction,
-ripple and rotor inertia see motor position and velocity as the encoders say them, the rigid body sees the
-links. A :class:`BodyChange` changes the robot itself or sets it on springs, a :class:`MeasurementLaw` changes
-what is measured.
+k3 zero but for a spring that hardens. Every other joint moves with its motor. Encoders sit on the motors, and
+so do the laws: friction, ripple and rotor inertia see motor position and velocity as the encoders say them, the
+rigid body sees the links. A :class:`BodyChange` changes the robot itself or sets it on springs, a
+:class:`MeasurementLaw` changes what is measured.
 """
 
 import dataclasses

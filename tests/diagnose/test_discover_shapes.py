@@ -7,7 +7,8 @@ import pytest
 from planted import declared_fit, log_with
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.discovery.grammar import programs
+from jaxswarm.diagnose.discovery import on_device, on_host
+from jaxswarm.diagnose.discovery.grammar import MOST_CONSTANTS, programs
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.reach import tame
@@ -16,7 +17,7 @@ from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.postfix import evaluate, fields_of
 
 # Of unit size: a buffer from one side, a spring with play, a magnet whose tails are powers, an eddy-current
-# brake, a shoe that engages beyond a speed, a belt to the partner that stiffens.
+# brake, a shoe that engages beyond a speed, belts to the partner, a rubber ball, a spring between two points.
 MECHANISMS = {
     "buffer": lambda q, dq, other: np.maximum(q - 0.1, 0.0) ** 2,
     "play": lambda q, dq, other: q - 0.1 - np.clip(q - 0.1, -0.15, 0.15),
@@ -24,6 +25,11 @@ MECHANISMS = {
     "eddy brake": lambda q, dq, other: dq / (1.0 + (dq / 0.4) ** 2),
     "shoe": lambda q, dq, other: np.maximum(np.abs(dq) - 0.6, 0.0) * np.sign(dq),
     "belt": lambda q, dq, other: (q - 0.6 * other) ** 3,
+    "belt that stiffens": lambda q, dq, other: (
+        (q - 0.6 * other) * (1.0 + ((q - 0.6 * other) / 0.4) ** 2)
+    ),
+    "rubber buffer": lambda q, dq, other: np.maximum(0.1 - q, 0.0) ** 1.5,
+    "spring on a lever": lambda q, dq, other: np.sin(q + 0.7) / np.sqrt(1.3 - np.cos(q + 0.7)),
 }
 EXPLODING = {
     "power times exponential": ("q", "cube", "q", "k", "*", "exp", "*"),
@@ -73,3 +79,16 @@ def test_what_explodes_behind_its_range_is_no_law(name):
     formula = Sum((Piece(program),), {"k": rate} if "k" in program else {})
     assert np.isfinite(evaluate(program, {**joint.data, **formula.values}, np)).all()
     assert tame(joint, formula) is (name in CALM)
+
+
+def test_programs_score_the_same_on_the_processor_as_in_lanes():
+    joint = problem()
+    pieces = programs(joint.data, joint.units, joint.angles)[::60]
+    rows = joint.rows_of(joint.lin.crossfit.whole)
+    draws = np.random.default_rng(0).uniform(0.2, 0.8, (4, MOST_CONSTANTS)).astype(np.float32)
+    lattices = dict.fromkeys(range(MOST_CONSTANTS + 1), draws)
+    told = [e.survey(joint.names, rows, pieces, lattices) for e in (on_host, on_device)]
+    assert {len(one.constants) for one in pieces} == {0, 1, 2, 3}
+    (places, shares), (others, same) = told
+    np.testing.assert_allclose(shares, same, rtol=0.02, atol=1e-4)
+    np.testing.assert_array_equal(places[shares > 0.01], others[shares > 0.01])

@@ -12,7 +12,7 @@ RATE, INERTIA, STIFFNESS, DAMPING, GAP = 500.0, 40.0, 4e5, 4e3, 0.01
 def lag(torque, gap=GAP):
     shape = np.ones(len(torque))
     held = (INERTIA * shape, 0.0 * shape, 0.0 * shape, torque)
-    e, _, _ = deflection(*held, STIFFNESS, DAMPING, gap, 1.0 / RATE)
+    e, _, _ = deflection(*held, STIFFNESS, DAMPING, gap, 0.0, 1.0 / RATE)
     return np.asarray(e)
 
 

@@ -58,17 +58,16 @@ def test_a_log_of_another_length_compiles_no_law_again():
 def test_the_lag_of_a_link_is_that_of_the_log_alone_and_compiles_once():
     robot = arm()
     pi = np.asarray(robot.parameters).ravel()
-    k, d, gap = np.array([500.0]), np.array([2.0]), np.array([0.0])
-    lag_torque(
-        motion(CHUNK - 150), sensitivity_of(robot, motion(CHUNK - 150), 0), pi[None], k, d, gap
-    )
+    gear = [np.array([x]) for x in (500.0, 2.0, 0.0, 0.0)]
+    long = motion(CHUNK - 150)
+    lag_torque(long, sensitivity_of(robot, long, 0), pi[None], *gear)
     programs = deflection._cache_size()
     seen = motion(CHUNK - 200)
     sensed = sensitivity_of(robot, seen, 0)
-    found = lag_torque(seen, sensed, pi[None], k, d, gap)
+    found = lag_torque(seen, sensed, pi[None], *gear)
     assert deflection._cache_size() == programs
     torque, by_q, by_dq, by_ddq = (x[:, 0] for x in sensed.at(pi))
-    e, v, a = deflection(by_ddq, by_dq, by_q, torque, 500.0, 2.0, 0.0, 1.0 / seen.rate, 2)
+    e, v, a = deflection(by_ddq, by_dq, by_q, torque, 500.0, 2.0, 0.0, 0.0, 1.0 / seen.rate, 2)
     _, by_q, by_dq, by_ddq = sensed.at(pi)
     change = -(
         np.outer(e, [1, 1]) * by_q + np.outer(v, [1, 1]) * by_dq + np.outer(a, [1, 1]) * by_ddq

@@ -51,7 +51,7 @@ def eligible_terms(
         terms = [Term(law.name, *place) for place in places]
         if law.extends:
             held = {t.place for t in model.terms}
-            terms = [t for t in terms if (law.extends, t.joint, t.other) in held]
+            terms = [t for t in terms if held & {(n, t.joint, t.other) for n in law.extends}]
         eligible += [t for t in terms if again or not _is_settled(t, law, model.terms)]
     return tuple(eligible)
 

@@ -34,6 +34,7 @@ def lag_torque(
     k: np.ndarray,
     d: np.ndarray,
     gap: np.ndarray,
+    hard: np.ndarray,
     substeps: int = 2,
     terms: tuple[Term, ...] = (),
     own: bool = False,
@@ -44,7 +45,7 @@ def lag_torque(
         motion: The log.
         sensed: What the rigid torque does when the joint moves otherwise.
         pis: Rigid parameters, (m, 10 n); one row serves all options.
-        k, d, gap: Stiffness, damping and dead zone, each (m,).
+        k, d, gap, hard: Stiffness, damping, dead zone and hardening, each (m,).
         substeps: Integration steps per sample.
         terms: The model's, whose drives report the torque.
         own: Whether the torque of the joint itself is enough: (m, T', 1).
@@ -54,7 +55,7 @@ def lag_torque(
     for start in range(0, len(k), at_once):
         some = slice(start, start + at_once)
         felt = sensed.at(pis if len(pis) == 1 else pis[some], _acted_on(sensed, own))
-        gear = (k[some], d[some], gap[some])
+        gear = (k[some], d[some], gap[some], hard[some])
         parts.append(_changed(motion, sensed.joint, felt, gear, substeps, terms, own))
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
@@ -104,20 +105,20 @@ def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
 
 
 @partial(jax.jit, static_argnames="substeps")
-def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, step, substeps):
+def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, substeps):
     """Lags (T, m) and their derivatives of m options; see :func:`deflection`."""
 
-    def lag(tau, s, c, m, k, d, gap):
-        return deflection(m, c, s, tau, k, d, gap, step, substeps)
+    def lag(tau, s, c, m, *gear):
+        return deflection(m, c, s, tau, *gear, step, substeps)
 
     driven = (jnp.broadcast_to(x, (len(x), len(k))) for x in (torque, by_q, by_dq, by_ddq))
-    return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0), out_axes=1)(*driven, k, d, gap)
+    return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0, 0), out_axes=1)(*driven, k, d, gap, hard)
 
 
 def gears(
     law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Stiffness, damping and gap (m,) of options with the link's inertia on a log, as the fit has them."""
+    """What makes gears of options (m,) with the link's inertia on a log, as the fit has them."""
     # A gear is as stiff as the median inertia asks for: taken once, not for every option.
     inertia = np.median(np.abs(sensed.inertia(pi)), keepdims=True)
     found = [law.gear(option, inertia) for option in options]

@@ -15,6 +15,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.contact import external_candidate
+from jaxswarm.diagnose.candidates.hardening import extended_candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.refine import refined
 from jaxswarm.diagnose.candidates.search import searching
@@ -77,7 +78,7 @@ def _(law: TorqueLaw, lin, term):
 
 @propose.register
 def _(law: TransmissionLaw, lin, term):
-    return lagging_candidate(lin, term)
+    return extended_candidate(lin, term) if law.extends else lagging_candidate(lin, term)
 
 
 @propose.register

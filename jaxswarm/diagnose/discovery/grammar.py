@@ -11,6 +11,7 @@ from itertools import product as pairs
 
 import numpy as np
 
+from jaxswarm.diagnose.discovery import devices
 from jaxswarm.diagnose.discovery import pieces as p
 from jaxswarm.diagnose.discovery.machine import DEPTH, LENGTHS, stack_depth
 from jaxswarm.diagnose.discovery.pieces import Piece, product
@@ -79,13 +80,13 @@ def _devices(
 ) -> Iterator[Piece]:
     """Mechanisms on one position, alone and with the direction; and on two in an unknown ratio."""
     for name in [n for n in ("q", "q_other") if n in data]:
-        for piece in p.of_devices((name,), p.range_of(data[name]), units[name]):
+        for piece in devices.of_devices((name,), p.range_of(data[name]), units[name], angles):
             yield piece
             if "dq" in data:
                 yield product(piece, Piece(("direction",)))
     if {"q", "q_other"} <= set(data) and units["q"] == units["q_other"]:
         around = p.range_of(data["q"] - data["q_other"])
-        yield from p.of_ratio(around, units["q"], angles)
+        yield from devices.of_ratio(around, units["q"], angles)
 
 
 def _plain(own: Sequence[Piece]) -> bool:

@@ -60,18 +60,21 @@ def _mid(low: float, high: float) -> float:
     return float(np.sqrt(low * high))
 
 
-def _width(x: Range, unit: Unit) -> Parameter:
+def width(x: Range, unit: Unit) -> Parameter:
+    """The width of a bump or a step."""
     low, high = (part * (x.high - x.low) for part in _BUMP)
     return Parameter("s", unit_text(unit), low, high, False, _mid(low, high), "width", "log")
 
 
-def _center(x: Range, unit: Unit) -> Parameter:
+def center(x: Range, unit: Unit) -> Parameter:
+    """A place within the range of a variable."""
     return Parameter(
         "c", unit_text(unit), x.low, x.high, False, 0.5 * (x.low + x.high), "center", "linear"
     )
 
 
-def _order(x: Range, unit: Unit) -> Parameter:
+def order(x: Range, unit: Unit) -> Parameter:
+    """The order of a wave."""
     low, high = (part / (x.high - x.low) for part in _WAVES)
     text = unit_text(over({}, unit))
     return Parameter("k", text, low, high, False, 0.5 * (low + high), "order", "linear")
@@ -84,11 +87,7 @@ def _rate(x: Range, unit: Unit) -> Parameter:
     )
 
 
-_PHASE = Parameter("p", "1", -np.pi, np.pi, False, 0.0, "phase", "linear")
-# How narrow the wells of a wave are: from a plain wave to a tenth of its length.
-_NARROW = Parameter("w", "1", 0.3, 10.0, False, 2.0, "narrowness", "log")
-# What a partner's position counts for beside the joint's own.
-_RATIO = Parameter("r", "1", -3.0, 3.0, False, 1.0, "ratio", "linear")
+PHASE = Parameter("p", "1", -np.pi, np.pi, False, 0.0, "phase", "linear")
 
 
 def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
@@ -102,60 +101,23 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
         yield Piece((*x, "cos"))
         yield Piece((*x, "2", "*", "sin"))
         yield Piece((*x, "2", "*", "cos"))
-    yield Piece((*x, "k", "*", "p", "+", "sin"), (_order(r, u), _PHASE))
+    yield Piece((*x, "k", "*", "p", "+", "sin"), (order(r, u), PHASE))
     yield Piece((*x, "s", "/", "square", "neg", "exp"), (scale(r, u),))
-    yield Piece((*x, "c", "-", "s", "/", "square", "neg", "exp"), (_center(r, u), _width(r, u)))
+    yield Piece((*x, "c", "-", "s", "/", "square", "neg", "exp"), (center(r, u), width(r, u)))
     bump = (*x, "c", "-", "s", "/", "square", "neg", "exp")
-    yield Piece((*x, "c", "-", *bump, "*"), (_center(r, u), _width(r, u)))
-    yield Piece((*x, "c", "-", "s", "/", "tanh"), (_center(r, u), _width(r, u)))
-    yield Piece((*x, "c", "-", "s", "/", "sat"), (_center(r, u), _width(r, u)))
-    yield Piece((*x, "c", "-", "abs"), (_center(r, u),))
-    yield Piece((*x, "c", "-", "cube"), (_center(r, u),))
+    yield Piece((*x, "c", "-", *bump, "*"), (center(r, u), width(r, u)))
+    yield Piece((*x, "c", "-", "s", "/", "tanh"), (center(r, u), width(r, u)))
+    yield Piece((*x, "c", "-", "s", "/", "sat"), (center(r, u), width(r, u)))
+    yield Piece((*x, "c", "-", "abs"), (center(r, u),))
+    yield Piece((*x, "c", "-", "cube"), (center(r, u),))
     yield Piece((*x, "k", "*", "exp"), (_rate(r, u),))
     yield Piece((*x, "k", "*", "neg", "exp"), (_rate(r, u),))
-    yield from (Piece(one, (_center(r, u),)) for one in _hinges((*x, "c", "-")))
+    yield from (Piece(one, (center(r, u),)) for one in hinges((*x, "c", "-")))
 
 
-def _hinges(beyond: Program) -> tuple[Program, Program]:
+def hinges(beyond: Program) -> tuple[Program, Program]:
     """Twice what lies beyond zero, on either side: stops, slack cables, shoes that engage."""
     return (*beyond, "abs", *beyond, "+"), (*beyond, "abs", *beyond, "-")
-
-
-def of_devices(x: Program, r: Range, u: Unit) -> Iterator[Piece]:
-    """What stands by itself: buffers, springs with a play, and magnets.
-
-    The wells of magnets have the tails of a power law; several poles repeat every so many parts of a turn.
-    """
-    for hinge in _hinges((*x, "c", "-")):
-        yield Piece((*hinge, "square"), (_center(r, u),))
-        yield Piece((*hinge, "cube"), (_center(r, u),))
-    near = (*x, "c", "-", "s", "/")
-    yield Piece((*near, *near, "sat", "-"), (_center(r, u), _width(r, u)))
-    table = (_center(r, u), _width(r, u))
-    for steeper in ((), ("square",), ("cube",)):
-        yield Piece((*near, *near, "square", "2", "+", *steeper, "/"), table)
-    turned = (*x, "c", "-", "k", "*")
-    yield Piece(
-        (*turned, "sin", *turned, "cos", "w", "*", "exp", "*"),
-        (_center(r, u), _order(r, u), _NARROW),
-    )
-
-
-def of_ratio(r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
-    """Shapes over a joint's position with an unknown part of its partner's: belts, cables, differentials."""
-    x = ("q", "q_other", "r", "*", "-")
-    yield Piece((*x, "square"), (_RATIO,))
-    yield Piece((*x, "cube"), (_RATIO,))
-    if angle:
-        yield Piece((*x, "sin"), (_RATIO,))
-        yield Piece((*x, "cos"), (_RATIO,))
-    yield Piece((*x, "s", "/", "tanh"), (_RATIO, scale(r, u)))
-    yield Piece((*x, "k", "*", "p", "+", "sin"), (_RATIO, _order(r, u), _PHASE))
-    yield Piece((*x, "c", "-", "cube"), (_RATIO, _center(r, u)))
-    yield Piece((*x, "c", "-", "abs"), (_RATIO, _center(r, u)))
-    for hinge in _hinges((*x, "c", "-")):
-        yield Piece(hinge, (_RATIO, _center(r, u)))
-        yield Piece((*hinge, "square"), (_RATIO, _center(r, u)))
 
 
 def of_velocity(x: Program, r: Range, u: Unit, direction: Program) -> Iterator[Piece]:
@@ -190,14 +152,14 @@ def of_time(x: Program, r: Range, u: Unit) -> Iterator[Piece]:
     """Shapes over the time since the start, or over a temperature."""
     yield Piece(x)
     yield Piece((*x, "s", "/", "neg", "exp"), (scale(r, u),))
-    yield Piece((*x, "k", "*", "p", "+", "sin"), (_order(r, u), _PHASE))
-    yield Piece((*x, "c", "-", "s", "/", "tanh"), (_center(r, u), _width(r, u)))
+    yield Piece((*x, "k", "*", "p", "+", "sin"), (order(r, u), PHASE))
+    yield Piece((*x, "c", "-", "s", "/", "tanh"), (center(r, u), width(r, u)))
 
 
 def of_product(x: Program, r: Range, u: Unit) -> Iterator[Piece]:
     """Functions of a product of two variables."""
-    yield Piece((*x, "k", "*", "sin"), (_order(r, u),))
-    yield Piece((*x, "k", "*", "cos"), (_order(r, u),))
+    yield Piece((*x, "k", "*", "sin"), (order(r, u),))
+    yield Piece((*x, "k", "*", "cos"), (order(r, u),))
     yield Piece((*x, "s", "/", "tanh"), (scale(r, u),))
     yield Piece((*x, "abs"))
     yield Piece((*x, "s", "/", "square", "neg", "exp"), (scale(r, u),))

@@ -17,7 +17,7 @@ from jaxswarm.identify.forward.columns import joint_series
 # Rows that are searched on; a longer log is thinned evenly, for programs are smooth against the rows' clock.
 _ROWS = 800
 # A column whose free part is below this share of its square is one that the model holds already.
-_OWN = 1e-3
+OWN = 1e-3
 
 
 class SearchRows(NamedTuple):
@@ -120,6 +120,6 @@ def share_of(column: jax.Array, searched: SearchRows) -> jax.Array:
     size = weighted @ weighted
     inner = weighted @ searched.basis
     left = size - inner @ inner
-    own = (left > _OWN * size) & jnp.isfinite(size) & (size > 0.0)
+    own = (left > OWN * size) & jnp.isfinite(size) & (size > 0.0)
     gain = (weighted @ searched.residual) ** 2 / jnp.where(own, left, 1.0)
     return jnp.where(own, gain, 0.0) / (searched.residual @ searched.residual)

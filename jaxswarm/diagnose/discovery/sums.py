@@ -50,7 +50,7 @@ def joined(first: Sum | None, trial: Trial) -> Sum:
     return Sum(pieces, dict(zip(names, given, strict=True)))
 
 
-def polished(problem: Joint, formula: Sum, fold: Fold) -> Sum:
+def polished(problem: Joint, formula: Sum, fold: Fold, steps: int = _STEPS) -> Sum:
     """The formula with all inner constants refined on the rows that a fold was trained on."""
     table = formula.constants
     if not table:
@@ -61,7 +61,7 @@ def polished(problem: Joint, formula: Sum, fold: Fold) -> Sum:
         values = {p.name: float(p.decode(x)) for p, x in zip(table, u, strict=True)}
         return unexplained(problem, replaced(formula, values), fold)
 
-    found = scipy.optimize.least_squares(left, start, bounds=(0.0, 1.0), max_nfev=_STEPS)
+    found = scipy.optimize.least_squares(left, start, bounds=(0.0, 1.0), max_nfev=steps)
     values = {p.name: float(p.decode(x)) for p, x in zip(table, found.x, strict=True)}
     return replaced(formula, values)
 

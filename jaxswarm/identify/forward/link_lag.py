@@ -67,7 +67,7 @@ def flank_compression(
 
 
 def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
-    """Stiffness, damping and gap of a joint whose link has this inertia (T,)."""
+    """Stiffness, damping, gap and hardening of a joint whose link has this inertia (T,)."""
     values = {n: np.float64(x) for n, x in _values(term).items()}
     return term.law.gear(values, np.asarray(inertia))
 

@@ -1,0 +1,65 @@
+"""A transmission that extends the one a model has: what it would change of the torque of that one."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.link_lag import best_option, gears, lag_torque, placed
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.link_lag import term_deflection
+
+
+def extended_candidate(lin: Linearization, term: Term) -> Candidate:
+    """The best of what is tried around the values of the transmission that a joint has.
+
+    The rigid parameters were fitted with that one, so the inertia is divided between rotor and link already.
+    """
+    law, residuals = term.law, lin.residuals(term.joint)
+    places = [(name, term.joint, None) for name in law.extends]
+    held = next(t for t in lin.found.model.terms if t.place in places)
+    known = lin.memory.recall(term, residuals)
+    options = known or _options(lin, term, held)
+    curves = _changes(lin, term, held, options)
+    probe = Candidate(term, (), len(law.free(law.nominal())))
+    picks = range(len(options))
+    if known is None:
+        picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
+        lin.memory.keep(term, residuals, [options[p] for p in picks])
+    columns = tuple(curves[p][:, :, None] for p in picks)
+    return replace(probe, term=placed(term, options[picks[0]]), columns=columns)
+
+
+def _options(lin: Linearization, term: Term, held: Term) -> list[dict[str, float]]:
+    """What is tried, within the law's bounds."""
+    felt = [own.at(lin.pi) for own in lin.sensed(term.joint)]
+    logs = zip(lin.found.motions, felt, strict=True)
+    twist = _size([term_deflection(held, motion, own)[0] for motion, own in logs])
+    torque = _size([own[0][:, term.joint] for own in felt])
+    inertia = float(np.median(np.abs(felt[0][3][:, term.joint])))
+    limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
+    return [
+        {n: float(np.clip(v, *limits[n])) for n, v in option.items()}
+        for option in term.law.around(inertia, torque / twist, twist)
+    ]
+
+
+def _size(parts: list[np.ndarray]) -> float:
+    """Root mean square over all logs, above zero."""
+    return max(float(np.sqrt(np.mean(np.concatenate(parts) ** 2))), 1e-9)
+
+
+def _changes(lin: Linearization, term: Term, held: Term, options: list[dict]) -> np.ndarray:
+    """Weighted torque (m, T', n) of options less that of the transmission that is there."""
+    terms, pis = lin.found.model.terms, lin.pi[None]
+    parts = []
+    for motion, own in zip(lin.found.motions, lin.sensed(term.joint), strict=True):
+        one, two = (
+            gears(term.law, options, own, lin.pi),
+            gears(held.law, [held.values], own, lin.pi),
+        )
+        both = (np.concatenate(pair) for pair in zip(one, two, strict=True))
+        parts.append(lag_torque(motion, own, pis, *both, terms=terms))
+    curves = np.concatenate(parts, axis=1)
+    return (curves[:-1] - curves[-1]) * lin.crossfit.weight

@@ -1,0 +1,99 @@
+"""Programs that are a mechanism as a whole: buffers, plays, magnets, levers, belts; terms that stand together.
+
+No product of pieces makes them, or only one that is found late; each is a law by itself, or times a direction.
+"""
+
+from collections.abc import Container, Iterator
+
+from jaxswarm.diagnose.discovery.pieces import (
+    PHASE,
+    Piece,
+    Range,
+    center,
+    hinges,
+    order,
+    scale,
+    width,
+)
+from jaxswarm.effects.dimensions import Unit
+from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.postfix import Program, fields_of
+
+# How narrow the wells of a wave are: from a plain wave to a tenth of its length.
+_NARROW = Parameter("w", "1", 0.3, 10.0, False, 2.0, "narrowness", "log")
+# What a partner's position counts for beside the joint's own.
+_RATIO = Parameter("r", "1", -3.0, 3.0, False, 1.0, "ratio", "linear")
+
+
+# How much longer than its swing the mean square of a spring's length is, where it hangs between two points.
+_LENGTH = Parameter("w", "1", 1.02, 5.0, False, 1.5, "of the length", "log")
+
+
+def of_devices(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
+    """What stands by itself: buffers, springs with a play, levers on springs, and magnets.
+
+    A ball or a rubber that is pressed holds by the power 3/2 (H. Hertz, 1881). A spring between two points has
+    the length of a triangle's side. The wells of magnets have the tails of a power law; several poles repeat
+    every so many parts of a turn.
+    """
+    for hinge in hinges((*x, "c", "-")):
+        yield Piece((*hinge, "square"), (center(r, u),))
+        yield Piece((*hinge, "cube"), (center(r, u),))
+        if angle:
+            yield Piece((*hinge, *hinge, "root", "*"), (center(r, u),))
+    if angle:
+        yield Piece(_lever((*x, "p", "+")), (PHASE, _LENGTH))
+    near = (*x, "c", "-", "s", "/")
+    yield Piece((*near, *near, "sat", "-"), (center(r, u), width(r, u)))
+    table = (center(r, u), width(r, u))
+    for steeper in ((), ("square",), ("cube",)):
+        yield Piece((*near, *near, "square", "2", "+", *steeper, "/"), table)
+    turned = (*x, "c", "-", "k", "*")
+    yield Piece(
+        (*turned, "sin", *turned, "cos", "w", "*", "exp", "*"),
+        (center(r, u), order(r, u), _NARROW),
+    )
+
+
+def of_ratio(r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
+    """Shapes over a joint's position with an unknown part of its partner's: belts, cables, differentials."""
+    x = ("q", "q_other", "r", "*", "-")
+    yield Piece((*x, "square"), (_RATIO,))
+    yield Piece((*x, "cube"), (_RATIO,))
+    yield Piece((*x, *x, "s", "/", "square", "2", "+", "*"), (_RATIO, scale(r, u)))
+    if angle:
+        yield Piece(_lever(("q_other", "r", "*", "q", "+", "p", "+")), (_RATIO, PHASE, _LENGTH))
+        yield Piece((*x, "sin"), (_RATIO,))
+        yield Piece((*x, "cos"), (_RATIO,))
+    yield Piece((*x, "s", "/", "tanh"), (_RATIO, scale(r, u)))
+    yield Piece((*x, "k", "*", "p", "+", "sin"), (_RATIO, order(r, u), PHASE))
+    yield Piece((*x, "c", "-", "cube"), (_RATIO, center(r, u)))
+    yield Piece((*x, "c", "-", "abs"), (_RATIO, center(r, u)))
+    for hinge in hinges((*x, "c", "-")):
+        yield Piece(hinge, (_RATIO, center(r, u)))
+        yield Piece((*hinge, "square"), (_RATIO, center(r, u)))
+
+
+def _lever(turned: Program) -> Program:
+    """Torque of a constant pull along the side of a triangle, by the angle opposite to it."""
+    return (*turned, "sin", "w", *turned, "cos", "-", "root", "/")
+
+
+# Terms without constants that are found only together: each alone leaves nearly everything.
+_FIFTH = ("dq", "square", "dq", "cube", "*")
+_TOGETHER: tuple[tuple[Program, ...], ...] = (
+    (("dq", "abs", "dq", "*"), ("dq", "cube")),
+    (("dq", "cube"), _FIFTH),
+    (("dq", "abs", "dq", "*"), ("dq", "cube"), _FIFTH),
+    (("q", "square"), ("q", "cube")),
+    (("q", "square"), ("q", "cube"), ("q", "square", "square")),
+    (("q", "square"), ("q", "q_other", "*"), ("q_other", "square")),
+    (("q_other", "square"), ("q_other", "cube")),
+)
+
+
+def families(fields: Container[str]) -> Iterator[tuple[Piece, ...]]:
+    """Sums of powers, as a drag that is odd in the velocity or a spring of two joints is expanded in."""
+    for programs in _TOGETHER:
+        if all(name in fields for program in programs for name in fields_of(program)):
+            yield tuple(Piece(program) for program in programs)

@@ -1,0 +1,128 @@
+"""Which joints are searched for formulas, what is searched again, and on what a formula is judged."""
+
+import importlib
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from planted import declared_fit, log_with
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.remainder import Remainder
+from jaxswarm.diagnose.discovery.candidates import _families
+from jaxswarm.diagnose.discovery.front import point, region_folds, strict
+from jaxswarm.diagnose.discovery.joint_search import NoFormula, Open
+from jaxswarm.diagnose.discovery.pieces import Piece
+from jaxswarm.diagnose.discovery.problem import joint_problem
+from jaxswarm.diagnose.discovery.sums import Sum
+from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.effects.parameter import Parameter
+
+discovery = importlib.import_module("jaxswarm.diagnose.discovery.discover")
+
+
+@cache
+def problem():
+    found, crossfit = declared_fit(log_with())
+    return joint_problem(Linearization(found, crossfit), 1, 0)
+
+
+def folds_with(torque):
+    """The regions of the log, where this is all that the model lacks on joint 2."""
+    joint = problem()
+    whole = joint.lin.crossfit.whole
+    residual = whole.free_part(joint.lin.on_joint(torque[:, None], 1))[:, :, 0]
+    return region_folds(replace(whole, residual=residual), regions(joint.lin.found))
+
+
+def test_powers_that_hide_each_other_are_found_together():
+    dq = problem().data["dq"]
+    folds = folds_with(dq**3 - dq**5 / np.abs(dq).max() ** 2)
+    exact = [one for one in _families(problem(), folds) if one.error < 1e-6]
+    best = min(exact, key=lambda one: one.bits)
+    assert best.formula.programs == (("dq", "cube"), ("dq", "square", "dq", "cube", "*"))
+    assert best.symmetry.parity == "odd"
+
+
+WAVE = Sum(
+    (
+        Piece(
+            ("q", "k", "*", "p", "+", "sin"),
+            (
+                Parameter("k", "1/rad", 1.0, 30.0, False, 4.0, "order"),
+                Parameter("p", "1", -np.pi, np.pi, False, 0.0, "phase"),
+            ),
+        ),
+    ),
+    {"k": 5.0, "p": 0.4},
+)
+
+
+def test_a_law_is_learned_without_the_region_it_is_judged_on():
+    folds = folds_with(np.sin(5.0 * problem().data["q"] + 0.4))
+    near = WAVE._replace(values={"k": 5.2, "p": 0.3})
+    told = point(problem(), near, folds)
+    assert strict(problem(), told, folds).error < 1e-3 < told.error
+
+
+def test_what_fits_by_chance_is_worse_where_it_was_not_learned():
+    noise = np.random.default_rng(3).normal(size=len(problem().rows))
+    folds = folds_with(noise)
+    assert strict(problem(), point(problem(), WAVE, folds), folds).error > 0.99
+
+
+def by_hand(monkeypatch, over_noise, outcome):
+    """A search of joints of which laws were added to the last two, and the joints that were asked."""
+    asked = []
+
+    def instead(diagnosis, left, other, seed):
+        asked.append(left)
+        return diagnosis, outcome(left.joint)
+
+    left = [Remainder(j, x, (), (0.0, 0.0)) for j, x in enumerate(over_noise)]
+    kept = [SimpleNamespace(added=SimpleNamespace(joint=j)) for j in (1, 2)]
+    model = SimpleNamespace(robot=SimpleNamespace(joints=("a", "b", "c")), terms=())
+    diagnosis = SimpleNamespace(kept=kept, final=SimpleNamespace(model=model))
+    monkeypatch.setattr(discovery, "unlawful", lambda diagnosis, seed: [])
+    monkeypatch.setattr(discovery, "remainders", lambda final: left)
+    monkeypatch.setattr(discovery, "_discover_instead", instead)
+    return diagnosis, asked
+
+
+def test_laws_that_leave_more_than_noise_are_doubted_and_not_told_as_searched_in_vain(monkeypatch):
+    diagnosis, asked = by_hand(
+        monkeypatch, (1.6, 1.6, 1.1), lambda joint: NoFormula(joint, 9, None, "none")
+    )
+    _, search = discovery.discover(diagnosis)
+    assert asked == [Open(1, (), 0.0, named=True)]
+    assert search == ((), ())
+
+
+@pytest.mark.parametrize(
+    ("better", "order"), [((), ["b"]), (("b",), ["b", "c"]), (("b", "c"), ["b", "c"])]
+)
+def test_a_formula_is_searched_again_beside_those_found_after_it(monkeypatch, better, order):
+    def law(joint):
+        return SimpleNamespace(added=SimpleNamespace(joint=joint))
+
+    diagnosis, _ = by_hand(monkeypatch, (0.9, 1.6, 1.6), law)
+    again = []
+
+    def searched_again(diagnosis, found, earlier, other, seed):
+        name = "abc"[earlier.added.joint]
+        again.append(name)
+        if name in better:
+            found = [*(one for one in found if one is not earlier), law(earlier.added.joint)]
+        return diagnosis, found
+
+    monkeypatch.setattr(discovery, "_searched_again", searched_again)
+    monkeypatch.setattr(
+        discovery, "without_stand_ins", lambda diagnosis, one, seed: (diagnosis, one)
+    )
+    monkeypatch.setattr(discovery, "fitted_rivals", lambda one: ())
+    monkeypatch.setattr(discovery, "replace", lambda one, **changes: one)
+    _, search = discovery.discover(diagnosis)
+    assert again == order
+    assert sorted(one.added.joint for one in search.found) == [1, 2]
