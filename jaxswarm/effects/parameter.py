@@ -22,9 +22,9 @@ class Unit(str):
         unit.sliding = sliding
         return unit
 
-    def __getnewargs__(self) -> tuple[str, str]:
+    def __reduce__(self) -> tuple[type, tuple[str, str]]:
         """What makes it anew in another process: results of a fleet hold units."""
-        return str(self), self.sliding
+        return Unit, (str(self), self.sliding)
 
 
 # The phase of a wave, and how often it repeats over the travel of a joint.

@@ -17,7 +17,6 @@ from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, wh
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.resampling import resample, stride_for, thin, uniform_clock
 from jaxswarm.logs.smoothing import smooth
-from jaxswarm.logs.steps import step_noise
 
 
 @dataclass(frozen=True)
@@ -66,8 +65,6 @@ class Motion:
         model_noise: What the doubt of the motion makes of a model's torque on every decimated row,
             (T', n) [N m or N]; None: not known yet.
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
-        step_noise: What the times of the torque's jumps, unknown between samples, make of the torque on
-            every decimated row, (T', n) [N m or N]; None without torque.
     """
 
     source: str
@@ -90,7 +87,6 @@ class Motion:
     velocity_ratio: np.ndarray | None = None
     model_noise: np.ndarray | None = None
     sharp_noise: np.ndarray | None = None
-    step_noise: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:
@@ -140,11 +136,10 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     decimator = design_decimator(working, torque_cutoff)
     if len(decimator.kept(len(clock))) < 10:
         decimator = Decimator(np.ones(1), 1)
-    tau = noise = steps = None
+    tau = noise = None
     if measured is not None:
         noise = white_noise(measured) * np.sqrt(torque_cutoff / (0.5 * rate))
         tau = thin(measured, rate, stride)
-        steps = step_noise(measured, stride, decimator, len(clock))
     motion = Motion(
         source=log.source,
         joints=log.joints,
@@ -164,7 +159,6 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         # Thinning keeps the density of the noise, not its variance.
         position_noise=band.noise / np.sqrt(stride),
         velocity_ratio=band.ratio,
-        step_noise=steps,
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
 

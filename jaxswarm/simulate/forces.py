@@ -122,7 +122,7 @@ def transmission_torque(plant: Plant, joint: int, twist, twist_rate):
         frequency = 2.0 * jnp.pi * FLANK_FREQUENCY
         rotor = plant.rotor(joint)
         k, d = rotor * frequency**2, 0.4 * rotor * frequency
-    hard = sum((a.law.hardening(a.values) for a in own if a.law.hardening is not None), 0.0)
+    hard = sum((law.hardening(values) for law, values in own if law.hardening is not None), 0.0)
     if isinstance(gap, float) and gap == 0.0:
         return (k + hard * twist**2) * twist + d * twist_rate
     into = jnp.sign(twist) * jnp.maximum(jnp.abs(twist) - gap, 0.0)

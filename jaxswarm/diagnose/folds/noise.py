@@ -24,6 +24,7 @@ from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.smoothing import smooth
+from jaxswarm.logs.steps import step_noise
 
 # Without any measured noise, this share of a joint's torque counts as it: what a sensor of 10 bits tells.
 _LEAST_NOISE = 1e-3
@@ -74,26 +75,34 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     motions = tuple(
         replace(
             m,
-            model_noise=np.sqrt(_drawn_power(found, m, seed)),
-            sharp_noise=_sharp_noise(found, m),
+            model_noise=np.hypot(np.sqrt(_drawn_power(found, m, seed)), _step_noise(m, left)),
+            sharp_noise=_sharp_noise(m, left),
         )
         for m in found.motions
+        for left in [m.tau - model_torque(found.model, m)]
     )
     return replace(found, motions=motions)
 
 
-def _sharp_noise(found: Estimate, motion: Motion) -> np.ndarray:
+def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
+    """Standard deviation (T', n) of the residual from when in its interval a torque jumped.
+
+    Of what the model leaves on the working clock (T, n): where it jumps along, as at a reversal that positions
+    tell to a part of a sample, nothing is in doubt.
+    """
+    return step_noise(left, motion.interval * motion.rate, motion.decimator)
+
+
+def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
     """Standard deviation (T', n) below the torque cutoff of what is sharp, beyond the sensor's noise."""
     sensor = np.zeros(motion.q.shape[1]) if motion.torque_noise is None else motion.torque_noise
-    return np.sqrt(np.maximum(_sharp_power(found, motion) - sensor**2, 0.0))
+    return np.sqrt(np.maximum(_sharp_power(motion, left) - sensor**2, 0.0))
 
 
 def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
-    """Power (T', n) of the model's error: of the white noise of positions, and of when torques jump."""
-    rows = len(motion.decimator.kept(len(motion.t)))
-    steps = np.zeros((rows, motion.q.shape[1])) if motion.step_noise is None else motion.step_noise
+    """Power (T', n) that the white noise of a log's positions makes of the model's torque."""
     if motion.position_noise is None:
-        return steps**2
+        return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
     rng = np.random.default_rng(seed)
     ratio = motion.velocity_ratio
     speed = None if ratio is None else motion.position_noise / np.sqrt(ratio)
@@ -107,17 +116,16 @@ def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
 
     plain = torque(0.0)
     power = [motion.decimator.apply(torque(1.0) - plain) ** 2 for _ in range(_DRAWS)]
-    return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0) + steps**2
+    return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
 
 
-def _sharp_power(found: Estimate, motion: Motion) -> np.ndarray:
+def _sharp_power(motion: Motion, left: np.ndarray) -> np.ndarray:
     """Power (T', n) below the torque cutoff of what leaves as much of it per hertz above."""
     rate, begin = motion.rate, _ABOVE * motion.torque_cutoff
     kept = motion.decimator.kept(len(motion.t))
     if 0.5 * rate - begin < _LEAST_SHARE * rate:
         return np.zeros((len(kept), motion.q.shape[1]))
-    residual = motion.tau - model_torque(found.model, motion)
-    above = butterworth(residual, rate, begin, 4, high=True)
+    above = butterworth(left, rate, begin, 4, high=True)
     span = max(_WINDOW, 1.0 / motion.torque_cutoff)
     power = scipy.ndimage.uniform_filter1d(above**2, max(3, int(span * rate)), axis=0)
     return power[kept] * motion.torque_cutoff / (0.5 * rate - begin)

@@ -126,9 +126,8 @@ def reconsider(
             continue
         chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == own
-        instead = _replacement(
-            _simpler(chosen, passed) if same else [chosen], chosen, rest, current, other
-        )
+        picks = _simpler(chosen, passed) if same else [chosen]
+        instead = _replacement(picks, chosen, rest, current, other)
         if instead is None and same and fuller:
             instead = _fuller(chosen, near, rest, current, other)
         if instead is None:
@@ -136,16 +135,28 @@ def reconsider(
                 done[place] = replace(step, rivals=tuple(near))
             continue
         pick, current = instead
-        others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
-        added = find_term(current, pick.candidate.term)
-        told = tuple(
-            s
-            for s in (chosen, *near)
-            if s is not pick and not is_special_case(pick.candidate, s.candidate, crossfit)
-        )
-        done[place] = replace(step, added=added, score=pick, rivals=told, others=others)
+        done[place] = _exchanged(step, pick, (chosen, *near), scores, current, crossfit)
         changed = True
     return (chain(done) if changed else done), current, changed
+
+
+def _exchanged(
+    step: Step,
+    pick: Score,
+    told: Sequence[Score],
+    scores: Sequence[Score],
+    current: Estimate,
+    crossfit: CrossFit,
+) -> Step:
+    """The step with another law, and of those near the chosen one the rivals that are no special case of it."""
+    rivals = tuple(
+        s
+        for s in told
+        if s is not pick and not is_special_case(pick.candidate, s.candidate, crossfit)
+    )
+    others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
+    added = find_term(current, pick.candidate.term)
+    return replace(step, added=added, score=pick, rivals=rivals, others=others)
 
 
 def _nobody_needs(step: Step, certain: bool, scores: Sequence[Score], rules: Rules) -> bool:
