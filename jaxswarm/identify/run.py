@@ -16,8 +16,8 @@ from jaxswarm.effects.term import Term, parameter_bounds, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
-from jaxswarm.identify.estimation.clock_skew import with_clocks
-from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.report import order_pictures, report_of
@@ -176,9 +176,9 @@ def identify_files(
         told = {"findings": findings(read), "validation_logs": described(read[len(paths) :])}
         summaries = described(logs)
         # A long log is as large as all that is made of it, and its samples are not asked for again.
-        del read, logs
+        del read, logs, motions
         progress("fitting")
-        found = with_clocks(estimate(robot, terms, fitted), bounded=True)
+        found = estimate_with_clocks(robot, terms, fitted)
         if unseen is not None:
             unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
         found, search = _searched(found, options, progress)

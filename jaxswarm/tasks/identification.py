@@ -12,8 +12,8 @@ from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
-from jaxswarm.identify.estimation.clock_skew import with_clocks
-from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.report import report_of
@@ -131,7 +131,7 @@ def identify(
         scored, unseen = prepared(validation, robot, motions[0].filtering, terms, accept)
         refuse_shared(read, scored)
     progress("fitting")
-    found = with_clocks(estimate(robot, terms, motions), bounded=True)
+    found = estimate_with_clocks(robot, terms, list(motions))
     if unseen is not None:
         unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
     progress("scoring")

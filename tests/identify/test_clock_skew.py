@@ -1,5 +1,6 @@
 """The clocks of torque and position: a part of a sample is found with the parameters, a delay is left alone."""
 
+import importlib
 from dataclasses import replace
 
 import numpy as np
@@ -51,6 +52,18 @@ def test_a_part_of_a_sample_is_found_with_the_rest(arm, late):
     found = fitted["filtering"]["clock_skew_s"] * _RATE
     assert found == pytest.approx(-late, abs=0.03)
     np.testing.assert_allclose(_viscous(fitted), _FRICTION["b"], rtol=0.02, atol=0.01)
+
+
+def test_a_long_log_tells_its_clocks_by_a_stretch_of_it(arm, monkeypatch):
+    module = importlib.import_module("jaxswarm.identify.estimation.clock_skew")
+    log, asked = _log(arm, 0.4), "viscous_friction,coulomb_friction"
+    whole = jaxswarm.identify(log, arm, asked)["filtering"]["clock_skew_s"]
+    monkeypatch.setattr(module, "_ROWS", 150)
+    monkeypatch.setattr(module, "_LONG", 200)
+    fitted = jaxswarm.identify(log, arm, asked)
+    assert fitted["filtering"]["clock_skew_s"] == pytest.approx(whole, abs=0.05 / _RATE)
+    assert fitted["filtering"]["clock_skew_s"] != whole
+    np.testing.assert_allclose(_viscous(fitted), _FRICTION["b"], rtol=0.05, atol=0.01)
 
 
 def test_another_log_is_scored_by_the_same_clocks(arm):

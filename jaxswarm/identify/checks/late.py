@@ -37,17 +37,29 @@ def late_torque(robot: Robot, rough: Rough) -> Finding | None:
     own = np.eye(robot.num_joints, dtype=bool)
     others = np.where(own, np.nan, found.seconds)  # a row a joint, without its own
     apart = found.seconds - np.nanmedian(others, axis=1)
+    gain = _beyond_common(found.gain, found.seconds, apart)
     well = logged.left < _WELL
     needed = np.where(well, _CLEAR_WELL, _CLEAR) * rough.strictness
-    least = np.where(well & (found.gain > _CLEAR * rough.strictness), _APART_WELL, _APART)
-    clear = (np.abs(apart) > least) & (np.abs(found.seconds) < _LONGEST) & (found.gain < needed)
+    least = np.where(well & (gain > _CLEAR * rough.strictness), _APART_WELL, _APART)
+    clear = (np.abs(apart) > least) & (np.abs(found.seconds) < _LONGEST) & (gain < needed)
     if not clear.any():
         return None
-    j = int(np.argmin(np.where(clear, found.gain, 0.0)))
-    share = 100.0 * (1.0 - np.exp(found.gain[j]))
+    j = int(np.argmin(np.where(clear, gain, 0.0)))
+    share = 100.0 * (1.0 - np.exp(gain[j]))
     what = (
         f"the torque of {robot.joints[j]} is {1e3 * abs(apart[j]):.0f} ms "
         f"{'late' if apart[j] > 0 else 'early'} against the other joints, which is {share:.0f} % of what "
         "rigid body and friction leave of it"
     )
     return Finding("late_torque", what, "Shift this column of the log")
+
+
+def _beyond_common(gain: np.ndarray, seconds: np.ndarray, apart: np.ndarray) -> np.ndarray:
+    """Logarithm of what is left with the delay over what is left with that of the other joints, (n,).
+
+    What a delay leaves grows with its square, so that a joint's own part of it says by how much. A delay of all
+    drives that one joint tells a few milliseconds short is a matter of the clock.
+    """
+    left = np.exp(gain)
+    part = np.square(np.divide(apart, seconds, out=np.zeros_like(apart), where=seconds != 0.0))
+    return np.log(left / (left + (1.0 - left) * np.minimum(part, 1.0)))

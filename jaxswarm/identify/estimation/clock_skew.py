@@ -12,10 +12,12 @@ import numpy as np
 import scipy
 
 from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.forward.regression import Regression
-from jaxswarm.logs.motion import shift_motion
+from jaxswarm.logs.motion import Motion, shift_motion, stretch
+from jaxswarm.robot.model import Robot
 
 # Each step makes a new fit: a first one, one for what it changed, one to see that nothing is left.
 _STEPS = 3
@@ -24,6 +26,8 @@ _STEPS = 3
 _CERTAIN, _SMALL = 3.0, 0.5
 # Rows that tell it to a thousandth of a sample; of a longer log the middle is asked.
 _ROWS = 20_000
+# Rows of a log from which on two fits of it are too large.
+_LONG = 5 * _ROWS
 
 
 def clock_skew(found: Estimate) -> tuple[float, float]:
@@ -67,6 +71,30 @@ def with_skew(found: Estimate, seconds: float, bounded: bool = False) -> Estimat
         bounded=bounded,
         start=np.asarray(model.robot.parameters).ravel(),
     )
+
+
+def estimate_with_clocks(robot: Robot, terms: tuple[Term, ...], motions: list[Motion]) -> Estimate:
+    """The fit of declared terms within their bounds, with its clocks.
+
+    Of long logs the clocks are found on a stretch, and the logs are moved one by one: two fits of all rows need
+    twice the memory.
+
+    Args:
+        robot, terms: As for :func:`estimate`.
+        motions: Prepared logs; long ones are taken out of the list.
+    """
+    longest = max(motions, key=lambda m: len(m.t))
+    if len(longest.t) <= _LONG * longest.decimator.factor:
+        return with_clocks(estimate(robot, terms, motions), bounded=True)
+    reach = _ROWS * longest.decimator.factor // 2
+    middle = len(longest.t) // 2
+    part = stretch(longest, middle - reach, middle + reach)
+    late = with_clocks(estimate(robot, terms, [part]), bounded=True).motions[0].skew - part.skew
+    moved = []
+    while motions:
+        motion = motions.pop(0)
+        moved.append(shift_motion(motion, late) if late else motion)
+    return estimate(robot, terms, moved)
 
 
 def with_clocks(found: Estimate, bounded: bool = False) -> Estimate:
