@@ -76,10 +76,11 @@ def test_a_long_log_keeps_the_slopes_of_one_joint(motion, in_parts):
 @pytest.mark.parametrize("sets", [1, 30])
 def test_lags_of_some_options_at_a_time_are_those_of_all(motion, sets, own, request):
     k, d, gap = np.geomspace(300.0, 3e4, 30), np.full(30, 5.0), np.linspace(0.0, 0.01, 30)
+    hard = np.zeros(30)
     pis = np.linspace(0.9, 1.1, sets)[:, None] * PI
 
     def found():
-        return lag_torque(motion, sensitivity_of(ARM, motion, 1), pis, k, d, gap, own=own)
+        return lag_torque(motion, sensitivity_of(ARM, motion, 1), pis, k, d, gap, hard, own=own)
 
     whole = found()
     request.getfixturevalue("in_parts")

@@ -90,7 +90,8 @@ def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
     Of what the model leaves on the working clock (T, n): where it jumps along, as at a reversal that positions
     tell to a part of a sample, nothing is in doubt.
     """
-    return step_noise(left, motion.interval * motion.rate, motion.decimator)
+    lasting = max(3, round(motion.rate / motion.torque_cutoff))
+    return step_noise(left, motion.interval * motion.rate, motion.decimator, lasting)
 
 
 def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
