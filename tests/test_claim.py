@@ -109,7 +109,7 @@ def test_numerical_failures_name_the_log_and_the_stage(identified, tmp_path, mon
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr(import_module("jaxswarm.identify.run"), "estimate", fail)
+    monkeypatch.setattr(import_module("jaxswarm.identify.run"), "estimate_with_clocks", fail)
     result = identify(identified / "log.csv", tmp_path / "out")
     assert_refused(result, "log.csv", "fitting", str(error))
     assert not (tmp_path / "out").exists()
@@ -119,7 +119,7 @@ def test_a_mistake_of_ours_stays_visible(identified, tmp_path, monkeypatch):
     def fail(*_, **__):
         raise KeyError("no such thing")
 
-    monkeypatch.setattr(import_module("jaxswarm.identify.run"), "estimate", fail)
+    monkeypatch.setattr(import_module("jaxswarm.identify.run"), "estimate_with_clocks", fail)
     with pytest.raises(KeyError):
         identify(identified / "log.csv", tmp_path / "out")
 

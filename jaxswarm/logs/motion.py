@@ -65,6 +65,7 @@ class Motion:
         model_noise: What the doubt of the motion makes of a model's torque on every decimated row,
             (T', n) [N m or N]; None: not known yet.
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
+        step_noise: What the times of jumps, unknown between samples, make of the residual, likewise.
     """
 
     source: str
@@ -87,6 +88,7 @@ class Motion:
     velocity_ratio: np.ndarray | None = None
     model_noise: np.ndarray | None = None
     sharp_noise: np.ndarray | None = None
+    step_noise: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:

@@ -24,7 +24,7 @@ space, keys = Space.vector([-5.0] * 2, [5.0] * 2), jax.random.split(make(0), 4)
 centers = np.arange(4.0)
 def sphere(x, center):
     return ((x - center) ** 2).sum()
-shared = dict(num_steps=12, stop=stalled(3), vectorized=False, args_axes=0)
+shared = dict(num_steps=12, stop=stalled(3, tolerance=1e6), vectorized=False, args_axes=0)
 shared["start"] = around(np.array([1.0, 1.0]), 0.1)
 spread = minimize_sharded(sphere, pso(6), space, keys, centers, **shared)
 assert not spread.value.is_fully_addressable

@@ -18,7 +18,7 @@ _FORGOTTEN = 3.0
 def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The window whose constant torques explain most, found on running sums of the residual."""
     regression = lin.found.regression
-    residual = np.where(_remembers(lin), 0.0, lin.crossfit.whole.residual)
+    residual = np.where(_remembers(lin), 0.0, lin.crossfit.whole.residual * lin.crossfit.timing)
     total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
     best, pick = 0.0, None
     for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):

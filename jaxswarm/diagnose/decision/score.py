@@ -158,9 +158,11 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     """
     whole, weight = crossfit.whole, crossfit.weight
     inside = candidate.columns[0].any(axis=(1, 2))
-    free = whole.free_part(candidate.columns[0])
-    a = coefficients(free, whole)
-    predicted, residual = free @ a, whole.residual
+    timing = crossfit.timing
+    free, residual = whole.free_part(candidate.columns[0]), whole.residual * timing
+    free = free * timing[:, :, None]
+    a = coefficients(free, whole, residual)
+    predicted = free @ a
     fall = residual**2 - (residual - predicted) ** 2
     raw = np.divide(1.0, weight**2, where=weight > 0, out=np.zeros_like(weight))
     shares = (fall * raw).sum(axis=0) / np.maximum((residual**2 * raw).sum(axis=0), 1e-300)

@@ -55,6 +55,17 @@ def row_doubt(found: Estimate) -> np.ndarray:
     return _with_sensor(found, lambda m: m.model_noise)
 
 
+def event_doubt(found: Estimate) -> np.ndarray:
+    """The noise of every row (T', n) by which it counts for an event: with when, in a sample, torques jumped.
+
+    An event is a matter of few rows. A law shows on all of them, and an impact is what it has to explain.
+    """
+    doubt = row_doubt(found)
+    if any(m.step_noise is None for m in found.motions):
+        return doubt
+    return np.hypot(doubt, np.concatenate([m.step_noise for m in found.motions]))
+
+
 def _with_sensor(found: Estimate, part: Callable[[Motion], np.ndarray]) -> np.ndarray:
     """Noise of the torque's sensor and a part of what the logs' motion makes, (T', n)."""
     sensor = _sensor(found)
@@ -75,8 +86,9 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     motions = tuple(
         replace(
             m,
-            model_noise=np.hypot(np.sqrt(_drawn_power(found, m, seed)), _step_noise(m, left)),
+            model_noise=np.sqrt(_drawn_power(found, m, seed)),
             sharp_noise=_sharp_noise(m, left),
+            step_noise=_step_noise(m, left),
         )
         for m in found.motions
         for left in [m.tau - model_torque(found.model, m)]

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.folds.noise import row_doubt
+from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
@@ -96,6 +96,7 @@ class CrossFit:
         effective: Independent residuals in the data.
         noise: Standard deviation of the noise but for what is sharp, (n,).
         size: RMS of the torque, (n,).
+        timing: Part of the weights that the times of jumps leave events, (T, n).
         structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
     """
 
@@ -106,6 +107,7 @@ class CrossFit:
     effective: float
     noise: np.ndarray
     size: np.ndarray
+    timing: np.ndarray
     structure: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -155,7 +157,9 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     torque_size = np.sqrt((regression.torque**2).mean(axis=0))
     halves = (first, second)
     noise = np.sqrt((row_doubt(found) ** 2).mean(axis=0))
-    return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size)
+    # Rows that are bounded already count for no less.
+    timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
+    return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size, timing)
 
 
 def blocks_of(found: Estimate) -> np.ndarray:
