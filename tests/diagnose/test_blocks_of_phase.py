@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.folds.partial_out import blocks_of
+from jaxswarm.diagnose.folds.blocks import blocks_of
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.validate import time_blocks
 from jaxswarm.logs.coverage import repeats_after

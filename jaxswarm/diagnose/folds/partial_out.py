@@ -18,20 +18,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy
 
+from jaxswarm.diagnose.folds.blocks import blocks_of
 from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
 from jaxswarm.identify.estimation.gauss_newton import Problem
 from jaxswarm.identify.estimation.sign_width import width_groups, width_range
-from jaxswarm.identify.estimation.validate import time_blocks
 from jaxswarm.identify.forward.model import linear_values
-from jaxswarm.logs.coverage import repeats_after
 
-# Blocks per log, and the least number of rows in one.
-_BLOCKS, _LEAST_ROWS = 20, 8
-# Phases of a motion that repeats itself: fewer prove nothing, and time is held out.
-_LEAST_PHASES = 6
 # Residuals beyond this multiple of the noise are bounded in their influence.
 _REACH = 4.0
 
@@ -160,28 +155,6 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     # Rows that are bounded already count for no less.
     timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
     return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size, timing)
-
-
-def blocks_of(found: Estimate) -> np.ndarray:
-    """Number the rows (T,) by blocks: stretches of time, or of the phase of a motion that repeats itself.
-
-    What repeats with the motion, as the errors of its sampling do, is in every period alike: time that is
-    held out of such a log repeats time that was fitted, phases that are held out do not.
-    """
-    log, t = found.regression.log, found.regression.t
-    per_log = max(4, min(_BLOCKS, int(np.bincount(log).min()) // _LEAST_ROWS))
-    block = time_blocks(log, per_log)
-    for k, motion in enumerate(found.motions):
-        period = repeats_after(motion.t, motion.q)
-        rows = log == k
-        if period is None or not rows.any():
-            continue
-        step = found.regression.step[k]
-        count = min(per_log, int(period / step) // _LEAST_ROWS)
-        if count >= _LEAST_PHASES:
-            phase = (t[rows] - t[rows][0]) / period % 1.0
-            block[rows] = k * per_log + (phase * count).astype(int)
-    return np.unique(block, return_inverse=True)[1]
 
 
 def width_slopes(found: Estimate) -> np.ndarray:
