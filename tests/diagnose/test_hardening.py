@@ -34,7 +34,6 @@ PENDULUM = robot_from_dh(
     "pendulum", convention="modified", alpha=[np.pi / 2], a=[0.0], d=[0.0]
 ).replace(parameters=np.array([[10.0, WEIGHT / 9.81, 0, 0, 0.1, 0, INERTIA, 0, 0, INERTIA]]))
 # Amplitudes [rad] and frequencies [Hz] of the motor's motion.
-REPLACED = ("joint_elasticity", "backlash")
 WAVES = ((0.9, 0.21, 0.3), (0.35, 0.83, 1.1), (0.06, 2.3, 2.0), (0.012, 4.1, 0.4))
 
 
