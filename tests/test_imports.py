@@ -53,7 +53,7 @@ ALLOWED = {
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
     **dict.fromkeys(("space", "bounds", "scales", "forward"), "leaves"),
-    **dict.fromkeys(("schedules", "random", "pytree", "fingerprint"), "leaves"),
+    **dict.fromkeys(("schedules", "random", "quantile", "pytree", "fingerprint"), "leaves"),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
     **dict.fromkeys(("start", "standing", "stopping", "result"), "minimize"),

@@ -6,9 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import special, stats
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.quantile import quantile
 from jaxswarm.swarm.random import Random, fold, mix
 
 KEYS = [jax.random.key(seed) for seed in (0, 1, 2**31)]
@@ -137,6 +138,18 @@ def test_normal_numbers():
         z = np.asarray(random.normal("z", (LANES,), dtype), float)
         assert stats.kstest(z, "norm").pvalue > 1e-3
         assert abs(stats.kurtosis(z)) < 0.05 and np.abs(z).max() > 4.0
+
+
+@pytest.mark.parametrize("dtype, tolerance", [("float32", 6e-7), ("float64", 2e-15)])
+def test_quantiles_are_those_of_scipy(dtype, tolerance):
+    """From the smallest to the largest number that a stream holds, and on either side of a seam."""
+    tail = 2.0 ** -np.arange(2.0, 24.0 if dtype == "float32" else 33.0, 0.25)
+    u = np.concatenate([tail, np.linspace(0.07, 0.93, 2001), 1.0 - tail]).astype(dtype)
+    expected = special.ndtri(u.astype(float))
+    z = np.asarray(quantile(jnp.asarray(u)))
+    assert z.dtype == dtype
+    np.testing.assert_allclose(z, expected, rtol=tolerance, atol=tolerance)
+    assert (np.diff(np.asarray(quantile(jnp.asarray(np.sort(u))))) >= 0.0).all()
 
 
 def test_others_are_distinct_and_uniform():

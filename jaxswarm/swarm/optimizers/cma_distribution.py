@@ -125,8 +125,10 @@ def round_at(mean: jax.Array, sigma: Any) -> Distribution:
 
 def draw(random: Random, of: Distribution, n: int) -> jax.Array:
     """Draw n samples (n, d) in all of R^d; what is evaluated is ``inside`` of them."""
-    z = random.normal("sample", (n, of.mean.size), of.mean.dtype)
-    return of.mean + of.sigma * (z * of.spread) @ of.basis.T
+    d = of.mean.size
+    # In one row, scaled by the product: a CPU takes four times as long for many short rows (``repeating``).
+    z = random.normal("sample", (n * d,), of.mean.dtype).reshape(n, d)
+    return of.mean + of.sigma * (z @ (of.basis * of.spread).T)
 
 
 def deviations(of: Distribution) -> jax.Array:

@@ -30,6 +30,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.cma_distribution import Distribution, deviations
+from jaxswarm.swarm.optimizers.counting import ascending
 
 __all__ = ["REASONS", "Watch", "unwatched", "watch"]
 
@@ -161,5 +162,7 @@ def _no_better(history, entered):
     count = int(SHARE * window)
     oldest = jnp.arange(count)
     places = jnp.stack([oldest, window - 1 - oldest]) + entered
-    first, latest = jnp.moveaxis(jnp.sort(history[:, places % window])[..., count // 2], 1, 0)
+    # Ordered by counting: in many runs at once every run looks, due or not, and a sort takes ten times as long.
+    rising = jax.vmap(jax.vmap(ascending))(history[:, places % window])
+    first, latest = jnp.moveaxis(rising[..., count // 2], 1, 0)
     return jnp.all(latest >= first)
