@@ -23,7 +23,9 @@ def ours(algorithm: str, n: int, dims: int, runs: int, steps: int, source: str) 
 
     from jaxswarm import swarm
 
-    optimizer = getattr(swarm, OURS[algorithm])(n, random=source)
+    # As in the peers, all follow the best of all.
+    parts = {"topology": swarm.global_best()} if algorithm == "PSO" else {}
+    optimizer = getattr(swarm, OURS[algorithm])(n, random=source, **parts)
     space = swarm.Space.vector([0.0] * dims, [1.0] * dims)
     keys = jax.random.split(jax.random.key(0), runs)
 

@@ -141,7 +141,8 @@ def averaged(fn: Callable[[jax.Array, Any, Any], jax.Array], num: int) -> Averag
 def recommend(result: Any, space: Any) -> Any:
     """Return the parameters to use after a search under noise, as ``space.decode`` does.
 
-    The mean of the distribution for one that has a mean (``cma_es``, not restarted). Under
+    The mean of the distribution for one that has a mean (``cma_es``; of a restarted one unless the present
+    life is young; not within ``restart``). Under
     :func:`reevaluate` the lowest mean among the memories that were evaluated at least half as often as
     any: a new one may be the luckiest still. Else the best position.
 
@@ -166,10 +167,10 @@ def recommend(result: Any, space: Any) -> Any:
 
 
 def _mean_of(state):
+    if hasattr(state, "_fields") and hasattr(state, "mean"):
+        return state.mean
     if not hasattr(state, "_fields") or hasattr(state, "restarts"):
         return None  # an array; or a search whose present life may just have begun
-    if hasattr(state, "mean"):
-        return state.mean
     for part in state:
         mean = _mean_of(part)
         if mean is not None:

@@ -12,6 +12,7 @@ from jaxswarm.swarm import (
     cma_es,
     de,
     ga,
+    ipop_cma_es,
     minimize,
     minimize_runs,
     pso,
@@ -87,11 +88,12 @@ def test_what_stays_is_seen_again_and_averages_out():
     np.testing.assert_allclose(advised, lucky.params, rtol=1e-12)
 
 
-def test_the_mean_of_a_distribution_lies_nearer_than_its_luckiest_sample():
+@pytest.mark.parametrize("optimizer", [cma_es(40), ipop_cma_es(40, num_doublings=1)])
+def test_the_mean_of_a_distribution_lies_nearer_than_its_luckiest_sample(optimizer):
     keys = jax.random.split(KEY, 16)
 
     def errors(key):
-        found = minimize(noisy, cma_es(40), SPACE, key, num_steps=20, noisy=True)
+        found = minimize(noisy, optimizer, SPACE, key, num_steps=20, noisy=True)
         return sphere(recommend(found, SPACE)), sphere(found.params)
 
     mean, luckiest = jax.vmap(errors)(keys)

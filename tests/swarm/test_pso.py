@@ -238,6 +238,18 @@ def test_a_short_run_reaches_a_lowest_value_on_the_walls():
     assert (np.asarray(runs.value) == 0.0).mean() >= 0.9
 
 
+def test_neighbors_on_a_grid_collapse_less_often_than_followers_of_one():
+    """Down a linear slope in twenty dimensions."""
+    slope = 10.0 ** jnp.linspace(0.0, 1.0, 20)
+    space, keys = Space.vector([-5.0] * 20, [5.0] * 20), jax.random.split(KEY, 40)
+    down = lambda x, _: (x + 5.0) @ slope  # noqa: E731
+    arrived = [
+        (minimize_runs(down, swarm, space, keys, num_steps=500).value < 1e-8).mean()
+        for swarm in (pso(), pso(topology=global_best()))
+    ]
+    assert arrived[0] >= 0.85 > arrived[1]
+
+
 @pytest.mark.parametrize(
     "name, limit, wall",
     [
@@ -250,6 +262,7 @@ def test_published_swarms_keep_their_limit_and_walls(name, limit, wall):
     swarm = OPTIMIZERS[name].factory()
     swarm = getattr(swarm, "inner", swarm)
     assert swarm.velocity_limit == limit and swarm.boundary == wall
+    assert swarm.topology == (random_informants(3) if name == "spso2011" else global_best())
 
 
 @pytest.mark.parametrize(

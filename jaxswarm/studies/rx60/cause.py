@@ -22,7 +22,14 @@ import numpy as np
 
 from jaxswarm.studies.rx60.search import COORDINATES, PARTICLES, View, scheme, search, summary
 from jaxswarm.studies.statistics import compare, holm, verdict
-from jaxswarm.swarm import elitist_learning, evolutionary_control, pso, reflect, ring
+from jaxswarm.swarm import (
+    elitist_learning,
+    evolutionary_control,
+    global_best,
+    pso,
+    reflect,
+    ring,
+)
 from jaxswarm.swarm.schedules import linear
 
 STEPS = 200  # the budget at which our GPSO ends where the paper's does
@@ -46,7 +53,7 @@ def variants(c: float, at: View, num_steps: int) -> dict[str, Any]:
 
     control = evolutionary_control()
     common = dict(cognitive=c, social=c, velocity_limit=0.2, inertia=0.9, initial_velocity=0.5)
-    common |= dict(boundary=reflect(0.5))
+    common |= dict(boundary=reflect(0.5), topology=global_best())
     learning = elitist_learning(
         scheme("gpso", num_steps, cognitive=c, social=c), linear(1.0, 0.1, num_steps)
     )

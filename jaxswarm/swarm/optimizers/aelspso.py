@@ -19,6 +19,7 @@ from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.control import converged, evolutionary_control
 from jaxswarm.swarm.optimizers.elitist_learning import ElitistLearning, elitist_learning
 from jaxswarm.swarm.optimizers.pso import pso
+from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.schedules import linear
 
 __all__ = ["aelspso"]
@@ -58,7 +59,7 @@ def aelspso(
         raise InputError(f"gate={gate!r} is unknown. {nearest(str(gate), GATES)}")
     control = evolutionary_control(adapt_coefficients=adapt_coefficients, scale=scale)
     chosen = dict(inertia=0.9, cognitive=2.0, social=2.0)
-    chosen |= dict(velocity_limit=0.2, initial_velocity=0.5)
+    chosen |= dict(velocity_limit=0.2, initial_velocity=0.5, topology=global_best())
     chosen |= dict(boundary=reflect(0.5), control=control)
     swarm = pso(num_particles, random=random, **(chosen | parts))
     return elitist_learning(

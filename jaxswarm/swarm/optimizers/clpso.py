@@ -25,6 +25,7 @@ import numpy as np
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.pso import PSO, pso
+from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.schedules import BY_HAND, coefficient, linear, run_length
 
@@ -56,6 +57,7 @@ def clpso(
         inertia=inertia,
         cognitive=1.49445,
         velocity_limit=0.2,
+        topology=global_best(),
         boundary=reflect(0.5),
         initial_velocity=0.5,
         control=Exemplars(

@@ -47,8 +47,9 @@ __all__ = ["CMARestarts", "CMARestartsState", "bipop_cma_es", "ipop_cma_es"]
 NUM_DOUBLINGS = 7
 """Population up to 128 n: twice what IPOP reaches on BBOB in 20 dimensions with 10,000 D evaluations."""
 
-TIER = 3
-"""Doublings from one compiled size of a generation to the next: eight times the rows."""
+TIER, PROVEN = 3, 0.5
+"""Doublings from one compiled size of a generation to the next: eight times the rows. Share of the updates
+of an ended life, on average, from which on the mean of a life is recommended."""
 
 
 class Life(NamedTuple):
@@ -94,6 +95,12 @@ class CMARestartsState(NamedTuple):
     best_value: jax.Array
     count: jax.Array
 
+    @property
+    def mean(self) -> jax.Array:
+        """(d,) mean of this life; the best position while it is young, beside those that have ended."""
+        proven = self.life.steps * self.restarts >= PROVEN * jnp.sum(self.spent)
+        return jnp.where(proven, self.search.mean, self.best_position)
+
 
 @pytree
 class CMARestarts:
@@ -109,10 +116,8 @@ class CMARestarts:
         (n, d), dtype = first.position.shape, first.position.dtype
         rows = n * 2**self.num_doublings
         zero, nothing = jnp.zeros((), jnp.int32), jnp.zeros((), dtype)
-        never = jnp.asarray(jnp.inf, dtype)
         # As in pycma the first life counts among the small ones.
         small = jnp.asarray(self.two_kinds)
-        sigma = jnp.asarray(self.inner.sigma, dtype)
         return CMARestartsState(
             position=first.position,
             sample=first.sample,
@@ -121,7 +126,7 @@ class CMARestarts:
             filled=zero,
             search=first.search,
             watch=first.watch,
-            life=Life(zero + 1, small, nothing, never, sigma),
+            life=Life(zero + 1, small, nothing, jnp.asarray(jnp.inf, dtype), first.search.sigma),
             doublings=zero,
             spent=jnp.zeros((2,), dtype),
             restarts=zero,

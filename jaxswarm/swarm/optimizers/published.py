@@ -6,7 +6,7 @@ from typing import Any
 from jaxswarm.swarm.optimizers.boundaries import absorb, bounce, reflect
 from jaxswarm.swarm.optimizers.pso import PSO, pso
 from jaxswarm.swarm.optimizers.rules import spherical
-from jaxswarm.swarm.optimizers.topologies import random_informants
+from jaxswarm.swarm.optimizers.topologies import global_best, random_informants
 from jaxswarm.swarm.schedules import linear
 
 __all__ = ["gpso", "spso", "spso2011"]
@@ -25,7 +25,7 @@ def spso(num_particles: int = 40, **parts: Any) -> PSO:
     """
     c = 0.5 + math.log(2.0)
     chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, velocity_limit=math.inf)
-    chosen |= dict(boundary=absorb(), initial_velocity=0.5)
+    chosen |= dict(topology=global_best(), boundary=absorb(), initial_velocity=0.5)
     return pso(num_particles, **(chosen | parts))
 
 
@@ -46,6 +46,7 @@ def gpso(num_particles: int = 24, num_steps: float | None = None, **parts: Any) 
         cognitive=2.0,
         social=2.0,
         velocity_limit=0.2,
+        topology=global_best(),
         boundary=reflect(0.5),
         initial_velocity=0.5,
     )

@@ -33,6 +33,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.pso import PSO, pso
+from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.schedules import coefficient, linear
 
@@ -74,6 +75,7 @@ def sepso(
         cognitive=2.0,
         social=2.0,
         velocity_limit=0.2,
+        topology=global_best(),
         boundary=reflect(0.5),
         initial_velocity=0.5,
         control=emotions(variant),
