@@ -93,7 +93,8 @@ def by_validation_log(result: dict) -> Grid | None:
     logs = result["error"].get("validation") or []
     if len(logs) < 2:
         return None
-    rows, flagged = [], set()
+    rows: list[tuple] = []
+    flagged = set()
     floor = result["error"]["noise_floor"]["rms"]
     for entry in logs:
         pairs = zip(
@@ -163,7 +164,7 @@ def standard_parameters(result: dict) -> Grid:
     for k, link in enumerate(result.get("physical_consistency", {}).get("links", ())):
         if not link["possible"]:
             flagged.add(k)
-        six = [link["inertia"]["xyz".index(a)]["xyz".index(b)] for a, b in axes]
+        six = [link["inertia"]["xyz".index(a[0])]["xyz".index(a[1])] for a in axes]
         size = _NOTHING * sum(map(abs, six[:3]))
         inertia = (0.0 if abs(x) < size else x for x in six)
         center = (0.0 if abs(x) < _NOTHING else x for x in link["center"])

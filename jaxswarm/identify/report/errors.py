@@ -15,7 +15,7 @@ def error_rows(report: dict) -> dict[str, dict]:
     """
     told = report["error"]
     train = told["train"] if isinstance(told["train"], list) else [told["train"]]
-    rows = {}
+    rows: dict[str, dict] = {}
     for errors in train:
         name = f"fitted: {errors['log']}" if len(train) > 1 else "fitted log"
         number = sum(row == name or row.startswith(f"{name}, part ") for row in rows)
