@@ -110,7 +110,7 @@ def test_summary_has_a_row_for_every_parameter(found):
     assert len(names) == found.fit.base.size
     assert len(names) + len(lost) == 20 + 4
     assert {row["verdict"] for row in base_parameter_table(found)} <= {
-        "determined", "weak", "impossible", "at bound",
+        "determined", "negligible", "weak", "impossible", "at bound",
     }  # fmt: skip
     matrix = correlation(found)
     np.testing.assert_allclose(np.diag(matrix), 1.0)

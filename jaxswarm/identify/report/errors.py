@@ -66,5 +66,5 @@ def base_table(rows: Sequence[dict]) -> Table:
         )
         for row in rows
     ]
-    doubtful = frozenset(k for k, row in enumerate(rows) if row["verdict"] != "determined")
+    doubtful = frozenset(k for k, row in enumerate(rows) if row["verdict"] not in SOUND)
     return Table("base parameters", head, tuple(cells), doubtful)
