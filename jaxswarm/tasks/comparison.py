@@ -46,7 +46,8 @@ def compare(a: Any, b: Any) -> Result:
     (kind, one), (other_kind, two) = _read(a, "first"), _read(b, "second")
     if kind != other_kind:
         raise InputError(
-            f"the first is {kind} and the second {other_kind}: compare two of the same kind"
+            f"the first is {kind} and the second {other_kind}: compare two of the same kind, such as the "
+            "model.json that both commands write"
         )
     joints, other_joints = _joints(one), _joints(two)
     if joints != other_joints:

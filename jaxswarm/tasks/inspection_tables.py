@@ -95,9 +95,10 @@ def motion_table(entry: dict, unit: Quantities) -> Table:
     ]  # fmt: skip
     head = (
         *("joint", "position", "top speed", "moving", "reversals"),
-        *("below 10 % of top speed", "above 50 %", "torque changes sign"),
+        *("slow", "fast", "torque reversals"),
     )
-    return Table(f"motion ({unit.head('s')})", head, tuple(rows))
+    speeds = "slow: below 10 % of the top speed, fast: above 50 %"
+    return Table(f"motion ({unit.head('s')}); {speeds}", head, tuple(rows))
 
 
 def signal_table(entry: dict, unit: Quantities) -> Table:
@@ -111,7 +112,7 @@ def signal_table(entry: dict, unit: Quantities) -> Table:
     ]  # fmt: skip
     head = (
         *("joint", "noise of position", "step of position", "torque"),
-        *("noise of torque", "step of torque", "samples at its limit"),
+        *("noise of torque", "step of torque", "at its limit"),
     )
     return Table(f"signals ({unit.head(unit.torque[0])})", head, tuple(rows))
 

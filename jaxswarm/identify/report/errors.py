@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from jaxswarm.identify.report.summary import SOUND
 from jaxswarm.tables import Table
 
 
