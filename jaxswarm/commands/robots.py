@@ -132,6 +132,8 @@ def _shown(result: dict[str, Any]) -> "Result":
     total = f"mass of the moving links: {result['mass']:.5g} kg"
     lines = (
         f"{result['robot']}: {len(rows)} moving joints, gravity {gravity} m/s^2",
-        total if heavy else "no masses in the file: kinematics are enough to identify and to diagnose",
+        total
+        if heavy
+        else "no masses in the file: kinematics are enough to identify and to diagnose",
     )
     return Result(result, lines, (table,))
