@@ -44,7 +44,8 @@ _OPTIONS = {
         str | None,
         typer.Option(
             "--tool",
-            help="MASS,X,Y,Z[,IXX,IXY,IYY,IXZ,IYZ,IZZ]: a body on the last link, in its frame (kg, m).",
+            help="MASS,X,Y,Z of a body on the last link, in its frame (kg, m); its inertia may follow: "
+            "IXX, IXY, IYY, IXZ, IYZ, IZZ (kg m^2).",
         ),
     ],
     "gravity": Annotated[
