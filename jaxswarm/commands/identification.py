@@ -133,8 +133,8 @@ def register(app: typer.Typer) -> None:
         effects: Annotated[
             str | None,
             typer.Option(
-                help="What will be identified: none, or name, name@joint, with commas between; default: viscous and "
-                "dry friction of every joint."
+                help="What will be identified: none, or name, name@joint, with commas between; default: "
+                "viscous and dry friction of every joint."
             ),
         ] = None,
         duration: Annotated[
