@@ -40,12 +40,7 @@ def register(app: typer.Typer) -> None:
     def identify(
         logs: Logs,
         robot: RobotName,
-        effects: Annotated[
-            str,
-            typer.Option(
-                help="none, or name, name@joint, name@joint:partner, with commas between."
-            ),
-        ],
+        effects: Annotated[str, typer.Option(help="none, or name@joint, ...: without joint, all.")],
         out: Out,
         validation: Validation = None,
         optimizer: Annotated[str, typer.Option(help="least_squares or a swarm.")] = "least_squares",
