@@ -13,7 +13,7 @@ import platform
 import re
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +68,7 @@ def check_file(path: Path) -> Path:
     return path
 
 
-def write_results(folder: Path, files: dict[str, Content]) -> list[Path]:
+def write_results(folder: Path, files: Mapping[str, Content]) -> list[Path]:
     """Write a set of results; earlier sets that share a name with it are replaced whole.
 
     Args:

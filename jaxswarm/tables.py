@@ -17,6 +17,9 @@ from jaxswarm.errors import printable
 _LONGEST_NUMBER = 30
 # What a column of words, or the head of a column, gets at least where its longest word is longer.
 _WORD = 14
+# A first column says what its row is about: a name in it stands whole up to this length, that of an effect on
+# a joint with a long name of its own.
+_LABEL = 36
 _GAP = 2
 
 
@@ -57,7 +60,7 @@ class Table:
             lines = [*cells, *_folded_head(printable(self.columns[k]), cells).splitlines()]
             return max(map(len, lines))
         words = " ".join([*cells, self.columns[k]]).split()
-        return min(_WORD, max(map(len, words), default=0))
+        return min(_WORD if k else _LABEL, max(map(len, words), default=0))
 
     def _side_by_side(self, width: int) -> Iterator[list[int]]:
         """Indices of columns that fit beside the first one, group by group."""

@@ -4,9 +4,12 @@ import json
 
 import numpy as np
 import pytest
+import typer
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from slide import EFFECTS, assert_refused, identify, run, slide_log
+
+from jaxswarm.cli import app
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -105,6 +108,31 @@ def test_help_of_every_command():
     for command in ("identify", "predict", "effects", "robots", "optimizers"):
         assert command in out
         assert run(command, "--help")[0] == 0
+
+
+def commands_of(group, words=()):
+    """Every command with the words that call it."""
+    for name, command in group.commands.items():
+        yield (*words, name), command
+        if hasattr(command, "commands"):
+            yield from commands_of(command, (*words, name))
+
+
+def test_help_stands_whole_at_80_columns_and_ends_with_an_example(monkeypatch):
+    """No word of an option's help is cut, folded away or taken for markup."""
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 80)
+    seen = []
+    for words, command in commands_of(typer.main.get_command(app)):
+        code, out, _ = run(*words, "--help")
+        assert code == 0 and "\N{HORIZONTAL ELLIPSIS}" not in out, words
+        assert max(map(len, out.splitlines())) <= 80
+        assert f"Example: jaxswarm {' '.join(words)}" in " ".join(out.split()), words
+        shown = "".join(c for c in out if not c.isspace() and c not in "│╭╮╰╯─")
+        for option in command.params:
+            for word in (getattr(option, "help", None) or "").split():
+                assert word in shown, (words, option.name, word)
+        seen.append(words)
+    assert len(seen) > 15
 
 
 @pytest.mark.parametrize(

@@ -61,6 +61,16 @@ def test_examples_run(number, monkeypatch, capsys, tmp_path):
 
 
 def test_the_first_screen_is_one_screen():
+    first = README[: README.index("\n## ")]
+    assert len(first.splitlines()) <= 40
+    assert "jaxswarm demo" in first and "jaxswarm diagnose arm.csv" in first
+    titles = {line.lstrip("# ").lower() for line in README.splitlines() if line.startswith("## ")}
+    linked = re.findall(r"\]\(#([a-z-]+)\)", first)
+    assert (
+        {re.sub(r"[^a-z ]", "", title).replace(" ", "-") for title in titles}
+        >= set(linked)
+        != set()
+    )
     assert README.index("## Effects") < 5500
     assert len(README.splitlines()) < 330
 

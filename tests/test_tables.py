@@ -54,6 +54,14 @@ def test_expressions_fold_and_values_do_not():
     assert len(out.splitlines()) > 5, "the expression stands on several lines"
 
 
+def test_the_name_of_a_row_stands_whole_where_there_is_a_joint_more():
+    names = ("nonlinear_viscous_friction@slide", "load_dependent_friction@panda_joint7")
+    rows = tuple((n, "c", "44.761 ± 3.9", "41.2 ± 4.1", "-3.56", "N (s/m)^alpha") for n in names)
+    table = Table("parameters", ("of", "parameter", "a", "b", "b - a", "unit"), rows)
+    out = fits(table)
+    assert all(name in out for name in names)
+
+
 @pytest.mark.parametrize("width", [40, 60, 80, 120])
 def test_no_number_is_broken_at_any_width(width):
     rng = np.random.default_rng(1)

@@ -40,7 +40,7 @@ def register(app: typer.Typer) -> None:
     def identify(
         logs: Logs,
         robot: RobotName,
-        effects: Annotated[str, typer.Option(help="none, or name[@joint[:partner]],...")],
+        effects: Annotated[str, typer.Option(help="none, or name@joint, ...: without joint, all.")],
         out: Out,
         validation: Validation = None,
         optimizer: Annotated[str, typer.Option(help="least_squares or a swarm.")] = "least_squares",
@@ -128,12 +128,12 @@ def register(app: typer.Typer) -> None:
         effects: Annotated[
             str | None,
             typer.Option(
-                help="What will be identified: none, or name[@joint[:partner]],...; default: viscous and "
-                "dry friction of every joint."
+                help="What will be identified: none, or name, name@joint, with commas between; default: "
+                "viscous and dry friction of every joint."
             ),
         ] = None,
         duration: Annotated[
-            float | None, typer.Option(min=0.1, help="Length [s]; default one period.")
+            float | None, typer.Option(min=0.1, help="Length in seconds; default one period.")
         ] = None,
         separate: Annotated[
             str | None,

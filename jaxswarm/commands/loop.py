@@ -32,7 +32,9 @@ _DIAGNOSED = ("model.json", "diagnosis.json", "report.html")
 
 Declare = Annotated[
     str | None,
-    typer.Option(help="What is known to be there: none, or name[@joint[:partner]],..."),
+    typer.Option(
+        help="What is known to be there: none, or name, name@joint, name@joint:partner, with commas between."
+    ),
 ]
 Earlier = Annotated[
     Path | None, typer.Option(help="model.json identified before: find what changed since.")

@@ -44,7 +44,8 @@ _OPTIONS = {
         str | None,
         typer.Option(
             "--tool",
-            help="MASS,X,Y,Z[,IXX,IXY,IYY,IXZ,IYZ,IZZ]: a body on the last link, in its frame (kg, m).",
+            help="MASS,X,Y,Z of a body on the last link, in its frame (kg, m); its inertia may follow: "
+            "IXX, IXY, IYY, IXZ, IYZ, IZZ (kg m^2).",
         ),
     ],
     "gravity": Annotated[
@@ -117,17 +118,23 @@ def _shown(result: dict[str, Any]) -> "Result":
 
     from jaxswarm.tables import Result, Table
 
-    rows = []
+    heavy, rows = result["mass"] > 0.0, []
     for row in result["joints"]:
         axis = " ".join(f"{round(x, 2):g}" for x in row["axis"])
         bounds = [row["lower"], row["upper"]]
-        limits = "" if np.isnan(bounds).any() else ":".join(f"{x:.4g}" for x in bounds)
-        rows.append((row["joint"], row["kind"], row["parent"], axis, limits, f"{row['mass']:.4g}"))
-    table = Table("", ("joint", "kind", "parent", "axis", "limits", "mass [kg]"), tuple(rows))
+        unit = "m" if row["kind"] == "prismatic" else "rad"
+        known = not np.isnan(bounds).any()
+        limits = f"{bounds[0]:.4g} .. {bounds[1]:.4g} {unit}" if known else "none given"
+        mass = (f"{row['mass']:.4g}",) if heavy else ()
+        rows.append((row["joint"], row["kind"], row["parent"], axis, limits, *mass))
+    head = ("joint", "kind", "parent", "axis", "limits", *(["mass [kg]"] if heavy else []))
+    table = Table("", head, tuple(rows))
     gravity = " ".join(f"{g:g}" for g in result["gravity"])
-    mass = f"mass of the moving links: {result['mass']:.5g} kg"
+    total = f"mass of the moving links: {result['mass']:.5g} kg"
     lines = (
         f"{result['robot']}: {len(rows)} moving joints, gravity {gravity} m/s^2",
-        mass if result["mass"] else "no masses: kinematics only",
+        total
+        if heavy
+        else "no masses in the file: kinematics are enough to identify and to diagnose",
     )
     return Result(result, lines, (table,))

@@ -120,8 +120,9 @@ def print_excitation(result: dict, out: Path) -> None:
         )
         if apart["left_out"]:
             console.print(f"not asked whether they could imitate: {', '.join(apart['left_out'])}")
+    periods = "1 period" if result["periods"] == 1 else f"{result['periods']} periods"
     console.print(
-        f"{result['duration']:.6g} s, {result['periods']} periods at {result['fundamental']:.4g} Hz, "
+        f"{result['duration']:.6g} s, {periods} at {result['fundamental']:.4g} Hz, "
         f"{len(result['base_parameters'])} base parameters"
     )
     torque = result["torque"]
@@ -134,9 +135,9 @@ def print_excitation(result: dict, out: Path) -> None:
         else:
             shares.append("")
         rows.append((joint, f"{result['start'][joint]:.4g}", *shares))
-    head = ("joint", "starts at", "position", "velocity", "acceleration", "torque")
+    head = ("joint", "starts at (rad or m)", "position", "velocity", "acceleration", "torque")
     console.print(Table("", head, tuple(rows)))
-    console.print("shares are of the limits; surroundings are not known")
+    console.print("percentages are of the limits; surroundings are not known")
     near = result["self_distance"]
     if near:
         console.print(

@@ -100,6 +100,12 @@ class Motion:
         """Working rate [Hz]."""
         return 1.0 / (self.t[1] - self.t[0])
 
+    @property
+    def low_torque(self) -> np.ndarray:
+        """The measured torque below the torque cutoff, on the decimated clock, (T', n)."""
+        assert self.tau is not None, f"{self.source} has no torque"
+        return self.decimator.apply(self.tau)
+
     def __repr__(self) -> str:
         return f"Motion({self.source!r}, {len(self.t)} samples at {self.rate:.4g} Hz)"
 

@@ -11,6 +11,7 @@ with h = R m c. Reference: J. Wittenburg, Dynamics of Multibody Systems, 2008, s
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
 def snap(array: np.ndarray) -> np.ndarray:
@@ -66,7 +67,7 @@ def rotation_quaternion(quaternion: np.ndarray) -> np.ndarray:
     return snap(np.eye(3) + 2.0 * w * turn + 2.0 * (turn @ turn))
 
 
-def inertia_matrix(parameters: np.ndarray) -> np.ndarray:
+def inertia_matrix(parameters: ArrayLike) -> np.ndarray:
     """Return the (3, 3) inertia of ten link parameters, about the frame's origin, in kg m^2."""
     xx, xy, yy, xz, yz, zz = np.asarray(parameters, dtype=float)[4:]
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -108,13 +109,14 @@ def move_parameters(
     return pack_parameters(mass, h + mass * p, inertia)
 
 
-def about_center(parameters: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+def about_center(parameters: ArrayLike) -> tuple[float, np.ndarray, np.ndarray]:
     """Return mass, center of mass (3,) and inertia about it (3, 3) of ten link parameters.
 
     >>> about_center(body_parameters(2.0, [0.0, 0.0, 0.5], np.eye(3)))[1].tolist()
     [0.0, 0.0, 0.5]
     """
-    mass = float(parameters[0])
-    center = np.asarray(parameters[1:4], dtype=float) / mass
+    ten = np.asarray(parameters, dtype=float)
+    mass = float(ten[0])
+    center = ten[1:4] / mass
     shift = mass * (center @ center * np.eye(3) - np.outer(center, center))
-    return mass, center, inertia_matrix(parameters) - shift
+    return mass, center, inertia_matrix(ten) - shift

@@ -73,9 +73,9 @@ def run_study(
     if out is not None:
         progress("writing the report")
         images = {name: plots.png_bytes(figure) for name, figure in figures().items()}
-        files = {
+        files: dict[str, outputs.Content] = {
             f"{study.name}.json": outputs.to_json(result),
             "report.html": study.render(result, images),
         }
-        outputs.write_results(Path(out), files | images)
+        outputs.write_results(Path(out), {**files, **images})
     return result

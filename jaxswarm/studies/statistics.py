@@ -12,6 +12,8 @@ References: H. B. Mann, D. R. Whitney, Ann. Math. Stat. 18 (1947); A. Vargha, H.
 Stat. 25 (2000), doi 10.3102/10769986025002101; S. Holm, Scand. J. Stat. 6 (1979).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy import stats
 
@@ -36,7 +38,7 @@ def compare(first: np.ndarray, second: np.ndarray) -> dict:
     return {"p": p, "effect": effect_size(first, second)}
 
 
-def holm(p: np.ndarray) -> np.ndarray:
+def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Holm's adjusted p values, in the given order.
 
     >>> holm([0.01, 0.04, 0.03]).round(4).tolist()

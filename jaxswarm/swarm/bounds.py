@@ -16,6 +16,7 @@ __all__ = [
     "as_box",
     "index_of",
     "is_bound",
+    "joined",
     "name_of",
     "names_in",
     "one_each",
@@ -162,6 +163,12 @@ def _floats(name, value):
         return array if np.issubdtype(array.dtype, np.floating) else array.astype(float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: {value!r} is no number and no array of numbers.") from error
+
+
+def joined(parts: list[Any]) -> Any:
+    """Flat arrays one after the other, of NumPy unless one of them is traced."""
+    traced = any(isinstance(part, jax.core.Tracer) for part in parts)
+    return (jnp if traced else np).concatenate([part.ravel() for part in parts])
 
 
 def one_each(name: str, given: Any, size: int) -> tuple:

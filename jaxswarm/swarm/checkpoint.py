@@ -33,14 +33,15 @@ def save(path: str | os.PathLike, tree: Any, **header: Any) -> None:
       **header: JSON values kept with it and compared by :func:`restore`.
     """
     path = Path(path)
-    arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(tree).items()}
     text = json.dumps({"format": FORMAT, **header}, sort_keys=True)
+    arrays: dict[str, Any] = {HEADER: np.array(text)}
+    arrays |= {name: np.asarray(leaf) for name, leaf in _named_leaves(tree).items()}
     mark = f".{path.name}.{platform.node() or 'here'}-"
     _sweep(path.parent, mark)
     part = path.with_name(f"{mark}{os.getpid()}.part")
     try:
         with open(part, "wb") as file:
-            np.savez(file, **{HEADER: np.array(text)}, **arrays)
+            np.savez(file, **arrays)
             file.flush()
             os.fsync(file.fileno())
         os.replace(part, path)

@@ -42,7 +42,7 @@ class ConstrainedState(NamedTuple):
     violation: jax.Array
     numbers: jax.Array
     handling: Any
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -104,25 +104,25 @@ class Driver:
         """Number of candidates n in a step."""
         return self.state.position.shape[0]
 
-    def tell(self, value: Sequence[float] | np.ndarray) -> None:
+    def tell(self, value: Sequence[Any] | np.ndarray) -> None:
         """Give the values (n,) of what was asked, in its order, and make the step; NaN counts as +inf.
 
         For an optimizer with several numbers a candidate, (n, k).
         """
-        value = jnp.asarray(np.asarray([np.asarray(one, float) for one in value]))
+        told = jnp.asarray(np.asarray([np.asarray(one, float) for one in value]))
         width = num_values(self._optimizer)
         expected = (self.size,) if width is None else (self.size, width)
-        if value.shape != expected:
+        if told.shape != expected:
             raise InputError(
-                f"value has shape {value.shape}, expected {expected}: tell all candidates."
+                f"value has shape {told.shape}, expected {expected}: tell all candidates."
             )
-        given = self._optimizer, self._key, self._carry, value, self._stop
+        given = self._optimizer, self._key, self._carry, told, self._stop
         self._carry = _step(*given)
         self.history.append(float(self._carry.state.best_value))
 
     def run(
         self,
-        fn: Callable[[Any], float],
+        fn: Callable[[Any], Any],
         *,
         pool: concurrent.futures.Executor | None = None,
         timeout: float | None = None,

@@ -51,7 +51,7 @@ def _describe(thing: Any, above: tuple[int, ...]) -> str:
         fields = [field.name for field in dataclasses.fields(thing)]
         return _call(type(thing), [], {name: getattr(thing, name) for name in fields}, part)
     if isinstance(thing, tuple) and hasattr(thing, "_fields"):
-        return _call(type(thing), [], thing._asdict(), part)
+        return _call(type(thing), [], dict(zip(thing._fields, thing, strict=True)), part)
     if isinstance(thing, tuple | list):
         return _call(type(thing), thing, {}, part)
     if isinstance(thing, set | frozenset):

@@ -22,13 +22,14 @@ from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.operators import polynomial
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
 from jaxswarm.swarm.pareto import crowding, dominates, ranks
-from jaxswarm.swarm.pytree import as_part, pytree, static
+from jaxswarm.swarm.pytree import as_part, facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
 __all__ = ["MOPSO", "MOPSOState", "mopso"]
 
 
+@facts(FRONT=("archive", "archive_values"))
 class MOPSOState(NamedTuple):
     """A swarm with values (n, k) of its memories, and an archive (a, d) with values (a, k).
 
@@ -43,9 +44,7 @@ class MOPSOState(NamedTuple):
     archive_values: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
-
-    FRONT = ("archive", "archive_values")
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -47,7 +47,7 @@ class ReevaluateState(NamedTuple):
     best_position: jax.Array
     best_value: jax.Array
     seen: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -17,12 +17,13 @@ from jaxswarm.swarm.objectives import lowest_mean, objectives_of
 from jaxswarm.swarm.optimizers.base import at_least, candidate_info, dimensions
 from jaxswarm.swarm.optimizers.operators import polynomial, sbx, tournament
 from jaxswarm.swarm.pareto import survivors
-from jaxswarm.swarm.pytree import as_part, pytree, static
+from jaxswarm.swarm.pytree import as_part, facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 
 __all__ = ["NSGA2", "NSGA2State", "nsga2"]
 
 
+@facts(FRONT=("parents", "parent_values"))
 class NSGA2State(NamedTuple):
     """Children to evaluate (n, d); parents (n, d), best first, with values (n, k); the best mean."""
 
@@ -31,9 +32,7 @@ class NSGA2State(NamedTuple):
     parent_values: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
-
-    FRONT = ("parents", "parent_values")
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -5,7 +5,8 @@ differentiated, and changing one never compiles anew; a static field is part of 
 """
 
 import dataclasses
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import Any, TypeVar, cast, dataclass_transform
 
 import jax
 
@@ -17,6 +18,7 @@ def static(**options: Any) -> Any:
     return dataclasses.field(metadata={"static": True}, **options)
 
 
+@dataclass_transform(frozen_default=True, field_specifiers=(static, dataclasses.field))
 def pytree(cls: type[T]) -> type[T]:
     """Class decorator: make ``cls`` a frozen dataclass and register it with JAX.
 
@@ -30,11 +32,30 @@ def pytree(cls: type[T]) -> type[T]:
     return jax.tree_util.register_dataclass(dataclasses.dataclass(frozen=True)(cls))
 
 
+def facts(**named: Any) -> Callable[[type[T]], type[T]]:
+    """Class decorator: constants of a class whose body may hold fields alone, a NamedTuple.
+
+    >>> from typing import NamedTuple
+    >>> @facts(MEMORY=("seen",))
+    ... class Kept(NamedTuple):
+    ...     seen: float
+    >>> Kept.MEMORY, Kept(1.0)
+    (('seen',), Kept(seen=1.0))
+    """
+
+    def give(cls: type[T]) -> type[T]:
+        for name, value in named.items():
+            setattr(cls, name, value)
+        return cls
+
+    return give
+
+
 def replace(state: T, **changes: Any) -> T:
     """Return ``state`` (a NamedTuple or a frozen dataclass) with some fields changed."""
     if hasattr(state, "_replace"):
         return state._replace(**changes)
-    return dataclasses.replace(state, **changes)
+    return dataclasses.replace(cast(Any, state), **changes)
 
 
 def as_part(part: Any) -> Any:

@@ -86,7 +86,8 @@ def minimize_resumable(
     stop, begin = rule(stop), start_for(space, start)
     rest = (optimizer, space, key, args, stop, begin)
     header = _header(loop, fn, *rest)
-    result = carry = None
+    result: Any = None
+    carry: Any = None
     done = 0
     if Path(path).exists():
         # The prototype's history grows with the steps done, which only the file knows.
@@ -169,7 +170,7 @@ def _probe(loop, optimizer, space, key, args) -> list:
 @dataclasses.dataclass(frozen=True)
 class _Asked:
     position: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 def _steps_done(path) -> int:

@@ -93,7 +93,8 @@ def linear(
     >>> float(evaluate("inertia", for_run(linear(0.9, 0.4), 10), 10))
     0.4
     """
-    return Linear(*_ends(start, end), *run_length(num_steps, by_hand))
+    steps, of_run = run_length(num_steps, by_hand)
+    return Linear(*_ends(start, end), steps, of_run)
 
 
 def cosine(
@@ -104,7 +105,8 @@ def cosine(
     >>> round(float(evaluate("inertia", cosine(1.0, 0.0, 100), 25)), 4)
     0.8536
     """
-    return Cosine(*_ends(start, end), *run_length(num_steps, by_hand))
+    steps, of_run = run_length(num_steps, by_hand)
+    return Cosine(*_ends(start, end), steps, of_run)
 
 
 def exponential(
@@ -115,7 +117,8 @@ def exponential(
     >>> round(float(evaluate("scale", exponential(1.0, 0.01, 100), 50)), 6)
     0.1
     """
-    return Exponential(*_ends(start, end), *run_length(num_steps, by_hand))
+    steps, of_run = run_length(num_steps, by_hand)
+    return Exponential(*_ends(start, end), steps, of_run)
 
 
 def run_length(num_steps: float | None, by_hand: float) -> tuple[Any, bool]:
@@ -213,7 +216,7 @@ def _require_scalar(name: str, value: Any) -> None:
         )
 
 
-def _ends(start, end):
+def _ends(start: Any, end: Any) -> tuple[Any, Any]:
     """Numbers of a schedule as leaves: one that is once an int and once a float compiles twice."""
     return coefficient("start", start), coefficient("end", end)
 

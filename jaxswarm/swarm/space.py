@@ -20,6 +20,7 @@ from jaxswarm.swarm.bounds import (
     as_box,
     index_of,
     is_bound,
+    joined,
     name_of,
     names_in,
     one_each,
@@ -61,6 +62,15 @@ class Space:
     {'kind': 'tanh', 'layers': [1, 33]}
     """
 
+    lower: Any
+    upper: Any
+    names: tuple[str, ...]
+    scales: tuple[str, ...]
+    units: tuple[str, ...]
+    shapes: tuple[tuple[int, ...], ...]
+    structure: Any
+    options: tuple[Any, ...]
+
     def __init__(self, **bounds: Any):
         leaves, structure = jax.tree_util.tree_flatten_with_path(bounds, is_leaf=is_bound)
         if not leaves:
@@ -73,8 +83,8 @@ class Space:
 
         _fill(
             self,
-            lower=_joined([box.lower for box in boxes]),
-            upper=_joined([box.upper for box in boxes]),
+            lower=joined([box.lower for box in boxes]),
+            upper=joined([box.upper for box in boxes]),
             names=tuple(
                 one
                 for (name, _), box in zip(named, boxes, strict=True)
@@ -173,11 +183,10 @@ class Space:
           InputError: other names, other shapes, an option that is not among the choices.
         """
         leaves = [params] if self.structure is None else self._leaves(params)
-        firsts = np.cumsum([0] + [int(np.prod(shape)) for shape in self.shapes[:-1]])
+        firsts = np.cumsum(np.array([0, *(int(np.prod(shape)) for shape in self.shapes[:-1])]))
         flat = []
-        for leaf, shape, options, first in zip(
-            leaves, self.shapes, self.options, firsts, strict=True
-        ):
+        rows = zip(leaves, self.shapes, self.options, firsts, strict=True)
+        for leaf, shape, options, first in rows:
             name = self.names[first]
             value = jnp.asarray(index_of(name, leaf, options))
             if value.shape != shape:
@@ -210,7 +219,7 @@ class Space:
             f"{sorted(found - wanted) or 'nothing'} unknown; the space decodes to {self.structure}."
         )
 
-    def _bounds(self, dtype):
+    def _bounds(self, dtype: Any) -> tuple[jax.Array, jax.Array]:
         return jnp.asarray(self.lower, dtype), jnp.asarray(self.upper, dtype)
 
     def __repr__(self) -> str:
@@ -239,8 +248,3 @@ def _fill(space, **fields):
     for name, value in fields.items():
         object.__setattr__(space, name, value)
     return space
-
-
-def _joined(parts):
-    traced = any(isinstance(part, jax.core.Tracer) for part in parts)
-    return (jnp if traced else np).concatenate([part.ravel() for part in parts])

@@ -42,7 +42,7 @@ class Progress(NamedTuple):
       finished: whether the optimizer has ended by criteria of its own; never of one that has none.
     """
 
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
     value: jax.Array
     since: jax.Array
     diversity: jax.Array

@@ -82,12 +82,13 @@ def time_limit(seconds: float) -> "TimeLimit":
     return TimeLimit(coefficient("seconds", seconds, lower=0.0))
 
 
-def any_of(*rules: Any) -> "AnyOf":
+def any_of(*rules: Any) -> "AnyOf | AnyOfBack":
     """Stop when one of the rules says so; the first that does gives the status."""
     if not rules:
         raise InputError("any_of() has no rules: give at least one, any_of(target(1e-6)).")
-    kind = AnyOfBack if any(hasattr(rule, "start") for rule in rules) else AnyOf
-    return kind(tuple(as_part(rule) for rule in rules))
+    parts = tuple(as_part(rule) for rule in rules)
+    back = any(hasattr(rule, "start") for rule in rules)
+    return AnyOfBack(parts) if back else AnyOf(parts)
 
 
 @pytree

@@ -22,6 +22,8 @@ from jaxswarm.tasks.words import number
 _INTERVAL = 1.96
 # Without intervals values of two files differ if they are not the same to rounding.
 _ROUNDING = 1e-6
+# What a folder is asked for, the first that is there.
+_WRITTEN = ("diagnosis.json", "identification.json", "model.json")
 # What every report holds.
 _PARTS = {"joints", "effects", "error"}
 
@@ -32,7 +34,7 @@ def compare(a: Any, b: Any) -> Result:
 
     Args:
         a, b: Two models, or two results of ``identify``, or two of ``diagnose``; as objects or as
-            ``model.json``, ``identification.json`` or ``diagnosis.json``.
+            ``model.json``, ``identification.json`` or ``diagnosis.json``, or the folder of one.
 
     Returns:
         ``parameters`` (value, standard error and unit on both sides, difference, whether it ``differs``
@@ -44,7 +46,8 @@ def compare(a: Any, b: Any) -> Result:
     (kind, one), (other_kind, two) = _read(a, "first"), _read(b, "second")
     if kind != other_kind:
         raise InputError(
-            f"the first is {kind} and the second {other_kind}: compare two of the same kind"
+            f"the first is {kind} and the second {other_kind}: compare two of the same kind, such as the "
+            "model.json that both commands write"
         )
     joints, other_joints = _joints(one), _joints(two)
     if joints != other_joints:
@@ -77,6 +80,9 @@ def _read(item: Any, which: str) -> tuple[str, Any]:
         return "a model", item
     if isinstance(item, str | Path):
         path = Path(item)
+        path = next((path / name for name in _WRITTEN if (path / name).is_file()), path)
+        if path.is_dir():
+            raise InputError(f"{path}: this folder holds none of {', '.join(_WRITTEN)}")
         try:
             item = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -144,21 +150,22 @@ def _pairs(left: list[Value], right: list[Value]) -> tuple[list[dict], list[dict
 
 def _show(content: dict, one: Any) -> tuple[tuple[str, ...], tuple[Table, ...]]:
     def cell(side: dict) -> str:
-        pm = "" if side["std_error"] is None else f" ± {number(side['std_error'], 2)}"
-        return f"{number(side['value'])}{pm}"
+        error = side["std_error"]
+        known = error is not None and np.isfinite(error)
+        return number(side["value"]) + (f" ± {number(_INTERVAL * error, 2)}" if known else "")
 
     rows = [
         (row["place"], row["name"], cell(row["a"]), cell(row["b"]), number(row["difference"], 3),
-         row["unit"], ("yes" if row["interval_known"] else "yes (no interval)") * row["differs"])
+         _unit(row), ("yes" if row["interval_known"] else "yes (no interval)") * row["differs"])
         for row in content["parameters"]
     ]  # fmt: skip
     for side, column in (("only_a", 2), ("only_b", 3)):
         for row in content[side]:
             cells = ["", ""]
             cells[column - 2] = cell(row)
-            rows.append((row["place"], row["name"], *cells, "", row["unit"], f"only {side[-1]}"))
+            rows.append((row["place"], row["name"], *cells, "", _unit(row), f"only {side[-1]}"))
     head = ("of", "parameter", "a", "b", "b - a", "unit", "differs")
-    tables = [Table("parameters", head, tuple(rows))]
+    tables = [Table("parameters (± half the 95 % interval)", head, tuple(rows))]
     beyond = sum(row["differs"] for row in content["parameters"])
     alone = len(content["only_a"]) + len(content["only_b"])
     lines = [f"{beyond} of {len(rows) - alone} parameters differ, {alone} are only on one side."]
@@ -180,6 +187,11 @@ def _show(content: dict, one: Any) -> tuple[tuple[str, ...], tuple[Table, ...]]:
         tables.append(error_table("errors", _error_rows(content["error"]), content["joints"],
                                   one["torque_units"]))  # fmt: skip
     return tuple(lines), tuple(tables)
+
+
+def _unit(row: dict) -> str:
+    """A unit as a cell: a pure number has none."""
+    return "" if row["unit"] == "1" else row["unit"]
 
 
 def _error_rows(errors: dict) -> dict:

@@ -58,12 +58,12 @@ def _torques_only(terms: Sequence[Term]) -> tuple[dict[int, dict[str, float]], l
     return {}, [term for term in terms if term not in of_kind(terms, TorqueLaw)]
 
 
-_ALONE = "inverse dynamics of Pinocchio are those of the bodies alone, without the file's {}"
+_ALONE = "inverse dynamics of Pinocchio are those of the bodies alone, without the file's damping and friction"
 FORMATS = {
     "urdf": Format(
         lambda model, path: export_urdf(model.robot, path, model.terms),
         partial(split_effects, form="urdf"),
-        unread={"damping": _ALONE.format("damping"), "friction": _ALONE.format("friction")},
+        unread=dict.fromkeys(("damping", "friction"), _ALONE),
     ),
     "mjcf": Format(
         lambda model, path: export_mjcf(model.robot, path, model.terms),
@@ -161,12 +161,24 @@ def _notes(model: Model, form: Format) -> tuple[list[str], list[str]]:
     held, left = form.holds(model.terms)
     labels = [term.label(model.robot.joints) for term in left]
     named = {name for attributes in held.values() for name in attributes}
-    notes = [told for name, told in form.unread.items() if name in named]
-    if labels:
-        notes.insert(0, f"not in the file: {', '.join(labels)}")
+    notes = list(dict.fromkeys(told for name, told in form.unread.items() if name in named))
+    if left:
+        notes.insert(0, f"not in the file: {_by_effect(left, model.robot.joints)}")
     if model.smooth:
         notes.append("smooth terms without a law belong to predict alone and are not exported")
     return labels, notes
+
+
+def _by_effect(terms: Sequence[Term], joints: tuple[str, ...]) -> str:
+    """Effects, each once with its joints."""
+    places: dict[str, list[str]] = {}
+    for term in terms:
+        places.setdefault(term.effect, []).append(term.label(joints).partition("@")[2])
+    told = (
+        (name, "every joint" if joints[1:] and own == list(joints) else ", ".join(own))
+        for name, own in places.items()
+    )
+    return "; ".join(f"{name} on {on}" if on else name for name, on in told)
 
 
 def _result(model: Model, path: Path, found: PhysicalModel | None, form: Format) -> Result:

@@ -5,10 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from jaxswarm import plots
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import CHECKS, checked
 from jaxswarm.logs import Log, read_log, summarize
@@ -16,10 +14,10 @@ from jaxswarm.logs.coverage import coverage, period_of
 from jaxswarm.logs.joints import joints_in
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import Robot
-from jaxswarm.tables import Result, Table
+from jaxswarm.tables import Result
+from jaxswarm.tasks import inspection_tables as shown
 from jaxswarm.tasks.identifiable import identifiable
 from jaxswarm.tasks.inputs import Logs, OneLog, as_logs, as_robot, in_double
-from jaxswarm.tasks.words import number
 
 # Fewer reversals than this leave Coulomb friction and an offset hard to tell apart.
 _FEW_REVERSALS = 4
@@ -29,18 +27,20 @@ _LITTLE_SLOW = 0.02
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Inspected(Result):
-    """What logs hold; ``logs`` are the logs as read."""
+    """What logs hold; ``logs`` are the logs as read, ``robot`` the arm, if one was named."""
 
     logs: tuple[Log, ...] = ()
+    robot: Robot | None = None
 
     def plots(self) -> dict[str, Figure]:
         """Signals over time and torque over velocity of every log, by name."""
         found = {}
         for k, log in enumerate(self.logs, 1):
             end = f"_{k}" if len(self.logs) > 1 else ""
-            found[f"signals{end}.png"] = _signals(log)
+            unit = shown.Quantities.of(self.robot, len(log.joints))
+            found[f"signals{end}.png"] = shown.signal_picture(log, unit)
             if log.tau is not None:
-                found[f"coverage{end}.png"] = _covered(log, log.tau)
+                found[f"coverage{end}.png"] = shown.coverage_picture(log, log.tau, unit)
         return found
 
 
@@ -84,7 +84,7 @@ def inspect(
             filtering = motions[0].filtering
         content = {"logs": [_describe(log) for log in noted], "robot": arm.name}
         content["identifiable"] = identifiable(arm, motions)
-    return _result(content, tuple(read))
+    return _result(content, tuple(read), arm)
 
 
 def _describe(log: Log) -> dict:
@@ -122,97 +122,20 @@ def _can(joint, cover, log: Log) -> list[str]:
     return told
 
 
-def _result(content: dict, logs: tuple[Log, ...]) -> Inspected:
+def _result(content: dict, logs: tuple[Log, ...], arm: Robot | None) -> Inspected:
     lines, tables = [], []
     for entry, log in zip(content["logs"], logs, strict=True):
-        clock = entry["sampling"]
-        repeats = "" if entry["period"] is None else (
-            f", repeats after {entry['period']:.4g} s ({entry['periods']:.3g} periods)"
-        )  # fmt: skip
-        lines.append(
-            f"{entry['source']}: {entry['samples']} samples, {entry['duration']:.6g} s at "
-            f"{clock['rate']:.5g} Hz, jitter {100 * clock['jitter']:.2g} %, {len(clock['gaps'])} gaps"
-            f"{repeats}; channels {', '.join(entry['channels'])}"
-        )
+        unit = shown.Quantities.of(arm, len(log.joints))
+        lines.append(shown.clock_line(entry))
         lines += [f"- {note}" for note in entry["findings"]]
         lines += [f"- {j['name']}: {text}" for j in entry["joints"] for text in j["can"]]
         if log.tau is None:
             lines.append("- no torque: such a log can be predicted along, not identified from")
-        tables += [_motion_table(entry), _signal_table(entry)]
+        tables += [shown.motion_table(entry, unit), shown.signal_table(entry, unit)]
     if "identifiable" in content:
         found = content["identifiable"]
-        lines.append(
-            f"{content['robot']}: condition number {found['condition_number']:.4g}, "
-            f"{len(found['base_parameters'])} base parameters of rigid body and friction"
-        )
+        lines.append(shown.identifiable_line(content["robot"], found))
         if found["never_seen"]:
             lines.append(f"- not seen alone in this motion: {', '.join(found['never_seen'])}")
-        tables.append(_base_table(found))
-    return Inspected(content, tuple(lines), tuple(tables), logs=logs)
-
-
-def _motion_table(entry: dict) -> Table:
-    rows = [
-        (j["name"], f"{number(j['position_min'], 4)} .. {number(j['position_max'], 4)}",
-         number(j["speed_max"], 3), f"{100 * j['moving_share']:.0f} %", str(j["reversals"]),
-         f"{100 * j['slow']:.0f} / {100 * j['fast']:.0f} %",
-         "" if j["load_reversals"] is None else str(j["load_reversals"]))
-        for j in entry["joints"]
-    ]  # fmt: skip
-    head = (
-        "joint",
-        "position",
-        "top speed",
-        "moving",
-        "reversals",
-        "slow / fast",
-        "load reversals",
-    )
-    return Table("motion (rad or m, s)", head, tuple(rows))
-
-
-def _signal_table(entry: dict) -> Table:
-    rows = [
-        (j["name"], number(j["position_noise"], 2), number(j["position_quantum"], 2),
-         "" if j["torque_min"] is None
-         else f"{number(j['torque_min'], 4)} .. {number(j['torque_max'], 4)}",
-         number(j["torque_noise"], 2), number(j["torque_quantum"], 2), str(j["saturated"]))
-        for j in entry["joints"]
-    ]  # fmt: skip
-    head = ("joint", "noise of q", "step of q", "torque", "noise", "step", "saturated")
-    return Table("signals (rad or m, N m or N)", head, tuple(rows))
-
-
-def _base_table(found: dict) -> Table:
-    rows = [
-        (row["name"], f"{row['magnification']:.3g}", row["verdict"],
-         "" if row["expression"] == row["name"] else row["expression"])
-        for row in found["base_parameters"]
-    ]  # fmt: skip
-    head = ("parameter", "errors magnified by", "verdict", "stands for")
-    return Table("what could be identified", head, tuple(rows))
-
-
-def _signals(log: Log) -> Figure:
-    kinds = [("position", log.q)] + ([("torque", log.tau)] if log.tau is not None else [])
-    count = len(log.joints)
-    figure, axes = plots.panels(count, len(kinds), 5.0 * len(kinds), 1.5 * count + 0.8, sharex=True)
-    for j, joint in enumerate(log.joints):
-        for k, (name, values) in enumerate(kinds):
-            axis = axes[j * len(kinds) + k]
-            axis.plot(log.t, values[:, j], lw=0.7, color=(plots.RESIDUAL, plots.MODEL)[k])
-            axis.set_ylabel(f"{joint}\n{name}", fontsize=8)
-    for axis in axes[-len(kinds) :]:
-        axis.set_xlabel("time [s]")
-    return figure
-
-
-def _covered(log: Log, tau: np.ndarray) -> Figure:
-    count = len(log.joints)
-    figure, axes = plots.panels(1, count, 2.6 * count + 0.6, 2.8)
-    for j, axis in enumerate(axes):
-        dq = np.gradient(log.q[:, j], log.t) if log.dq is None else log.dq[:, j]
-        axis.plot(dq, tau[:, j], ".", ms=1.5, alpha=0.3, color=plots.MEASURED)
-        axis.set_xlabel(f"velocity of {log.joints[j]}")
-    axes[0].set_ylabel("torque")
-    return figure
+        tables.append(shown.base_table(found))
+    return Inspected(content, tuple(lines), tuple(tables), logs=logs, robot=arm)

@@ -208,7 +208,12 @@ def _result(model, plant, motion, wanted, log, gains, substeps) -> Simulated:
             f"{number(content['tracking_error'][k][j], 3)} {length}" for k in ("rms", "largest")
         ]
         cells += [f"{number(content['torque']['largest'][j], 4)} {unit}"]
-        cells += ["none", "none"] if gains is None else [number(g[j], 4) for g in gains]
+        per = (f"{unit}/{length}", f"{unit} s/{length}")
+        cells += (
+            ["none", "none"]
+            if gains is None
+            else [f"{number(g[j], 4)} {p}" for g, p in zip(gains, per, strict=True)]
+        )
         rows.append((joint, *cells))
     head = ("joint", "off the reference, RMS", "largest", "largest torque", "kp", "kd")
     table = Table(f"{robot.name}: {len(q)} samples simulated", head, tuple(rows))

@@ -11,10 +11,12 @@ import pytest
 from results import JOINTS, RESULTS, changed, errors, explained, pictures, signals, unexplained
 
 from jaxswarm.diagnose.report import figures
+from jaxswarm.diagnose.report.grids import by_step, parameters
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.markup import source
+from jaxswarm.diagnose.report.remains import when
 from jaxswarm.diagnose.report.stages import stages
-from jaxswarm.diagnose.report.text import evidence_sentence, proof_sentence
+from jaxswarm.diagnose.report.text import evidence_sentence, proof_sentence, taken_out
 
 
 class Words(HTMLParser):
@@ -150,8 +152,43 @@ def test_all_that_was_decided_is_on_the_page():
     assert "a gap of 2 s at row 118" in text and "a" * 64 in text
     assert "zz1 1.50 1.30 to 1.70 kg m^2 determined zz1 + 0.1 m2" in text
     assert "first.csv panda_finger_joint2" in text and "second.csv panda_finger_joint3" in text
-    assert "grew" in text and "Added and taken back torque_offset" in text
+    assert "grew" in text and "No longer in the model torque_offset" in text
     assert "the worst of them, second.csv, leads" in text
+
+
+def test_what_left_the_model_says_whether_it_was_declared_and_what_holds_it_now():
+    told = explained()
+    gone = [{"effect": "coulomb_friction", "joint": JOINTS[1]}]
+    told["steps"][0]["removed"] = gone
+    told["removed"] = [*gone, *told["removed"]]
+    assert taken_out(told) == [
+        "coulomb_friction on panda_finger_joint2 (declared; now part of stribeck_friction on "
+        "panda_finger_joint2)",
+        "torque_offset on panda_finger_joint5 (added; without it nothing is worse)",
+    ]
+
+
+def test_the_last_model_of_the_steps_has_the_error_under_the_verdict():
+    told = explained()
+    told["error"]["after"] = {**told["error"]["after"], "relative_global": 0.0087}
+    assert "(error 12.00 % before, 0.87 % after" in evidence_sentence(told)
+    assert by_step(told).rows[-1] == ("final model, all fitted again", "", "0.87 %")
+    assert [name for name, *_ in by_step(explained()).rows] == [
+        "declared model",
+        "+ stribeck_friction on panda_finger_joint2",
+    ]
+
+
+def test_a_value_at_its_bound_has_no_interval_around_it():
+    rows = {row[0]: row[2] for row in parameters(explained()["effects"][0]).rows}
+    assert rows["vs"] == "at lower bound" and rows["df"] == "3.191 to 3.297"
+
+
+def test_windows_that_are_hardly_parted_are_one():
+    entry = {"band_hz": [0.16, 50.0], "windows": [
+        {"log": 0, "start": 0.077, "end": 1.58}, {"log": 0, "start": 2.08, "end": 24.8},
+    ]}  # fmt: skip
+    assert when(entry) == "0.16 to 50 Hz, mostly at 0.077-24.8 s"
 
 
 def test_a_joint_far_from_its_noise_is_marked_and_told_with_times_and_frequencies():
@@ -183,6 +220,7 @@ def test_what_came_together_is_one_step():
         told["steps"].append(step | {"added": {"effect": "viscous_friction", "joint": joint}})
     own = {"effect": "time_delay", "joint": None}
     told["steps"].append({"added": own, "before": step["after"], "after": errors(0.9)})
+    told["error"]["after"] = errors(0.9)
     names = [stage.name for stage in stages(told)]
     both = f"+ stribeck_friction on {JOINTS[1]}, viscous_friction on every joint"
     assert names == ["declared model", both, "+ time_delay"]

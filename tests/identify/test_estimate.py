@@ -97,6 +97,19 @@ def test_a_sum_of_inertias_below_zero_is_not_called_determined(arm):
     assert near["value"] < 0.0 and near["verdict"] == "weak"
 
 
+def test_what_is_worth_nothing_is_negligible_and_not_determined(arm):
+    """A mass moment that is there by noise alone, beside those that make the torque."""
+    motion = make_motion(arm, friction, noise=0.02)
+    found = estimate(
+        arm, parse_terms(f"{EFFECTS},torque_offset@joint1", arm.joints), [motion], width=WIDTH
+    )
+    rows = {row["name"]: row for row in base_parameter_table(found)}
+    none = rows["tau0_joint1"]  # the arm of the log has no offset
+    assert abs(none["value"]) < 3.0 * none["std_error"]
+    assert none["verdict"] == "negligible" and none["relative_error"] > 0.1
+    assert all(r["verdict"] == "determined" for r in rows.values() if r["relative_error"] <= 0.1)
+
+
 def test_several_logs_fit_together(arm):
     motions = [make_motion(arm, friction, length=300, noise=0.02, seed=s) for s in (1, 2)]
     both = estimate(arm, parse_terms(EFFECTS, arm.joints), motions, width=WIDTH)
@@ -110,7 +123,7 @@ def test_summary_has_a_row_for_every_parameter(found):
     assert len(names) == found.fit.base.size
     assert len(names) + len(lost) == 20 + 4
     assert {row["verdict"] for row in base_parameter_table(found)} <= {
-        "determined", "weak", "impossible", "at bound",
+        "determined", "negligible", "weak", "impossible", "at bound",
     }  # fmt: skip
     matrix = correlation(found)
     np.testing.assert_allclose(np.diag(matrix), 1.0)

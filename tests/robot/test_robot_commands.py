@@ -74,6 +74,7 @@ def test_show_prints_a_table_and_draws_a_picture(run, arm, tmp_path):
     )
     assert code == 0, err
     assert "mass [kg]" in out and "2 moving joints, gravity 0 0 -9.81" in out
+    assert "-2.5 .. 2.5 rad" in out
     assert "note: " in err and "tool of 1.5 kg on the link of joint 'j2'" in err
     image = imread(picture)[..., :3]
     reddish = (image[..., 0] > 0.7) & (image[..., 1] < 0.5) & (image[..., 2] < 0.5)

@@ -40,6 +40,20 @@ def test_the_same_arm_twice_and_another_friction(results):
     assert "differs" in repr(other) and "yes" in repr(other)
 
 
+def test_folders_are_read_and_intervals_stand_beside_the_values(results, tmp_path):
+    for name, found in zip("ab", (results[0], results[2]), strict=True):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "identification.json").write_text(to_json(found.content))
+    told = compare(tmp_path / "a", tmp_path / "b")
+    assert told.content["parameters"] == compare(results[0], results[2]).content["parameters"]
+    row = next(r for r in told["parameters"] if r["name"] == "b")
+    half = 1.96 * row["a"]["std_error"]
+    assert f"{row['a']['value']:.5g} ± {half:.2g}" in repr(told)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="empty: this folder holds none of diagnosis.json"):
+        compare(tmp_path / "empty", tmp_path / "b")
+
+
 def test_models_compare_by_torque_whatever_their_basis(results, tmp_path):
     paths = [r.save(tmp_path / f"{k}.json") for k, r in enumerate(results)]
     found = compare(paths[0], paths[2])

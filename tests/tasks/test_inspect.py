@@ -124,3 +124,30 @@ def test_a_reversed_torque_is_told_before_anything_is_fitted():
     )
     assert not any("torque_sign" in text for text in right["logs"][0]["findings"])
     assert any(text.startswith("torque_sign: ") for text in wrong["logs"][0]["findings"])
+
+
+def test_the_sentence_names_what_could_not_be_identified():
+    told = inspect(periodic(), "rx60")
+    rows = told["identifiable"]["base_parameters"]
+    weak = [row["name"] for row in rows if row["verdict"] == "weak"]
+    assert len(rows) == 21 and weak == ["my2", "Izz2"]
+    assert told.lines[-1].startswith(
+        "rx60: 19 of 21 base parameters of rigid body and friction could be determined; weak: my2, Izz2. "
+    )
+    assert "even stamps, no gap, repeats after 5 s" in told.lines[0]
+    assert "motion (rad, s)" in repr(told) and "signals (rad, N m)" in repr(told)
+
+
+def test_pictures_and_tables_of_turning_and_sliding_joints_say_their_units():
+    t = np.arange(1000) * 0.01
+    log = log_from_arrays(t, 0.2 * np.sin(t) + 0.1 * np.sin(3 * t), t, joints=("slide",))
+    found = inspect(log, "emps")
+    assert "motion (m, s)" in repr(found) and "signals (m, N)" in repr(found)
+    signals, covered = found.plots()["signals.png"], found.plots()["coverage.png"]
+    assert [a.get_ylabel() for a in signals.axes] == ["slide\nposition [m]", "slide\ntorque [N]"]
+    assert covered.axes[0].get_xlabel() == "velocity of slide [m/s]"
+    unknown = inspect(log)
+    assert "motion (rad or m, s)" in repr(unknown)
+    assert (
+        unknown.plots()["coverage.png"].axes[0].get_xlabel() == "velocity of slide [rad/s or m/s]"
+    )

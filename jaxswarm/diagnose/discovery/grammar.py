@@ -5,7 +5,7 @@ one joint, so that what is found does not hang on luck. The shapes of known laws
 times one more factor, so that a bent known law is found as such.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from itertools import product as pairs
 
@@ -49,10 +49,10 @@ def programs(
     found += _composed(data, units)
     found += _devices(data, units, angles)
     kept: dict[tuple, Piece] = {}
-    for one in found:
-        fits = len(one.program) <= LENGTHS[-1] and stack_depth(one.program) <= DEPTH
-        if fits and len(one.constants) <= MOST_CONSTANTS:
-            kept.setdefault(skeleton(one.program), one)
+    for piece in found:
+        fits = len(piece.program) <= LENGTHS[-1] and stack_depth(piece.program) <= DEPTH
+        if fits and len(piece.constants) <= MOST_CONSTANTS:
+            kept.setdefault(skeleton(piece.program), piece)
     return list(kept.values())
 
 
@@ -99,7 +99,7 @@ def _groups(
     data: Mapping[str, np.ndarray], units: Mapping[str, Unit], angles: bool
 ) -> dict[str, list[Piece]]:
     """Pieces by the variable they are functions of."""
-    makers = {
+    makers: dict[str, Callable[..., Iterable[Piece]]] = {
         "q": lambda *x: p.of_position(*x, angles),
         "dq": lambda *x: p.of_velocity(*x, ("direction",)),
         "ddq": lambda x, *_: [Piece(x)],

@@ -29,7 +29,7 @@ def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
     frames = padded.reshape(kept + spans, factor, -1)
     weights = jnp.pad(taps, (0, spans * factor - size)).reshape(spans, factor)
     parts = jnp.einsum("sf,tfk->stk", weights, frames)
-    return sum(parts[s, s : s + kept] for s in range(spans))
+    return jnp.asarray(sum(parts[s, s : s + kept] for s in range(spans)))
 
 
 def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) -> jax.Array:
@@ -44,7 +44,7 @@ def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) ->
     gram = gram / size / size[:, None] + 1e-9 * jnp.eye(columns.shape[1])
     right = (columns.T @ fold.residual) / size
     refused = jnp.logical_and(positive, right[0] <= 0)
-    gain = 0.0
+    gain: float | jax.Array = 0.0
     # Column after column, each freed of those before: for one to three of them a solver has no part to do.
     for k in range(columns.shape[1]):
         share = gram[k] / gram[k, k]

@@ -5,7 +5,7 @@ from jaxswarm.diagnose.report import grids
 from jaxswarm.diagnose.report.grids import Grid
 from jaxswarm.diagnose.report.markup import bullets, download, folded, image, table, text
 from jaxswarm.diagnose.report.signals import Signals, section
-from jaxswarm.diagnose.report.text import grouped, log_notes, where
+from jaxswarm.diagnose.report.text import grouped, log_notes, taken_out
 
 
 def not_added(result: dict) -> str:
@@ -15,10 +15,7 @@ def not_added(result: dict) -> str:
     if lost:
         parts += [text("h2", "Did not survive on other motion"), lost]
     if result["removed"]:
-        parts += [
-            text("h2", "Added and taken back"),
-            bullets(where(entry) for entry in result["removed"]),
-        ]
+        parts += [text("h2", "No longer in the model"), bullets(taken_out(result))]
     asked = f"Candidates that were not added ({result['asked']} asked)"
     parts.append(folded(asked, table(grids.not_added(result), "candidates that were not added")))
     return "".join(parts)
@@ -29,7 +26,8 @@ def rigid_body(result: dict) -> str:
     rows = grids.base_parameters(result)
     note = (
         "Base form: the combinations of standard parameters that this motion tells apart. 'determined': "
-        "known well enough for the torque; 'weak': its interval is wide; 'impossible': below zero, where no "
+        "known well enough for the torque; 'negligible': all of its interval is worth less than 0.5 % of the "
+        "torque; 'weak': its interval is wide; 'impossible': below zero, where no "
         "body is; 'at bound': physics holds it."
     )
     content = table(rows, "base parameters of the model")

@@ -16,6 +16,7 @@ from jaxswarm.diagnose.report.text import (
     next_steps,
     proof_sentence,
     reasons,
+    taken_out,
     where,
 )
 from jaxswarm.tables import Table
@@ -41,8 +42,7 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
             console.print(f"- {line}")
     _list(console, "left without a law:", [remaining(u) for u in result["unexplained"]])
     _list(console, "to be looked at:", flagged(result))
-    dropped = [where(entry) for entry in result["removed"]]
-    _list(console, "added and taken back:", dropped)
+    _list(console, "no longer in the model:", taken_out(result))
     refused = [f"{where(s)} {s['because']}" for s in result.get("refused", ())]
     _list(console, "not kept, on other motion:", refused)
     _list(console, "found in the logs:", log_notes(result))

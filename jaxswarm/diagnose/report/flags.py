@@ -48,19 +48,36 @@ def parameter_remark(row: dict, known: Parameter | None) -> str:
     return ""
 
 
+def _slack(value: float) -> float:
+    """What rounding makes of a value."""
+    return 1e-9 * max(abs(value), 1e-9)
+
+
+def bound_reached(value: float, known: Parameter) -> str:
+    """Which end of its range a fitted value sits at, ``"lower"`` or ``"upper"``; empty: neither.
+
+    No interval about such a value means anything: the data would go beyond.
+    """
+    if not known.fitted:
+        return ""
+    slack = _slack(value)
+    place = 0.5 if known.linear else known.encode(value)
+    if place < _END or value - known.lower <= slack:
+        return "lower"
+    if place > 1.0 - _END or known.upper - value <= slack:
+        return "upper"
+    return ""
+
+
 def _against_bounds(value: float, known: Parameter, unit: str) -> str:
     span = (known.lower, known.upper)
     if not known.fitted:
         return ""
-    slack = 1e-9 * max(abs(value), 1e-9)
+    slack = _slack(value)
     if value < known.lower - slack or value > known.upper + slack:
         return f"= {value:.4g} is outside of what physics allows ({span[0]:.4g} to {span[1]:.4g}{unit})"
-    place = 0.5 if known.linear else known.encode(value)
-    if place < _END or value - known.lower <= slack:
-        return f"is at its lower bound, {span[0]:.4g}{unit}"
-    if place > 1.0 - _END or known.upper - value <= slack:
-        return f"is at its upper bound, {span[1]:.4g}{unit}"
-    return ""
+    side = bound_reached(value, known)
+    return f"is at its {side} bound, {span[side == 'upper']:.4g}{unit}" if side else ""
 
 
 def _base_flags(result: dict) -> list[str]:

@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.report.flags import bound_reached
 from jaxswarm.diagnose.report.numbers import estimate, measure, number, percent, unit_text
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.report.text import where
+from jaxswarm.effects import REGISTRY
+from jaxswarm.identify.report.summary import SOUND
 
 # What rounding leaves of a center [m], or of an inertia as a share of its link's, is told as nothing.
 _NOTHING = 1e-9
@@ -93,7 +96,8 @@ def by_validation_log(result: dict) -> Grid | None:
     logs = result["error"].get("validation") or []
     if len(logs) < 2:
         return None
-    rows, flagged = [], set()
+    rows: list[tuple] = []
+    flagged = set()
     floor = result["error"]["noise_floor"]["rms"]
     for entry in logs:
         pairs = zip(
@@ -118,9 +122,13 @@ def by_validation_log(result: dict) -> Grid | None:
 def parameters(effect: dict) -> Grid:
     """Value, 95 % interval and unit of an effect's parameters; of a change, what it was."""
     changed = any(row.get("change") for row in effect["parameters"].values())
+    law = REGISTRY.get(effect.get("effect", ""))
+    known = {p.name: p for p in law.parameters} if law else {}
     rows = []
     for name, row in effect["parameters"].items():
-        cells = [name, *estimate(row)]
+        value, between = estimate(row)
+        side = bound_reached(row["value"], known[name]) if name in known else ""
+        cells = [name, value, f"at {side} bound" if side else between]
         if changed:
             change = row.get("change")
             cells += [number(row.get("before"), 5), *(estimate(change) if change else ("-", "-"))]
@@ -147,7 +155,7 @@ def base_parameters(result: dict) -> Grid:
     """Every base parameter of the rigid body and of the effects with its interval and verdict."""
     rows, flagged = [], set()
     for k, row in enumerate(result.get("base_parameters", ())):
-        if row["verdict"] != "determined":
+        if row["verdict"] not in SOUND:
             flagged.add(k)
         stands = "" if row["expression"] == row["name"] else row["expression"]
         unit = "" if row["unit"] == "1" else row["unit"]
@@ -163,7 +171,7 @@ def standard_parameters(result: dict) -> Grid:
     for k, link in enumerate(result.get("physical_consistency", {}).get("links", ())):
         if not link["possible"]:
             flagged.add(k)
-        six = [link["inertia"]["xyz".index(a)]["xyz".index(b)] for a, b in axes]
+        six = [link["inertia"]["xyz".index(a[0])]["xyz".index(a[1])] for a in axes]
         size = _NOTHING * sum(map(abs, six[:3]))
         inertia = (0.0 if abs(x) < size else x for x in six)
         center = (0.0 if abs(x) < _NOTHING else x for x in link["center"])

@@ -11,6 +11,9 @@ from jaxswarm.drawing import Drawing
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.model import Robot
+
+_DERIVATIVES = (("q", ""), ("dq", "/s"), ("ddq", "/s^2"))
 
 
 def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion]) -> Signals:
@@ -25,7 +28,7 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
     low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
     signals = Signals(
         shown.t[kept],
-        low.apply(shown.tau),
+        shown.low_torque,
         low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
     )
     drawing.ask(
@@ -57,8 +60,17 @@ def remaining(diagnosis: Diagnosis, title: str) -> tuple:
     q, dq, ddq, load, t = map(np.concatenate, zip(*parts, strict=True))
     return (
         found.fit.residual,
-        {"q": q, "dq": dq, "ddq": ddq, "load": load, "time [s]": t},
+        dict(zip(_axes(found.model.robot), (q, dq, ddq, load, t), strict=True)),
         found.model.robot.joints,
         units(found.model.robot),
         title if len(parts) == 1 else f"{title}, {len(parts)} fitted logs or parts of one",
     )
+
+
+def _axes(robot: Robot) -> tuple[str, ...]:
+    """What a residual is drawn against, with units: where joints turn and slide, those of both."""
+    kinds = sorted(set(robot.kinds), reverse=True)
+    place = ["m" if kind == "prismatic" else "rad" for kind in kinds]
+    force = " or ".join(sorted(set(units(robot)), reverse=True))
+    along = [f"{name} [{' or '.join(p + per for p in place)}]" for name, per in _DERIVATIVES]
+    return *along, f"load [{force}]", "time [s]"

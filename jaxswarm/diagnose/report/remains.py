@@ -4,6 +4,8 @@ from jaxswarm.diagnose.report.numbers import percent
 
 # What one sentence can hold: joints that are left with something, and windows of time of each.
 _MOST_JOINTS, _MOST_WINDOWS = 3, 2
+# Two windows with a gap below this share of both with it are told as one: a reader looks there anyway.
+_HARDLY_PARTED = 0.1
 
 
 def left_of(entries: list[dict]) -> str:
@@ -45,12 +47,26 @@ def when(entry: dict, most: int | None = None) -> str:
     """At which frequencies, and in which stretches of which log, a joint is far from its noise."""
     low, high = entry["band_hz"]
     several = any(w["log"] for w in entry["windows"])
-    long = sorted(entry["windows"], key=lambda w: w["start"] - w["end"])[:most]
+    windows = _joined(entry["windows"])
+    long = sorted(windows, key=lambda w: w["start"] - w["end"])[:most]
     spans = [
         f"{w['start']:.3g}-{w['end']:.3g} s" + (f" of log {w['log'] + 1}" if several else "")
-        for w in entry["windows"]
+        for w in windows
         if w in long
     ]
-    if len(spans) < len(entry["windows"]):
+    if len(spans) < len(windows):
         spans.append("other times")
     return f"{low:.2g} to {high:.2g} Hz" + (f", mostly at {', '.join(spans)}" if spans else "")
+
+
+def _joined(windows: list[dict]) -> list[dict]:
+    """Windows of a log that are hardly parted, as one."""
+    told: list[dict] = []
+    for w in sorted(windows, key=lambda w: (w["log"], w["start"])):
+        last = told[-1] if told else None
+        near = last is not None and last["log"] == w["log"]
+        if near and w["start"] - last["end"] <= _HARDLY_PARTED * (w["end"] - last["start"]):
+            told[-1] = {**last, "end": w["end"]}
+        else:
+            told.append(w)
+    return told

@@ -86,7 +86,7 @@ def section(signals: Signals | None, joints: list[str], units: list[str]) -> str
 
 def _panel(t, pair, rows, joint: str, unit: str, number: int) -> str:
     """One joint as SVG; its words and numbers stand beside it in letters of the page."""
-    t, measured, model = t[rows], *pair[rows].T
+    t, (measured, model) = t[rows], pair[rows].T
     low, high = float(pair.min()), float(pair.max())
     error = pair[:, 0] - pair[:, 1]
     most = float(np.abs(error).max())

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.text import grouped
 
 
@@ -37,4 +38,12 @@ def stages(result: dict) -> list[Stage]:
         joint = joints.pop() if len(joints) == 1 else None
         name = f"+ {grouped(added, result['joints'])}"
         told.append(Stage(name, joint, group[0]["before"], group[0]["after"]))
+    final = result["error"]["after"]
+    # The numbers under the verdict are those of the last fit, of clocks and widths too.
+    if groups and _shown(final) != _shown(told[-1].after):
+        told.append(Stage("final model, all fitted again", None, None, final))
     return told
+
+
+def _shown(errors: dict) -> str:
+    return percent(errors["relative_global"])

@@ -46,7 +46,8 @@ a{color:var(--accent)}
 --warn:#a32a3c;--warnbox:#fbecee;--measured:#5b6770;--model:#d1495b}.zooming{display:none}html{font-size:11px}body{max-width:none;padding:0;font-size:1rem}
 img{filter:none}figure img{min-width:0;max-height:22cm}
 .signal svg{height:4cm}figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
-.scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}.download{display:none}
+.scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}td.n{white-space:nowrap}
+td.w{min-width:0}.download{display:none}
 .formula{border:1px solid var(--line)}}
 @media print{details::details-content{content-visibility:visible;display:block}}
 """

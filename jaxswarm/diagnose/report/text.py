@@ -32,6 +32,28 @@ def grouped(entries: list[dict], joints: list[str], between: str = ", ") -> str:
     return between.join(told)
 
 
+def taken_out(result: dict) -> list[str]:
+    """What is no longer in the model, and why: declared or added, it is part of another effect, or idle."""
+
+    def key(entry: dict) -> tuple:
+        return entry["effect"], entry.get("joint"), entry.get("other")
+
+    within = {
+        key(entry): where(step["added"])
+        for step in result["steps"]
+        for entry in step.get("removed", ())
+    }
+    declared = {key(entry) for entry in result["declared"]}
+    told = []
+    for entry in result["removed"]:
+        was = "declared" if key(entry) in declared else "added"
+        now = within.get(key(entry))
+        told.append(
+            f"{where(entry)} ({was}; {f'now part of {now}' if now else 'without it nothing is worse'})"
+        )
+    return told
+
+
 def verdict_sentence(result: dict) -> str:
     """The verdict in one sentence, with the error before and after, and how far it is proven."""
     return f"{evidence_sentence(result)} {_PROOF[result['proof']]}".strip()

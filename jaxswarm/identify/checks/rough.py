@@ -88,7 +88,7 @@ def samples_of(motions: Sequence[Motion]) -> Samples:
     def joined(parts) -> np.ndarray:
         return np.concatenate([part[::stride] for part in parts])
 
-    torques = [m.decimator.apply(m.tau) for m in motions]
+    torques = [m.low_torque for m in motions]
     steps = [
         m.t[k[1]] - m.t[k[0]] if len(k) > 1 else 1.0 for m, k in zip(motions, kept, strict=True)
     ]

@@ -88,7 +88,9 @@ def find_base(
     norms = np.linalg.norm(factor, axis=0)
     scale = norms.max(initial=0.0)
     basis = np.zeros((factor.shape[0], 0))
-    kept, dropped, dead = [], [], []
+    independent: list[int] = []
+    dependent: list[int] = []
+    dead: list[int] = []
     for k in range(factor.shape[1]):
         if norms[k] <= _NOTHING * scale or norms[k] == 0.0:
             dead.append(k)
@@ -98,11 +100,11 @@ def find_base(
             rest = rest - basis @ (basis.T @ rest)
         size = np.linalg.norm(rest)
         if size <= tolerance:
-            dropped.append(k)
+            dependent.append(k)
         else:
-            kept.append(k)
+            independent.append(k)
             basis = np.column_stack([basis, rest / size])
-    kept, dropped = np.array(kept, dtype=int), np.array(dropped, dtype=int)
+    kept, dropped = np.array(independent, dtype=int), np.array(dependent, dtype=int)
     scaled = factor[:, kept] / norms[kept]
     merge = np.linalg.lstsq(scaled, factor[:, dropped], rcond=None)[0] / norms[kept][:, None]
     merge[np.abs(merge) < 1e-9 * np.abs(merge).max(initial=0.0)] = 0.0

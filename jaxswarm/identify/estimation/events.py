@@ -47,7 +47,7 @@ def with_event_torques(
                 rigids[number],
                 decimate=True,
             )
-            left = motion.decimator.apply(motion.tau) - columns @ linear_values(model.during(None))
+            left = motion.low_torque - columns @ linear_values(model.during(None))
             own_window = own_columns(term, motion, model.width, None)
             window = motion.decimator.apply(own_window)[:, 0, 0]
             lasting = [k for k, name in enumerate(names) if name not in _own_columns(model)]

@@ -44,7 +44,7 @@ def check_precision() -> None:
     Raises:
         InputError: If JAX works in 32 bits.
     """
-    if not jax.config.jax_enable_x64:
+    if not jax.config.jax_enable_x64:  # type: ignore[attr-defined]
         raise InputError(
             "JAX works in single precision, in which base parameters cannot be told apart; call "
             'jax.config.update("jax_enable_x64", True) at the start of the program, or run the fit '

@@ -25,7 +25,7 @@ def log_errors(model: Model, *motions: Motion) -> dict:
     ends = np.cumsum([0, *(len(motion.t) for motion in motions)])
     kept = [start + m.decimator.kept(len(m.t)) for start, m in zip(ends, motions, strict=False)]
     errors = torque_errors(
-        np.concatenate([m.decimator.apply(m.tau) for m in motions]),
+        np.concatenate([m.low_torque for m in motions]),
         np.concatenate([m.decimator.apply(p) for m, p in zip(motions, predicted, strict=True)]),
         moving[np.concatenate(kept)],
     )

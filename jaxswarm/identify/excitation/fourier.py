@@ -74,7 +74,8 @@ def shares(x: jax.Array, limits: Limits) -> jax.Array:
 
 def widest(x: np.ndarray, limits: Limits, fundamental: float, samples: int) -> Fourier:
     """The largest motion of a given shape, see :func:`within_limits`."""
-    return Fourier(*map(np.asarray, within_limits(x, limits, fundamental, samples)), fundamental)
+    offset, sine, cosine = within_limits(jnp.asarray(x), limits, fundamental, samples)
+    return Fourier(np.asarray(offset), np.asarray(sine), np.asarray(cosine), fundamental)
 
 
 def within_limits(

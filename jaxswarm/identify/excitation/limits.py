@@ -106,7 +106,9 @@ def parse_limits(document: dict[str, Any], joints: tuple[str, ...]) -> Limits:
         )
     rows = [_joint(joint, document[joint]) for joint in joints]
     lower, upper, velocity, acceleration, effort = (np.array(x) for x in zip(*rows, strict=True))
-    chosen = {k: _positive("the file", k, document[k]) for k in _OPTIONS if k in document}
+    chosen: dict[str, Any] = {
+        k: _positive("the file", k, document[k]) for k in _OPTIONS if k in document
+    }
     if "distance" in document:
         chosen["distance"] = _number("the file", "distance", document["distance"])
     limits = Limits(lower, upper, velocity, acceleration, effort=effort, **chosen)

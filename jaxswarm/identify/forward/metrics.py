@@ -44,5 +44,6 @@ def torque_errors(measured: np.ndarray, predicted: np.ndarray, moving: np.ndarra
         "rae": share(np.abs(error).sum(axis=0), deviation),
         "rms_moving": rms(moving),
         "rms_standing": rms(~moving),
-        "relative_global": float(np.linalg.norm(error) / max(np.linalg.norm(measured), 1e-300)),
+        "relative_global": float(np.linalg.norm(error))
+        / max(float(np.linalg.norm(measured)), 1e-300),
     }

@@ -102,7 +102,8 @@ def _law_of(term: dict, place: str) -> Effect:
 def _get(content: dict, name: str, kind: type, place: str):
     value = content.get(name)
     if not isinstance(value, kind):
-        word = {dict: "object", list: "list", str: "text"}[kind]
+        words: dict[type, str] = {dict: "object", list: "list", str: "text"}
+        word = words[kind]
         found = "missing" if name not in content else f"no {word}"
         raise InputError(f"{place}{name} is {found}; pass a model.json as identify wrote it")
     return value

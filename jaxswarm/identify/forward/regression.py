@@ -107,7 +107,7 @@ def build_regression(
             shift.append(lag @ pi)
         _check_finite(columns[-1], terms, motion)
         kept = low.kept(len(motion.t))
-        torque.append(low.apply(motion.tau))
+        torque.append(motion.low_torque)
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))

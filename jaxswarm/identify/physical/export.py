@@ -86,14 +86,14 @@ def export_mjcf(robot: Robot, path: str | Path, effects: Iterable[Any] = ()) -> 
     motors = xml.SubElement(root, "actuator")
     held, left = split_effects(effects, "mjcf")
     for i, joint in enumerate(robot.joints):
-        place = {
+        place: dict[str, Any] = {
             "pos": numbers_text(robot.translation[i]),
             "quat": numbers_text(quaternion(robot.rotation[i])),
         }
         body = xml.SubElement(bodies[robot.parents[i]], "body", name=f"{joint}_link", **place)
         bodies[i] = body
         kind = "hinge" if robot.kinds[i] == "revolute" else "slide"
-        more = {k: numbers_text([v]) for k, v in held.get(i, {}).items()}
+        more: dict[str, Any] = {k: numbers_text([v]) for k, v in held.get(i, {}).items()}
         xml.SubElement(
             body, "joint", name=joint, type=kind, axis=numbers_text(robot.axis[i]), **more
         )

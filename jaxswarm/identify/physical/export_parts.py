@@ -7,6 +7,7 @@ from typing import Any
 from xml.etree import ElementTree as xml
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
@@ -65,7 +66,7 @@ def write_with_side_file(
     return side
 
 
-def roll_pitch_yaw(rotation: np.ndarray) -> np.ndarray:
+def roll_pitch_yaw(rotation: ArrayLike) -> np.ndarray:
     """Return fixed-axis angles (3,) in rad of a rotation (3, 3), also where pitch is 90 degrees.
 
     >>> roll_pitch_yaw(np.eye(3)).tolist()
@@ -79,7 +80,7 @@ def roll_pitch_yaw(rotation: np.ndarray) -> np.ndarray:
     return np.array([np.arctan2(r[2, 1], r[2, 2]), pitch, np.arctan2(r[1, 0], r[0, 0])]) + 0.0
 
 
-def quaternion(rotation: np.ndarray) -> np.ndarray:
+def quaternion(rotation: ArrayLike) -> np.ndarray:
     """Return the unit quaternion (w, x, y, z) of a rotation (3, 3).
 
     The eigenvector of largest eigenvalue of a symmetric 4 x 4 matrix (Bar-Itzhack 2000): exact for

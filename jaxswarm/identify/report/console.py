@@ -5,14 +5,20 @@ from pathlib import Path
 from rich.console import Console
 
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
+from jaxswarm.identify.report.summary import SOUND
+
+# Parameters named in a sentence; the others are in the table.
+_MOST_NAMED = 6
 
 
 def print_identification(report: dict, out: Path) -> None:
     """Print errors and parameters of an ``identification.json``."""
     console = Console()
     errors = error_rows(report)
+    console.print(summary_line(report), "", sep="\n")
     console.print(error_table(report["robot"], errors, report["joints"], report["torque_units"]))
     console.print("", base_table(report["base_parameters"]), sep="\n")
+    console.print()
     for line in clock_lines(report) + consistency_lines(report) + estimator_lines(report):
         console.print(line)
     search = report["optimizer"]
@@ -24,6 +30,25 @@ def print_identification(report: dict, out: Path) -> None:
             f"{100 * excess['median']:.3g} % (median)"
         )
     console.print(f"written to {out}")
+
+
+def summary_line(report: dict) -> str:
+    """The error on the motion that counts most, and how many parameters are known, in one sentence."""
+    rows = error_rows(report)
+    on, errors = list(rows.items())[-1]
+    fitted = list(rows.values())[0]
+    base = report["base_parameters"]
+    told = (
+        f"{report['robot']}: error {100 * errors['relative_global']:.2f} % of the torque on the {on}, "
+        f"{100 * fitted['relative_global']:.2f} % where it was fitted; "
+        f"{sum(row['verdict'] in SOUND for row in base)} of {len(base)} base parameters determined "
+        "or negligible"
+    )
+    for verdict in ("weak", "at bound", "impossible"):
+        names = [row["name"] for row in base if row["verdict"] == verdict]
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        told += f"; {verdict}: {', '.join(names[:_MOST_NAMED])}{more}" if names else ""
+    return f"{told}."
 
 
 def clock_lines(report: dict) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from jaxswarm.identify.report.summary import SOUND
 from jaxswarm.tables import Table
 
 
@@ -15,7 +16,7 @@ def error_rows(report: dict) -> dict[str, dict]:
     """
     told = report["error"]
     train = told["train"] if isinstance(told["train"], list) else [told["train"]]
-    rows = {}
+    rows: dict[str, dict] = {}
     for errors in train:
         name = f"fitted: {errors['log']}" if len(train) > 1 else "fitted log"
         number = sum(row == name or row.startswith(f"{name}, part ") for row in rows)
@@ -66,5 +67,5 @@ def base_table(rows: Sequence[dict]) -> Table:
         )
         for row in rows
     ]
-    doubtful = frozenset(k for k, row in enumerate(rows) if row["verdict"] != "determined")
+    doubtful = frozenset(k for k, row in enumerate(rows) if row["verdict"] not in SOUND)
     return Table("base parameters", head, tuple(cells), doubtful)

@@ -100,7 +100,7 @@ def order_pictures(
     robot = found.model.robot
     low = motion.decimator
     kept = low.kept(len(motion.t))
-    measured, predicted = low.apply(motion.tau), low.apply(model_torque(found.model, motion))
+    measured, predicted = motion.low_torque, low.apply(model_torque(found.model, motion))
     labels = units(robot)
     drawing.ask(
         "torque.png",

@@ -15,6 +15,8 @@ from jaxswarm.robot.names import PARAMETER_UNITS
 _RELATIVE, _TORQUE_SHARE = 0.1, 0.005
 # A share of a column below this is rounding.
 _MERGED = 1e-6
+# Verdicts that ask for no second look.
+SOUND = frozenset({"determined", "negligible"})
 # Half a 95 % interval in standard errors; places of mass and moments of inertia among a link's ten.
 _HALF, _NEVER_NEGATIVE = 1.96, (0, 4, 6, 9)
 
@@ -27,8 +29,9 @@ def units(robot) -> tuple[str, ...]:
 def base_parameter_table(found: Estimate) -> list[dict]:
     """One row per base parameter: name, expression, value, std_error, relative error, verdict.
 
-    Verdicts: ``determined``; ``weak`` (standard error above 10 % of the value and worth more than
-    0.5 % of the torque, or below zero where no body is, within its interval); ``impossible`` (below zero
+    Verdicts: ``determined``; ``negligible`` (standard error above 10 % of the value, but all of its interval
+    is worth less than 0.5 % of the torque); ``weak`` (standard error above 10 % of the value and worth more
+    than 0.5 % of the torque, or below zero where no body is, within its interval); ``impossible`` (below zero
     there by more than that); ``at bound`` (physics holds it there, the data would go beyond).
     """
     solution, regression = found.fit, found.regression
@@ -45,7 +48,11 @@ def base_parameter_table(found: Estimate) -> list[dict]:
             verdict = "at bound"
         elif positive[k] and value < 0.0:
             verdict = "weak" if value + _HALF * error > 0.0 else "impossible"
-        elif relative <= _RELATIVE or error * effect[k] <= _TORQUE_SHARE * size:
+        elif relative <= _RELATIVE:
+            verdict = "determined"
+        elif (abs(value) + _HALF * error) * effect[k] <= _TORQUE_SHARE * size:
+            verdict = "negligible"
+        elif error * effect[k] <= _TORQUE_SHARE * size:
             verdict = "determined"
         else:
             verdict = "weak"

@@ -52,7 +52,9 @@ def variants(c: float, at: View, num_steps: int) -> dict[str, Any]:
         return scheme("aelspso", num_steps, cognitive=c, social=c, **options)
 
     control = evolutionary_control()
-    common = dict(cognitive=c, social=c, velocity_limit=0.2, inertia=0.9, initial_velocity=0.5)
+    common: dict[str, Any] = dict(
+        cognitive=c, social=c, velocity_limit=0.2, inertia=0.9, initial_velocity=0.5
+    )
     common |= dict(boundary=reflect(0.5), topology=global_best())
     learning = elitist_learning(
         scheme("gpso", num_steps, cognitive=c, social=c), linear(1.0, 0.1, num_steps)

@@ -138,7 +138,8 @@ def experiment(
         rng = np.random.default_rng([noise_seed, 60])
         signals = tuple(x + rng.normal(0.0, NOISE["motion"], x.shape) for x in signals)
         tau = tau + rng.normal(0.0, NOISE["torque"], tau.shape)
-    return Experiment(t, *signals, tau)
+    q, dq, ddq = signals
+    return Experiment(t, q, dq, ddq, tau)
 
 
 @cache

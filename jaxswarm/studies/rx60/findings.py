@@ -1,5 +1,7 @@
 """What the RX60 paper did not see: rank, null space, least squares, other readings, no rigid body."""
 
+from typing import Any
+
 import numpy as np
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters
@@ -92,13 +94,13 @@ def noise_luck(seed: int, draws: int, samples: int) -> dict:
     drawn from. ``mean_of_ten`` is the RAE of parameters averaged over ten realizations.
     """
     check = experiment("c pi", VALIDATION, samples=samples)
-    fits = {"plain": [], "averaged": []}
+    fits: dict[str, list[np.ndarray]] = {"plain": [], "averaged": []}
     for k in range(draws):
         noisy = experiment("c pi", FIT, noise_seed=seed + 1000 + k, samples=samples)
         fits["plain"].append(compress(noisy).least_squares())
         fits["averaged"].append(compress(averaged(noisy)).least_squares())
     printed = np.array(paper.RAE["gpso", "noisy"])
-    result = {"draws": draws}
+    result: dict[str, Any] = {"draws": draws}
     for name, found in fits.items():
         values = np.array([relative_error(check, theta) for theta in found])
         result[name] = {

@@ -134,7 +134,7 @@ def _by_swarms(motion: Motion, unseen: Motion, key: jax.Array) -> dict:
 def _experiment(motion: Motion) -> Experiment:
     """A prepared log below its torque cutoff, motion and torque filtered alike."""
     kept = motion.decimator.kept(len(motion.t))
-    tau = motion.decimator.apply(motion.tau)
+    tau = motion.low_torque
     return Experiment(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], tau)
 
 

@@ -9,6 +9,7 @@ Three coordinate systems describe the same problem, :math:`\|R\theta - z\|`:
 In all three the fitness is ``|F x - z|`` with another matrix F, so the program is the same.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -127,14 +128,18 @@ def search(at: View, optimizer: Any, key: jax.Array, *, runs: int, num_steps: in
     result = minimize_runs(
         torque_fitness, optimizer, space, keys, problem, num_steps=num_steps, record=_record
     )
-    history = [np.asarray(jnp.broadcast_to(h, (runs, num_steps))) for h in result.history]
+    best, inertia, diversity = (
+        np.asarray(jnp.broadcast_to(h, (runs, num_steps))) for h in result.history
+    )
     per_step = int(result.num_evaluations[0]) // num_steps
-    return Search(np.asarray(result.params), np.asarray(result.value), *history, per_step)
+    points, values = np.asarray(result.params), np.asarray(result.value)
+    return Search(points, values, best, inertia, diversity, per_step)
 
 
 def scheme(name: str, num_steps: int, **options: Any):
     """The paper's schemes by name, as reconstructed; options as of ``gpso`` and ``aelspso``."""
-    factory = {"gpso": gpso, "aelspso": aelspso}[name]
+    factories: dict[str, Callable[..., Any]] = {"gpso": gpso, "aelspso": aelspso}
+    factory = factories[name]
     return factory(PARTICLES, num_steps, **options)
 
 

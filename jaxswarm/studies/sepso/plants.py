@@ -245,5 +245,5 @@ def torque_problem(plant: Plant) -> tuple[np.ndarray, np.ndarray, float]:
     motion = states[:, :2].T, states[:, 2:].T, np.asarray(ddq)
     matrix = np.stack([np.concatenate(plant.torque(tuple(e), *motion)) for e in np.eye(4)], axis=1)
     stacked = np.column_stack([matrix, drive[:, 2].T.ravel()]) / np.sqrt(len(states))
-    triangle = np.linalg.qr(stacked, mode="r")
+    triangle = np.asarray(np.linalg.qr(stacked, mode="r"))
     return triangle[:4, :4], triangle[:4, 4], float(triangle[4, 4] ** 2)

@@ -49,7 +49,7 @@ def contestants(ours: Factory | None = None) -> dict[str, tuple[Factory, bool]]:
         ours: Builds the setting of our own for a number of steps; None: it does not take part.
     """
     n = PARTICLES
-    fixed = {
+    fixed: dict[str, Callable[[Any], Any]] = {
         "SPSO": spso,
         "GA": ga,
         "textbook GA": textbook_ga,
@@ -58,13 +58,15 @@ def contestants(ours: Factory | None = None) -> dict[str, tuple[Factory, bool]]:
         "CMA-ES": cma_es,
         "random search": random_search,
     }
-    scheduled = {
+    scheduled: dict[str, Callable[[Any], Any]] = {
         "SPSO (w falls)": lambda steps: gpso(n, steps),
         "SEPSO R1": lambda steps: sepso(n, steps),
         "SEPSO R2": lambda steps: sepso(n, steps, variant="R2"),
         "SEPSO R3": lambda steps: sepso(n, steps, variant="R3"),
     } | ({OURS: ours} if ours else {})
-    every = {name: (lambda steps, make=make: make(n), False) for name, make in fixed.items()}
+    every: dict[str, tuple[Callable[[Any], Any], bool]] = {
+        name: (_unscheduled(make, n), False) for name, make in fixed.items()
+    }
     every |= {name: (make, True) for name, make in scheduled.items()}
     order = (*SPSO, *GENETIC, *SEPSO)
     return {name: every[name] for name in sorted(every, key=lambda k: (*order, k).index(k))}
@@ -197,9 +199,14 @@ def comparisons(found: dict[str, Runs]) -> list[dict]:
     return rows
 
 
+def _unscheduled(make: Callable[[Any], Any], n: Any) -> Callable[[Any], Any]:
+    """A scheme to which the length of the run means nothing."""
+    return lambda steps: make(n)
+
+
 def polished(plant: Plant, data: Data, runs: Runs) -> dict:
     """Levenberg-Marquardt from the end of every run."""
-    options = {"method": "levenberg_marquardt", "num_steps": 100}
+    options: dict[str, Any] = {"method": "levenberg_marquardt", "num_steps": 100}
     found = jax.vmap(lambda x: polish(plant.residual, plant.space, x, data, **options))(
         jnp.asarray(runs.positions)
     )

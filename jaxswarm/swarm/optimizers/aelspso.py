@@ -58,7 +58,7 @@ def aelspso(
     if gate not in GATES:
         raise InputError(f"gate={gate!r} is unknown. {nearest(str(gate), GATES)}")
     control = evolutionary_control(adapt_coefficients=adapt_coefficients, scale=scale)
-    chosen = dict(inertia=0.9, cognitive=2.0, social=2.0)
+    chosen: dict[str, Any] = dict(inertia=0.9, cognitive=2.0, social=2.0)
     chosen |= dict(velocity_limit=0.2, initial_velocity=0.5, topology=global_best())
     chosen |= dict(boundary=reflect(0.5), control=control)
     swarm = pso(num_particles, random=random, **(chosen | parts))

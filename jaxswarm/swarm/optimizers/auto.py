@@ -73,8 +73,8 @@ class Auto:
             return sep_cma_es(n, random=random)
         if self.noisy:
             return ipop_cma_es(n or AGAINST_NOISE * default_population(num_dims), random=random)
-        small = num_dims <= FEW_FOR_POPULATIONS and budget is not None and n is None
-        if small and FROM * num_dims**2 <= budget <= UP_TO * num_dims:
+        small = num_dims <= FEW_FOR_POPULATIONS and n is None
+        if small and budget is not None and FROM * num_dims**2 <= budget <= UP_TO * num_dims:
             return lshade(num_steps=budget / default_trials(num_dims), random=random)
         return bipop_cma_es(n, random=random)
 

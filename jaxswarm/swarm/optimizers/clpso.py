@@ -53,7 +53,7 @@ def clpso(
     """
     at_least("num_particles", num_particles, 3, "each particle compares two others")
     inertia = linear(0.9, 0.4, num_steps)
-    chosen = dict(
+    chosen: dict[str, Any] = dict(
         inertia=inertia,
         cognitive=1.49445,
         velocity_limit=0.2,

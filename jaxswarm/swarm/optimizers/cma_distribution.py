@@ -82,7 +82,8 @@ class Rates(NamedTuple):
         """Weights of all candidates, the best first: those of the better half sum to one."""
         rates = cls._of(np, n, d, np.arange(n, dtype=float))
         # Python numbers: those of NumPy would promote float32.
-        return cls(rates.weights, *map(float, rates[1:-1]), int(rates.gap))
+        plain: dict[str, Any] = {name: float(getattr(rates, name)) for name in cls._fields[1:-1]}
+        return rates._replace(gap=int(rates.gap), **plain)
 
     @classmethod
     def among(cls, rows: int, n: jax.Array, d: int, dtype: Any) -> "Rates":
@@ -180,8 +181,9 @@ def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:
         covariance.astype(dtype),
     )
     sigma = jnp.clip(sigma * size, eps / spread.max(), LARGEST / spread.max())
-    new = mean, sigma, covariance, basis, spread, path_sigma, path / size
-    return Distribution(*(part.astype(dtype) for part in new), old.generation + 1)
+    count = old.generation + 1
+    new = Distribution(mean, sigma, covariance, basis, spread, path_sigma, path / size, count)
+    return jax.tree.map(lambda part, before: part.astype(before.dtype), new, old)
 
 
 def _eigen(covariance):

@@ -52,7 +52,7 @@ class CMAESState(NamedTuple):
     watch: Watch
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
     @property
     def finished(self) -> jax.Array:

@@ -93,7 +93,7 @@ class CMARestartsState(NamedTuple):
     restarts: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
     @property
     def mean(self) -> jax.Array:

@@ -106,13 +106,13 @@ def watch(
     window = old.best_value.size
     due = generation % jnp.maximum(1, generation // (WINDOW_OF * window)) == 0
     place = jnp.where(due, old.entered % window, window)
-    history = [_put(old.best_value, place, best), _put(old.median_value, place, median)]
+    bests, medians = _put(old.best_value, place, best), _put(old.median_value, place, median)
     entered = old.entered + due
 
     highest, lowest = recent.max(), recent.min()
     flat = (highest == lowest) | (jnp.maximum(highest, worst) - lowest <= tol_fun)
     look = due & (entered >= window) & (entered % LOOK == 0)
-    no_better = lambda: _no_better(jnp.stack(history), entered)  # noqa: E731
+    no_better = lambda: _no_better(jnp.stack([bests, medians]), entered)  # noqa: E731
     stale = jax.lax.cond(look, no_better, lambda: jnp.asarray(False))
     level = jnp.asarray(EQUAL_SHARE * n).astype(jnp.int32)
     equal = jnp.where(value[level] == best, old.equal + 1, 0)
@@ -129,7 +129,7 @@ def watch(
         ]
     )
     code = jnp.where(here.any(), 1 + jnp.argmax(here), 0).astype(jnp.int32)
-    return Watch(recent, *history, entered, equal, jnp.where(old.code > 0, old.code, code))
+    return Watch(recent, bests, medians, entered, equal, jnp.where(old.code > 0, old.code, code))
 
 
 def _put(ring, place, value):

@@ -23,7 +23,7 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
-from jaxswarm.swarm.pytree import pytree, static
+from jaxswarm.swarm.pytree import facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
@@ -32,6 +32,7 @@ __all__ = ["DE", "DEState", "de"]
 STRATEGIES = ("rand/1", "best/1", "current-to-best/1")
 
 
+@facts(MEMORY=("members", "member_value"))
 class DEState(NamedTuple):
     """Trials to evaluate (n, d), members (n, d) with values (n,), the best so far.
 
@@ -43,9 +44,7 @@ class DEState(NamedTuple):
     member_value: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
-
-    MEMORY = ("members", "member_value")
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -37,7 +37,7 @@ class ElitistLearningState(NamedTuple):
     position: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -23,12 +23,13 @@ from jaxswarm.swarm.optimizers.operators import (
     tournament,
     uniform,
 )
-from jaxswarm.swarm.pytree import as_part, pytree, static
+from jaxswarm.swarm.pytree import as_part, facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 
 __all__ = ["GA", "GAState", "ga", "textbook_ga"]
 
 
+@facts(MEMORY=("parents", "parent_value"))
 class GAState(NamedTuple):
     """Children to evaluate (n, d), parents (n, d) with values (n,), the best so far.
 
@@ -40,9 +41,7 @@ class GAState(NamedTuple):
     parent_value: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
-
-    MEMORY = ("parents", "parent_value")
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree
@@ -131,5 +130,7 @@ def textbook_ga(num_particles: int = 200, **parts: Any) -> GA:
       num_particles: n, at least 4.
       **parts: keyword arguments of :func:`ga`, which override the choices made here.
     """
-    chosen = dict(selection=roulette(), crossover=arithmetic(0.8), mutation=uniform(0.1))
+    chosen: dict[str, Any] = dict(
+        selection=roulette(), crossover=arithmetic(0.8), mutation=uniform(0.1)
+    )
     return ga(num_particles, **(chosen | dict(num_elites=1) | parts))

@@ -54,7 +54,7 @@ class LMMAESState(NamedTuple):
     directions: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -43,7 +43,7 @@ def lshade(
     >>> state.position.shape, state.members.shape
     ((10, 5), (90, 5))
     """
-    known = {} if num_particles is None else {"num_particles": num_particles}
+    known: dict[str, Any] = {} if num_particles is None else {"num_particles": num_particles}
     optimizer = shade(**known, **(dict(num_memories=6) | options))
     n = None if num_particles is None else optimizer.num_particles
     if population is not None:

@@ -50,7 +50,7 @@ class OpenESState(NamedTuple):
     second_moment: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

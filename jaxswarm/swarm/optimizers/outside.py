@@ -50,10 +50,11 @@ def ranks(sample: jax.Array, value: jax.Array, spread: Any, num: Any = None) -> 
     """
     outside = jnp.sum(((sample - inside(sample)) / spread) ** 2, axis=1)
     if num is None:
-        rising, num, first = ascending(value), value.size, ()
+        rising, num = ascending(value), value.size
+        keys: tuple[jax.Array, ...] = ()
     else:
         absent = jnp.arange(value.size) >= num
-        rising, first = jnp.sort(jnp.where(absent, jnp.inf, value)), (absent,)
+        rising, keys = jnp.sort(jnp.where(absent, jnp.inf, value)), (absent,)
     width = rising[(3 * num) // 4] - rising[num // 4]
     width = jnp.where(jnp.isfinite(width), width, 0.0)
-    return order(*first, value + SHARE * width * outside, outside)
+    return order(*keys, value + SHARE * width * outside, outside)

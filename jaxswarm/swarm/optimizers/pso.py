@@ -37,7 +37,7 @@ from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable,
 from jaxswarm.swarm.optimizers.boundaries import absorb
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
 from jaxswarm.swarm.optimizers.topologies import von_neumann
-from jaxswarm.swarm.pytree import as_part, pytree, static
+from jaxswarm.swarm.pytree import as_part, facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
@@ -53,6 +53,8 @@ def default_particles(num_dims: int) -> int:
     return min(max(FEWEST, PER_DIMENSION * num_dims), MOST)
 
 
+# Position and velocity are replaced coordinate by coordinate, as one pass over a flat array (see ``loop``).
+@facts(CARRIED_FLAT=("position", "velocity"), MEMORY=("memory_position", "memory_value"))
 class PSOState(NamedTuple):
     """State of a particle swarm: n particles in d dimensions.
 
@@ -73,11 +75,7 @@ class PSOState(NamedTuple):
     best_value: jax.Array
     graph: jax.Array
     control: Any
-    count: jax.Array
-
-    # Both are replaced coordinate by coordinate, as one pass over a flat array (see ``loop``).
-    CARRIED_FLAT = ("position", "velocity")
-    MEMORY = ("memory_position", "memory_value")
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -24,7 +24,9 @@ def spso(num_particles: int = 40, **parts: Any) -> PSO:
       **parts: keyword arguments of :func:`pso`, which override the choices made here.
     """
     c = 0.5 + math.log(2.0)
-    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, velocity_limit=math.inf)
+    chosen: dict[str, Any] = dict(
+        inertia=0.5 / math.log(2.0), cognitive=c, social=c, velocity_limit=math.inf
+    )
     chosen |= dict(topology=global_best(), boundary=absorb(), initial_velocity=0.5)
     return pso(num_particles, **(chosen | parts))
 
@@ -41,7 +43,7 @@ def gpso(num_particles: int = 24, num_steps: float | None = None, **parts: Any) 
         toolbox's 2000 where nobody says it).
       **parts: keyword arguments of :func:`pso`, which override the choices made here.
     """
-    chosen = dict(
+    chosen: dict[str, Any] = dict(
         inertia=linear(0.9, 0.4, num_steps, by_hand=2000.0),
         cognitive=2.0,
         social=2.0,
@@ -65,7 +67,9 @@ def spso2011(num_particles: int = 40, **parts: Any) -> PSO:
       CEC-2013", doi 10.1109/CEC.2013.6557848.
     """
     c = 0.5 + math.log(2.0)
-    chosen = dict(inertia=0.5 / math.log(2.0), cognitive=c, social=c, rule=spherical())
+    chosen: dict[str, Any] = dict(
+        inertia=0.5 / math.log(2.0), cognitive=c, social=c, rule=spherical()
+    )
     chosen |= dict(topology=random_informants(3), boundary=bounce(0.5))
     chosen |= dict(initial_velocity=0.5, velocity_limit=math.inf)
     return pso(num_particles, **(chosen | parts))

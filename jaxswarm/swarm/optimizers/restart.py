@@ -40,7 +40,7 @@ class RestartState(NamedTuple):
     best_value: jax.Array
     since: jax.Array
     restarts: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

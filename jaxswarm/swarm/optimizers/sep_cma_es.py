@@ -47,7 +47,7 @@ class SepCMAESState(NamedTuple):
     path_covariance: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

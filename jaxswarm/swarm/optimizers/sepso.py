@@ -70,7 +70,7 @@ def sepso(
     if variant not in VARIANTS:
         raise InputError(f"variant={variant!r} is unknown. {nearest(str(variant), VARIANTS)}")
     at_least("num_particles", num_particles, NUM_WORST + 1, "three of them are the worst")
-    chosen = dict(
+    chosen: dict[str, Any] = dict(
         inertia=linear(0.9, 0.4, num_steps),
         cognitive=2.0,
         social=2.0,

@@ -31,7 +31,7 @@ from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, co
 from jaxswarm.swarm.optimizers.crowd import PER_DIMENSION, Crowd, default_trials, members_at_first
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.success_history import draw_pair, remember, successes
-from jaxswarm.swarm.pytree import pytree, static
+from jaxswarm.swarm.pytree import facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
@@ -41,6 +41,7 @@ FEWEST = 4
 """Members that are always alive: a target and three others."""
 
 
+@facts(MEMORY=("members", "member_value"))
 class SHADEState(NamedTuple):
     """Trials, members, archive, and the memory of what succeeded.
 
@@ -71,9 +72,7 @@ class SHADEState(NamedTuple):
     born: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
-
-    MEMORY = ("members", "member_value")
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree

@@ -40,7 +40,7 @@ class SNESState(NamedTuple):
     spread: jax.Array
     best_position: jax.Array
     best_value: jax.Array
-    count: jax.Array
+    count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
 
 
 @pytree
