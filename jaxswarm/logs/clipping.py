@@ -6,10 +6,12 @@ stretch of :math:`w` samples entered and left with slopes :math:`a` and :math:`b
 :math:`w (a + b) / 8` beyond the limit, which at a crest that is merely rounded is a step or two.
 """
 
+from math import erf
+
 import numpy as np
 
 from jaxswarm.logs.filtering import white_noise
-from jaxswarm.logs.quality import longest_run
+from jaxswarm.logs.quality import longest_run, quantum
 
 # Share of the range within which values are the same, and width of the bins beside the limit.
 _SAME, _BIN = 1e-9, 1e-3
@@ -19,36 +21,56 @@ _LONGEST, _OFTEN = 5, 5
 # one: a rounded crest seems to lose two steps, three with noise, and a hundredth of the range bends no fit.
 _STEPS, _RANGE = 5.0, 0.01
 _LEAST_SAMPLES = 4  # that noise can be told from
+# Noise below this part of a step may be that of rounding, and below this part of the range that of the format;
+# how often a log by chance has a longer stay than noise is said to allow.
+_ROUNDING, _NOISE_OF_RANGE, _CHANCE = 0.4, 1e-5, 1e-3
 
 
-def clipped(values: np.ndarray, moving: np.ndarray, step: float) -> np.ndarray:
-    """Whether samples sit at the largest or smallest value while the joint moves, and hide what was beyond.
+def clipped(values: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Whether samples sit at the largest or smallest value and hide what was beyond.
 
     Args:
         values: Torque, shape (T,).
-        moving: Whether the joint moves, shape (T,): one at rest may need the same torque all the time.
-        step: Quantum of the torque, 0 if none.
+        moving: Whether the joint moves, shape (T,): one at rest may need the same torque all the time, which
+            a channel reads as one number where its noise does not show.
 
     Returns:
         Shape (T,), of bool.
 
     >>> wave = np.sin(np.linspace(0.0, 20.0, 2000))
-    >>> bool(clipped(np.clip(wave, -2.0, 0.8), np.full(2000, True), 0.0).sum() > 300)
+    >>> bool(clipped(np.clip(wave, -2.0, 0.8), np.full(2000, True)).sum() > 300)
     True
-    >>> clipped(np.round(wave, 2), np.full(2000, True), 0.01).any()
+    >>> clipped(np.round(wave, 2), np.full(2000, True)).any()
     np.False_
     """
     found = np.zeros(len(values), dtype=bool)
     span = float(np.ptp(values))
     if span == 0.0 or len(values) < _LEAST_SAMPLES:
         return found
+    ends = [signal >= signal.max() - _SAME * span for signal in (values, -values)]
+    if max(map(longest_run, ends)) < _LONGEST:
+        return found
+    step = quantum(values[~(ends[0] | ends[1])])  # what repeats at a limit is no step
     noise = float(white_noise(values[:, None])[0])
+    by_chance = _longest_by_chance(
+        len(values), step, noise if noise > _NOISE_OF_RANGE * span else 0.0
+    )
     least = max(_STEPS * max(step, noise), _RANGE * span)
-    for signal in (values, -values):
-        at_top = _moved(signal >= signal.max() - _SAME * span, moving)
-        if _stays(signal, at_top, max(step, _BIN * span)) and _lost(signal, at_top) > least:
+    for signal, end in zip((values, -values), ends, strict=True):
+        sure = longest_run(end) > by_chance
+        at_top = end if sure else _moved(end, moving)
+        stays = _stays(signal, at_top, max(step, _BIN * span))
+        if stays and (sure or _lost(signal, at_top) > least):
             found |= at_top
     return found
+
+
+def _longest_by_chance(count: int, step: float, noise: float) -> float:
+    """Samples in a row that a channel of such steps and noise reads alike, of so many, but for rare chance."""
+    if noise <= _ROUNDING * step or noise == 0.0:
+        return np.inf
+    alike = erf(step / (2.0 * np.sqrt(2.0) * noise))  # at most: a torque in the middle of a step
+    return max(np.log(count / _CHANCE) / -np.log(max(alike, 1e-9)), _LONGEST)
 
 
 def _runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

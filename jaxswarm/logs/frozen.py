@@ -120,7 +120,7 @@ def without_saturated(log: Log) -> tuple[Log, list[Finding]]:
         torque = log.tau[:, j]
         if longest_run(torque == torque.max()) < 2 and longest_run(torque == torque.min()) < 2:
             continue
-        at_limit = clipped(torque, _moving(log, j), quantum(torque))
+        at_limit = clipped(torque, _moving(log, j))
         if at_limit.any():
             bad |= at_limit
             told.append(

@@ -179,9 +179,7 @@ def _summarized(log: Log) -> LogSummary:
                 torque_max=None if tau is None else float(tau.max()),
                 position_quantum=steps[k],
                 torque_quantum=torque_step,
-                saturated=0
-                if tau is None
-                else int(clipped(tau, moving[:, k], torque_step or 0.0).sum()),
+                saturated=0 if tau is None else int(clipped(tau, moving[:, k]).sum()),
                 stuck=stuck if stuck >= 10 else 0,
                 wraps=int(np.sum(np.abs(np.abs(np.diff(log.q[:, k])) - 2 * np.pi) < 0.5)),
                 velocity_ratio=None if log.dq is None else _ratio(log.dq[:, k], derived[k]),
