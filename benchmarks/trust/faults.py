@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.trust.jobs import JOBS, content, finish, prepare, start
+from benchmarks.trust.killed import COPIED, KILLS, Copies, chain
 from benchmarks.trust.oracle import LONGEST
 from benchmarks.trust.reference import KEPT, Reference, names, same
 from benchmarks.trust.rows import add_row, read_rows
@@ -18,11 +19,11 @@ from benchmarks.trust.surroundings import OTHERS
 # Before this time [s] Python itself is still starting, and no program of ours can answer a signal.
 _STARTED = 1.5
 _CODES = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
-# Commands that write one set of results, which is left whole or not at all; what answers signals,
-# what is killed in turn, and what takes minutes and is killed one time in ten.
+# Commands that write one set of results, which is left whole or not at all; what answers signals; and what is
+# many processes or takes minutes, killed as a process of its own one time in so many chains.
 _COMMANDS = ("identify", "diagnose", "diagnose --model")
 _ANSWERING = (*_COMMANDS, "fleet")
-_SHORT, _LONG = (*_ANSWERING, "minimize_resumable"), "study"
+_LONG, _SELDOM = ("fleet", "study"), 10
 
 
 def faults(kills: int) -> None:
@@ -31,9 +32,15 @@ def faults(kills: int) -> None:
     with tempfile.TemporaryDirectory(prefix="trust-") as place:
         reference = Reference(Path(place))
         wanted: dict[str, Callable[[Path], str]] = {}
-        for k in range(kills):
-            job = _LONG if k % 10 == 9 else _SHORT[k % len(_SHORT)]
-            wanted[f"kill {k} of {job}"] = _bound(_ended_early, reference, job, signal.SIGKILL, k)
+        copies = Copies(Path(place))
+        for k in range(-(-kills // KILLS)):
+            job = COPIED[k % len(COPIED)]
+            wanted[f"kills {k} of {job}"] = _bound(chain, copies, job, k)
+            if k % _SELDOM == _SELDOM - 1:
+                job = _LONG[k // _SELDOM % len(_LONG)]
+                wanted[f"kill {k} of {job}"] = _bound(
+                    _ended_early, reference, job, signal.SIGKILL, k
+                )
         for job in JOBS:
             for number in _CODES:
                 if job not in _ANSWERING:
@@ -48,7 +55,9 @@ def faults(kills: int) -> None:
                 folder = Path(place) / "work"
                 shutil.rmtree(folder, ignore_errors=True)
                 wrong = try_it(prepare(folder))
-                add_row("faults", {"fault": name, "survived": not wrong, "what": wrong[-LONGEST:]})
+                tries = KILLS if name.startswith("kills ") else 1
+                row = {"fault": name, "tries": tries, "survived": not wrong}
+                add_row("faults", {**row, "what": wrong[-LONGEST:]})
 
 
 def _bound(try_it: Callable, *arguments) -> Callable[[Path], str]:

@@ -8,7 +8,7 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 # What the commands load at their start. None of it may start a device, whose threads no copy would have.
@@ -33,6 +33,49 @@ def load() -> None:
         importlib.import_module(name)
 
 
+class Copy:
+    """A copy of this process that does a piece of work in a folder, with both streams kept.
+
+    Args:
+        work: What it does; a :class:`SystemExit` of it is its exit code.
+        place: Folder it works in.
+        space: Largest address space [bytes]; 0: any.
+    """
+
+    def __init__(self, work: Callable[[], object], place: Path, space: int = 0):
+        load()
+        self._out, self._told = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        self._process = os.fork()
+        if self._process == 0:
+            os._exit(_child(work, place, space, self._out.fileno(), self._told.fileno()))
+
+    def ended(self, seconds: float) -> int | None:
+        """Wait so long [s] for its exit code, below zero where a signal ended it; None: it still works."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            done, status = os.waitpid(self._process, os.WNOHANG)
+            if done:
+                return os.waitstatus_to_exitcode(status)
+            time.sleep(0.01)
+        return None
+
+    def kill(self) -> None:
+        """End it as a lack of memory or of current would."""
+        os.kill(self._process, signal.SIGKILL)
+        os.waitpid(self._process, 0)
+
+    def said(self) -> tuple[bytes, bytes]:
+        """What went to stdout and stderr."""
+        texts = []
+        for file in (self._out, self._told):
+            file.seek(0)
+            texts.append(file.read())
+            file.close()
+        return texts[0], texts[1]
+
+
 def run_copy(
     words: Sequence[str], place: Path, seconds: float, space: int
 ) -> tuple[int, bytes, bytes]:
@@ -47,43 +90,32 @@ def run_copy(
     Returns:
         Exit code, -1 if it was killed, and what went to both streams.
     """
-    load()
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as told:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        process = os.fork()
-        if process == 0:
-            os._exit(_child(words, place, space, out.fileno(), told.fileno()))
-        code = _wait(process, seconds)
-        out.seek(0)
-        told.seek(0)
-        return code, out.read(), told.read()
+    copy = Copy(lambda: command(words), place, space)
+    code = copy.ended(seconds)
+    if code is None:
+        copy.kill()
+        code = _OUT_OF_TIME
+    return code, *copy.said()
 
 
-def _wait(process: int, seconds: float) -> int:
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        done, status = os.waitpid(process, os.WNOHANG)
-        if done:
-            return os.waitstatus_to_exitcode(status)
-        time.sleep(0.01)
-    os.kill(process, signal.SIGKILL)
-    os.waitpid(process, 0)
-    return _OUT_OF_TIME
+def command(words: Sequence[str]) -> None:
+    """Be a command, in a copy."""
+    from jaxswarm.cli import main
+
+    sys.argv = ["jaxswarm", *words]
+    main()
 
 
-def _child(words: Sequence[str], place: Path, space: int, out: int, told: int) -> int:
-    """Be the command; whatever happens, the copy ends with a code."""
+def _child(work: Callable[[], object], place: Path, space: int, out: int, told: int) -> int:
+    """Do the work; whatever happens, the copy ends with a code."""
     try:
         os.chdir(place)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(out, 1)
         os.dup2(told, 2)
-        resource.setrlimit(resource.RLIMIT_AS, (space, space))
-        sys.argv = ["jaxswarm", *words]
-        from jaxswarm.cli import main
-
-        main()
+        if space:
+            resource.setrlimit(resource.RLIMIT_AS, (space, space))
+        work()
         code = 0
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)

@@ -10,11 +10,12 @@ from benchmarks.trust.spoilings import SPOILINGS, Spoiling
 from jaxswarm import tasks
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked, without_relation
-from jaxswarm.identify.checks.rough import Rough, samples_of
+from jaxswarm.identify.checks.rough import Rough, Samples, samples_of
 from jaxswarm.identify.checks.weak import all_rest, resting_joints
 from jaxswarm.logs import Log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.logs.spikes import bridged
 
 # Time [s] of a diagnosis, so that no log takes unbounded time.
 BUDGET = 90.0
@@ -23,7 +24,8 @@ BUDGET = 90.0
 SAID, UNSAID, QUIET, WRONG, ELSE, HIDDEN = (
     *("said", "unsaid", "quiet", "wrong effect", "something else said", "hidden"),
 )
-# Growth of what a rough model leaves, as a sum of logarithms over the joints, from which on a spoiling shows.
+# Growth of what a rough model leaves, as a sum of logarithms over the joints, from which on a spoiling shows on
+# a log of many rows; wrong guesses about a clean log gain twice that by chance, on a short one more.
 _SHOWS = 0.1
 # The log as it is, in which nothing is wrong: it may not be refused.
 AS_IT_IS = "as it is"
@@ -52,7 +54,7 @@ def spoiled(arms: int, judged: int, first: int = 0) -> None:
             log = spoiling.spoil(arm.log, joint, rng)
             row = complaint(arm, spoiling, log)
             if row["outcome"] == UNSAID and spoiling.hides:
-                row["shows"] = left(arm, log) - left(arm, arm.log)
+                row["shows"] = shows(arm, spoiling, log)
                 row["outcome"] = UNSAID if row["shows"] > _SHOWS else HIDDEN
             if row["outcome"] == UNSAID and asked:
                 row = diagnosed(arm, spoiling, log)
@@ -78,10 +80,22 @@ def complaint(arm: Arm, spoiling: Spoiling, log: Log) -> dict:
     return {"outcome": outcome, "refused": refused, "text": text[:600]}
 
 
-def left(arm: Arm, log: Log) -> float:
-    """What the best robot of that geometry leaves of the torques, as a sum of logarithms over the joints."""
-    _, motions = prepare_segments(log, Filtering())
-    return Rough(arm.robot, samples_of(motions)).as_logged()[0].power
+def shows(arm: Arm, spoiling: Spoiling, log: Log) -> float:
+    """By how much more the best robot of that geometry leaves of the torques than without the spoiling.
+
+    As a sum of logarithms over the joints, on the same filters, over what chance makes of so few rows.
+    """
+    spoiled_one, filtering = _filtered(log, Filtering())
+    right = (
+        _filtered(arm.log, filtering)[0] if spoiling.undo is None else spoiling.undo(spoiled_one)
+    )
+    rough, other = Rough(arm.robot, spoiled_one), Rough(arm.robot, right)
+    return (rough.as_logged()[0].power - other.as_logged()[0].power) / rough.strictness
+
+
+def _filtered(log: Log, filtering: Filtering) -> tuple[Samples, Filtering]:
+    _, motions = prepare_segments(bridged(log)[0], filtering)
+    return samples_of(motions), motions[0].filtering
 
 
 def diagnosed(arm: Arm, spoiling: Spoiling, log: Log) -> dict:

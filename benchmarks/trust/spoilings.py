@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxswarm.identify.checks.rough import Samples
 from jaxswarm.logs import Log
 
 Spoil = Callable[[Log, int, np.random.Generator], Log]
@@ -20,12 +21,15 @@ class Spoiling(NamedTuple):
         effects: Effects that are a right answer, too: the log is as if the arm had them.
         hides: Whether it may change nothing that shows: another robot explains such a log as well, as with the
             zero of a last joint, or the scale of a joint that nothing couples to the others.
+        undo: Takes it back on the motion as it was filtered; None: that of the log as it was is taken. A log of
+            another clock has other filters and gaps, too.
     """
 
     spoil: Spoil
     said: tuple[str, ...]
     effects: tuple[str, ...] = ()
     hides: bool = False
+    undo: Callable[[Samples], Samples] | None = None
 
 
 def column(
@@ -63,6 +67,10 @@ def _with_acceleration(change) -> Spoil:
         return replace(log, ddq=change(ddq, j))
 
     return spoil
+
+
+def _faster(s: Samples) -> Samples:
+    return replace(s, dq=2.0 * s.dq, ddq=4.0 * s.ddq)
 
 
 def _swapped(values: np.ndarray, j: int) -> np.ndarray:
@@ -133,7 +141,8 @@ SPOILINGS: dict[str, Spoiling] = {
     "torque 20 ms late": Spoiling(_late, ("late_torque",), ("time_delay",), True),
     "encoder scale 2": Spoiling(_position(lambda x: 2.0 * x), ("encoder_scale",), hides=True),
     "time scale 2": Spoiling(
-        lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",), hides=True),
+        lambda log, j, rng: replace(log, t=2.0 * log.t, dq=None), ("time_scale",), hides=True,
+        undo=_faster),
     "encoder zero 0.3 rad": Spoiling(
         _position(lambda x: x + 0.3), ("encoder_zero", "encoder_offset"), ("encoder_offset",), True),
     "0.1 % of spikes": Spoiling(_spikes, ("spikes",)),

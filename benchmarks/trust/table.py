@@ -55,13 +55,14 @@ def _commands() -> list[str]:
 
 
 def _faults() -> list[str]:
-    kinds: dict[str, list[bool]] = {}
+    tried: Counter[str] = Counter()
+    survived: Counter[str] = Counter()
     for row in read_rows("faults"):
         name = row["fault"].split(" ")[0] if " of " in row["fault"] else row["fault"].split(":")[0]
-        kinds.setdefault({"kill": "kill -9 at a random moment"}.get(name, name), []).append(
-            row["survived"]
-        )
-    return [f"| {name} | {len(all_)} | {sum(all_)} survived |" for name, all_ in kinds.items()]
+        name = "kill -9 at a random moment" if name in ("kill", "kills") else name
+        tried[name] += row["tries"]
+        survived[name] += row["tries"] * row["survived"]
+    return [f"| {name} | {tried[name]} | {survived[name]} survived |" for name in tried]
 
 
 def _spoiled() -> list[str]:

@@ -1,4 +1,4 @@
-r"""How good a signal is, in numbers: its quantum and noise, saturation, stuck values, motion.
+r"""How good a signal is, in numbers: its quantum and noise, stuck values, motion.
 
 Each function looks at one channel of one joint. The noise of a position is taken from its third
 differences, in which smooth motion vanishes: white noise of standard deviation :math:`\sigma`
@@ -108,47 +108,6 @@ def reversals(speed: np.ndarray, threshold: float) -> int:
     """
     signs = np.sign(speed[np.abs(speed) > threshold])
     return int(np.sum(signs[1:] != signs[:-1]))
-
-
-def saturated(values: np.ndarray, moving: np.ndarray, step: float) -> int:
-    """Count samples that sit at the largest or smallest value while the robot moves.
-
-    A clipped signal stays at its extreme, and does so much more often than at the values next to
-    it; a coarse one that merely turns around there does not.
-
-    Args:
-        values: Torque, shape (T,).
-        moving: Whether any joint moves, shape (T,).
-        step: Quantum of the torque, 0 if none.
-
-    >>> wave = np.sin(np.linspace(0.0, 20.0, 2000))
-    >>> saturated(np.clip(wave, -2.0, 0.8), np.full(2000, True), 0.0) > 300
-    True
-    >>> saturated(wave, np.full(2000, True), 0.0)
-    0
-    """
-    span = float(np.ptp(values))
-    if span == 0.0:
-        return 0
-    total = 0
-    width = max(step, 1e-3 * span)
-    for signal in (values, -values):
-        top = signal.max()
-        at_top = (signal >= top - 1e-9 * span) & moving
-        count = int(np.sum(at_top))
-        close = (signal < top - 1e-9 * span) & moving
-        beside = max(
-            int(
-                np.sum(
-                    close & (signal >= top - (k + 1.5) * width) & (signal < top - (k + 0.5) * width)
-                )
-            )
-            for k in range(3)
-        )
-        near = int(np.sum(close & (signal >= top - 0.5 * width)))
-        if longest_run(at_top) >= 5 and count > 5 * max(beside, near, 1):
-            total += count
-    return total
 
 
 def longest_run(mask: np.ndarray) -> int:

@@ -12,13 +12,13 @@ from weakref import ref
 
 import numpy as np
 
+from jaxswarm.logs.clipping import clipped
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.quality import (
     held_share,
     longest_stuck,
     quantum,
     reversals,
-    saturated,
     slowest_motion,
     velocity,
 )
@@ -179,7 +179,7 @@ def _summarized(log: Log) -> LogSummary:
                 torque_max=None if tau is None else float(tau.max()),
                 position_quantum=steps[k],
                 torque_quantum=torque_step,
-                saturated=0 if tau is None else saturated(tau, any_moves, torque_step or 0.0),
+                saturated=0 if tau is None else int(clipped(tau, moving[:, k]).sum()),
                 stuck=stuck if stuck >= 10 else 0,
                 wraps=int(np.sum(np.abs(np.abs(np.diff(log.q[:, k])) - 2 * np.pi) < 0.5)),
                 velocity_ratio=None if log.dq is None else _ratio(log.dq[:, k], derived[k]),

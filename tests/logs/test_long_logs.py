@@ -11,7 +11,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.logs import Log, csv_numbers, read_log
 from jaxswarm.logs.csv import read_csv
 from jaxswarm.logs.filtering import white_noise
-from jaxswarm.logs.frozen import saturation
+from jaxswarm.logs.frozen import without_saturated
 from jaxswarm.logs.lost import lost_samples
 from jaxswarm.logs.resampling import resample, thin
 
@@ -40,7 +40,7 @@ def peak(work) -> float:
 @pytest.mark.parametrize(
     ("work", "copies"),
     [
-        (lambda log: saturation(log), 0.8),
+        (lambda log: without_saturated(log), 0.8),
         (lambda log: white_noise(log.tau), 0.9),
         (lambda log: thin(log.q, 1000.0, 10), 1.7),
         (lambda log: resample(log.t, log.q, log.t[:-1] + 4e-4, cubic=True), 4.0),

@@ -1,4 +1,4 @@
-"""Quanta, motion, saturation and stuck values, each in a signal made to have a known amount."""
+"""Quanta, motion and stuck values, each in a signal made to have a known amount."""
 
 import numpy as np
 import pytest
@@ -45,24 +45,6 @@ def test_standstill_is_told_from_motion_through_noise():
     moving = speed > threshold
     # |sin| is below one half for a third of the time.
     assert np.mean(moving) == pytest.approx(1 / 3, abs=0.03)
-
-
-@pytest.mark.parametrize("limit", [0.5, 0.8, 0.95])
-@pytest.mark.parametrize("step", [0.0, 0.01])
-def test_saturation_counts_the_clipped_samples(limit, step):
-    wave = WAVE if step == 0.0 else np.round(WAVE / step) * step
-    clipped = np.clip(wave, -limit, 10.0)
-    count = quality.saturated(clipped, np.full(len(wave), True), step)
-    assert count == np.sum(wave <= -limit)
-    assert quality.saturated(wave, np.full(len(wave), True), step) == 0
-    assert quality.saturated(clipped, np.full(len(wave), False), step) == 0
-
-
-def test_noise_and_constants_are_not_saturated():
-    everywhere = np.full(4000, True)
-    noise = np.random.default_rng(3).normal(size=4000)
-    assert quality.saturated(noise, everywhere, 0.0) == 0
-    assert quality.saturated(np.ones(4000), everywhere, 0.0) == 0
 
 
 def test_reversals_ignore_chatter_around_zero():

@@ -13,6 +13,7 @@ from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
     Guess,
     degree_guesses,
+    likely_order_guess,
     motion_guesses,
     motion_scale_guesses,
     torque_guesses,
@@ -82,8 +83,10 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     """The likeliest guess about signs, order and unit of angles that is far better than the log as it is."""
     logged, sigma = rough.as_logged()
     much = rough.strictness
-    guesses = [*torque_guesses(robot, rough.likely_order()), *torque_scale_guesses(robot)]
+    likely = rough.likely_order()
+    guesses = [*torque_guesses(robot), *torque_scale_guesses(robot)]
     tried = list(zip(guesses, rough.fit([g.mixture for g in guesses], sigma), strict=True))
+    tried += _with_its_own_weights(robot, rough, likely)
     poor = logged.size > _POOR or logged.left.max() > _POOR_JOINT or logged.braking.min() < -_NONE
     far = np.ptp(rough.samples.q, axis=0) > _FAR
     motions = [
@@ -124,6 +127,18 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     if rivals:  # as of parallel axes
         guess = replace(guess, what=f"{guess.what} (or that of {' or '.join(rivals)})")
     return _told(robot, guess, found, logged)
+
+
+def _with_its_own_weights(
+    robot: Robot, rough: Rough, likely: tuple[int, ...]
+) -> list[tuple[Guess, Tried]]:
+    """The likely order of the torques, if it is another one, weighted by what it leaves itself.
+
+    The weights of the log as it is belong to its order: a joint that gets the torque of a far weaker one would
+    not count at all.
+    """
+    order = likely_order_guess(robot, likely)
+    return [] if order is None else [(order, rough.settled(order.mixture)[0])]
 
 
 def _sound(guess: Guess, found: Tried) -> bool:

@@ -71,9 +71,10 @@ def checked(
     if refuse_dead:
         refuse_dead_torque(log)
     log, found = spikes.bridged(log)
-    found += lost.lost_samples(log) + frozen.saturation(log)
+    found += lost.lost_samples(log)
+    log, saturated = frozen.without_saturated(log)
     log, stuck = frozen.without_stuck(log)
-    log = with_findings(log, [*found, *stuck], accept)
+    log = with_findings(log, [*found, *saturated, *stuck], accept)
     log, motions = prepare_segments(log, filtering)
     return with_findings(log, against_robot(robot, motions), accept), motions
 

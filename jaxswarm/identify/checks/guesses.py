@@ -43,8 +43,8 @@ class Guess:
     remedy: str | None = None
 
 
-def torque_guesses(robot: Robot, likely: tuple[int, ...]) -> Iterator[Guess]:
-    """Torques of the wrong sign, or in another order than the joints, the ``likely`` one among them."""
+def torque_guesses(robot: Robot) -> Iterator[Guess]:
+    """Torques of the wrong sign, or in another order than the joints."""
     n = robot.num_joints
     if n <= _ALL_SIGNS:
         patterns = [p for p in product((1.0, -1.0), repeat=n) if min(p) < 0]
@@ -54,10 +54,19 @@ def torque_guesses(robot: Robot, likely: tuple[int, ...]) -> Iterator[Guess]:
         wrong = tuple(int(j) for j in np.flatnonzero(np.asarray(pattern) < 0))
         text = f"the torque of {_named(robot, wrong)} has the wrong sign"
         yield Guess("torque_sign", text, wrong, np.diag(pattern))
-    for order in dict.fromkeys([*_orders(n), *([likely] if likely != tuple(range(n)) else [])]):
-        moved = tuple(j for j in range(n) if order[j] != j)
-        text = f"the torques of {_named(robot, moved)} are exchanged"
-        yield Guess("swapped_channels", text, moved, np.eye(n)[list(order)])
+    for order in _orders(n):
+        yield _exchanged(robot, order)
+
+
+def likely_order_guess(robot: Robot, order: tuple[int, ...]) -> Guess | None:
+    """The torques in the order that each joint's own columns explain best; None if it is that of the joints."""
+    return None if order == tuple(range(robot.num_joints)) else _exchanged(robot, order)
+
+
+def _exchanged(robot: Robot, order: tuple[int, ...]) -> Guess:
+    moved = tuple(j for j, k in enumerate(order) if j != k)
+    text = f"the torques of {_named(robot, moved)} are exchanged"
+    return Guess("swapped_channels", text, moved, np.eye(len(order))[list(order)])
 
 
 def motion_guesses(robot: Robot) -> Iterator[Guess]:

@@ -225,11 +225,15 @@ class Rough:
             left.append(np.log(np.maximum(rest / self.spread, 1e-12)))
         return tuple(map(int, scipy.optimize.linear_sum_assignment(np.array(left))[1]))
 
-    def as_logged(self, rounds: int = 3) -> tuple[Tried, np.ndarray]:
+    def as_logged(self) -> tuple[Tried, np.ndarray]:
         """The fit to the torques as logged, and the weights it settled on."""
-        same = np.eye(len(self._factors))
-        sigma = self.spread
+        return self.settled(np.eye(len(self._factors)))
+
+    def settled(self, mixture: np.ndarray, rounds: int = 3) -> tuple[Tried, np.ndarray]:
+        """The fit to a mixture (n, n) of the torques, and the weights it settled on."""
+        spread = np.abs(mixture) @ self.spread
+        sigma = spread
         for _ in range(rounds):
-            (found,) = self.fit([same], sigma)
-            sigma = np.maximum(found.left, 1e-6) * self.spread
+            (found,) = self.fit([mixture], sigma)
+            sigma = np.maximum(found.left, 1e-6) * spread
         return found, sigma
