@@ -18,6 +18,7 @@ from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
 from jaxswarm.diagnose.discovery.front import Point, front
 from jaxswarm.diagnose.discovery.grammar import programs
+from jaxswarm.diagnose.discovery.partner import without_joint
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
@@ -83,11 +84,14 @@ def search_joint(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
-    lin = Linearization(final, diagnosis.crossfit)
+    unexplained = {r.joint for r in remainders(final) if not r.near}
     ranked: list[tuple[Joint, Point]] = []
     tried = 0
     for partner, wanted in _variables(left, final.model.robot.joints):
-        problem = joint_problem(lin, j, partner, wanted)
+        crossfit = diagnosis.crossfit
+        if partner in unexplained:
+            crossfit = without_joint(crossfit, partner)
+        problem = joint_problem(Linearization(final, crossfit), j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
         tried += count
