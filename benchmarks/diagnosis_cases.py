@@ -6,6 +6,7 @@ half. Amplitudes are solved for from the wanted ratio; soft joints and backlash 
 with fixed parameters.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -16,7 +17,7 @@ from scipy import signal
 from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, LATER, WHOLE_ARM, Drawn
 from benchmarks.diagnosis_soft import closed_loop
 from jaxswarm.effects.base import REGISTRY
-from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
@@ -30,6 +31,8 @@ WIDTH = 0.01
 VISIBLE = 0.5
 RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
 SILENT = Noise(0.0, 0.0)
+# Seconds of a misreading that is a tangent.
+_LITTLE = 1e-3
 
 
 # Softness [N m/rad, N m s/rad] and dead zone [rad], mild to severe.
@@ -117,10 +120,16 @@ def plain_motion(log: Log, state: tuple | None = None) -> Motion:
     )
 
 
-def hidden_ratio(arm: Robot, declared, motion: Motion, clean: np.ndarray) -> np.ndarray:
-    """RMS of the part of a torque that the declared model cannot absorb, over the noise, (3,)."""
+def hidden_ratio(
+    arm: Robot, declared, motion: Motion, clean: np.ndarray, beside: Sequence[np.ndarray] = ()
+) -> np.ndarray:
+    """RMS of the part of a torque that the declared model cannot absorb, over the noise, (3,).
+
+    Nor can it with what is given ``beside``, torques (T, 3) of any size.
+    """
     pi = np.asarray(arm.parameters).ravel()
-    columns = assemble(arm, declared, motion, (WIDTH,) * arm.num_joints, pi) / NOISE[:, None]
+    columns = assemble(arm, declared, motion, (WIDTH,) * arm.num_joints, pi)
+    columns = np.concatenate([columns, *(x[:, :, None] for x in beside)], axis=2) / NOISE[:, None]
     flat = columns[::4].reshape(-1, columns.shape[2])
     target = (clean / NOISE)[::4].reshape(-1)
     scale = np.maximum(np.linalg.norm(flat, axis=0), 1e-12)
@@ -176,9 +185,10 @@ def _sized(case, arm, declared, motion, base, rng):
     drawn = {k: draw(rng) for k, draw in hidden.others.items()}
     size = hidden.size
     told = (*declared, *_extended(case, drawn))
+    beside = _misread(case, arm, declared, base)
     for _ in range(3):
         terms, log = log_with(size)
-        ratio = hidden_ratio(arm, told, motion, log.tau).max()
+        ratio = hidden_ratio(arm, told, motion, log.tau, beside).max()
         if ratio < 1e-3 * size:  # the declared model absorbs it whatever its size
             break
         size = min(size * wanted / ratio, hidden.most)
@@ -193,6 +203,21 @@ def _extended(case, drawn) -> tuple[Term, ...]:
         return ()
     usual = REGISTRY[name].nominal()
     return (Term(name, case.joint, values={k: drawn.get(k, v) for k, v in usual.items()}),)
+
+
+def _misread(case, arm, declared, base) -> list[np.ndarray]:
+    """What the torques of a log lose by a little of each misreading that a misreading extends, (T, 3) each."""
+    names = REGISTRY[case.effect].extends if case.effect in LATER else ()
+    told = []
+    for law in (REGISTRY[name] for name in names):
+        if isinstance(law, MeasurementLaw):
+            little = {
+                p.name: _LITTLE if k == 0 else p.nominal for k, p in enumerate(law.parameters)
+            }
+            terms = (*declared, Term(law.name, None, values=little))
+            log = synthetic_log(arm, terms, case.seed, noise=SILENT, motion_seed=case.seed)
+            told.append(log.tau - base.tau)
+    return told
 
 
 def _terms(case, declared, drawn, size):

@@ -168,3 +168,9 @@ def clearly_better(named: Estimate, found: Estimate, joint: int, other: Sequence
         (float(b[joint]), float(a[joint])) for a, b, *_ in errors_elsewhere(named, found, other)
     ]
     return all(b < CLEARLY_LESS * a for b, a in [(two, one), *pairs])
+
+
+def stays_near(named: Estimate, found: Estimate) -> bool:
+    """Whether every joint that named laws bring near its noise is there with a formula in their place."""
+    pairs = zip(remainders(named), remainders(found), strict=True)
+    return all(after.near for before, after in pairs if before.near)
