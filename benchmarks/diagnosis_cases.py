@@ -15,12 +15,13 @@ import numpy as np
 from scipy import signal
 
 from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, LATER, WHOLE_ARM, Drawn
+from benchmarks.diagnosis_misread import SILENT, extended_misreadings
 from benchmarks.diagnosis_soft import closed_loop
 from jaxswarm.effects.base import REGISTRY
-from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.measuring_chain import assemble
-from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
+from jaxswarm.identify.synthetic import fourier_motion, random_links, synthetic_log
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Motion
@@ -30,9 +31,6 @@ NOISE = np.array([0.25, 0.30, 0.15])
 WIDTH = 0.01
 VISIBLE = 0.5
 RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
-SILENT = Noise(0.0, 0.0)
-# Seconds of a misreading that is a tangent.
-_LITTLE = 1e-3
 
 
 # Softness [N m/rad, N m s/rad] and dead zone [rad], mild to severe.
@@ -185,7 +183,7 @@ def _sized(case, arm, declared, motion, base, rng):
     drawn = {k: draw(rng) for k, draw in hidden.others.items()}
     size = hidden.size
     told = (*declared, *_extended(case, drawn))
-    beside = _misread(case, arm, declared, base)
+    beside = extended_misreadings(case.effect, arm, declared, base, case.seed)
     for _ in range(3):
         terms, log = log_with(size)
         ratio = hidden_ratio(arm, told, motion, log.tau, beside).max()
@@ -203,21 +201,6 @@ def _extended(case, drawn) -> tuple[Term, ...]:
         return ()
     usual = REGISTRY[name].nominal()
     return (Term(name, case.joint, values={k: drawn.get(k, v) for k, v in usual.items()}),)
-
-
-def _misread(case, arm, declared, base) -> list[np.ndarray]:
-    """What the torques of a log lose by a little of each misreading that a misreading extends, (T, 3) each."""
-    names = REGISTRY[case.effect].extends if case.effect in LATER else ()
-    told = []
-    for law in (REGISTRY[name] for name in names):
-        if isinstance(law, MeasurementLaw):
-            little = {
-                p.name: _LITTLE if k == 0 else p.nominal for k, p in enumerate(law.parameters)
-            }
-            terms = (*declared, Term(law.name, None, values=little))
-            log = synthetic_log(arm, terms, case.seed, noise=SILENT, motion_seed=case.seed)
-            told.append(log.tau - base.tau)
-    return told
 
 
 def _terms(case, declared, drawn, size):

@@ -29,18 +29,25 @@ def energy(first, second, way):
     return 0.5 * np.maximum(np.hypot(x, y) - 1.1, 0.0) ** 2
 
 
-@pytest.mark.parametrize("number", range(4))
-def test_a_cable_pulls_by_the_slope_of_its_energy(number):
+@pytest.mark.parametrize("form", forms())
+def test_a_cable_pulls_by_the_slope_of_its_energy(form):
     q, other = np.random.default_rng(0).uniform(-2.0, 2.0, (2, 60))
-    program = list(forms({"q", "q_other"}))[number].program
-    check_program(program, list(VALUES))
-    way = 1.0 if number < 2 else -1.0
-    pair = (lambda x: (x, other)) if number % 2 == 0 else (lambda x: (other, x))
-    slope = (energy(*pair(q + STEP), way) - energy(*pair(q - STEP), way)) / (2.0 * STEP)
-    told = evaluate(program, {**VALUES, "q": q, "q_other": other}, np)
-    size = (told @ slope) / (told @ told)
-    np.testing.assert_allclose(size * told, slope, atol=1e-7)
-    assert (told == 0.0).any() and (told != 0.0).any(), "slack somewhere, taut elsewhere"
+
+    def stored(q, other):
+        return energy(q, other, form.way) if form.first else energy(other, q, form.way)
+
+    slopes = [
+        (stored(q + STEP, other) - stored(q - STEP, other)) / (2.0 * STEP),
+        (stored(q, other + STEP) - stored(q, other - STEP)) / (2.0 * STEP),
+    ]
+    known = {**VALUES, "q": q, "q_other": other}
+    for program, size, slope in zip(
+        (form.own, form.partners), form.sizes(VALUES["e"]), slopes, strict=True
+    ):
+        check_program(program, list(VALUES))
+        told = size * evaluate(program, known, np) / VALUES["g"]
+        np.testing.assert_allclose(told, slope, atol=1e-7)
+        assert (told == 0.0).any() and (told != 0.0).any(), "slack somewhere, taut elsewhere"
 
 
 @cache
@@ -85,14 +92,13 @@ def test_a_joint_is_searched_without_the_rows_of_a_partner_that_is_far_from_its_
 
 
 def test_a_cable_over_two_joints_is_found():
-    found, crossfit = declared_fit(log_with())
-    problem = joint_problem(Linearization(found, crossfit), 1, 0)
-    truth = evaluate(list(forms(problem.data))[1].program, {**problem.data, **VALUES}, np)
-    whole = crossfit.whole
-    residual = whole.free_part(problem.lin.on_joint(truth[:, None], 1))[:, :, 0]
-    folds = region_folds(replace(whole, residual=residual), regions(found))
-    problem.lin.crossfit = replace(crossfit, whole=replace(whole, residual=residual))
-    points, tried = cables(problem, folds)
-    best = min(points, key=lambda one: one.error)
-    assert tried == 4 and best.error < 1e-4
-    assert best.formula.values == pytest.approx(VALUES, rel=0.02)
+    log = log_with()
+    first, second = forms()[0].own, forms()[0].partners
+    known = {**VALUES, "q": log.q[:, 0], "q_other": log.q[:, 1]}
+    pull = [40.0 * evaluate(first, known, np), 40.0 * VALUES["e"] * evaluate(second, known, np)]
+    found, crossfit = declared_fit(replace(log, tau=log.tau + np.stack(pull, axis=1)))
+    lin = Linearization(found, without_joint(crossfit, 0))
+    problem = replace(joint_problem(lin, 1, 0), both=crossfit)
+    points, _ = cables(problem, region_folds(lin.crossfit.whole, regions(found)))
+    assert points[0].formula.programs == (forms()[1].own,)
+    assert points[0].error < 0.02

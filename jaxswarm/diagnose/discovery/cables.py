@@ -9,23 +9,24 @@ and pulls by :math:`L - 2/g` beyond its free length :math:`2/g`. Four constants 
 all programs: each form is looked at at many points of them, and refined from the best.
 """
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from jaxswarm.diagnose.discovery.front import Point, point
-from jaxswarm.diagnose.discovery.on_host import shares_at
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.reach import tame
-from jaxswarm.diagnose.discovery.sums import Sum, polished
+from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.parameter import Parameter
-from jaxswarm.effects.postfix import Program
+from jaxswarm.effects.postfix import Program, evaluate
 
-# Points of the constants at which a form is looked at, as a power of two, and the best of it that are refined.
-_LOOKS, _REFINED = 9, 2
+# Points of the constants at which a form is looked at, as a power of two, the best of it that are refined, and
+# the steps of that.
+_LOOKS, _REFINED, _STEPS = 9, 3, 40
 # In lengths of the first link: where a cable may end, and how long it may be.
 _CONSTANTS = (
     Parameter("e", "1", 0.2, 2.0, False, 0.7, "from the second joint to the cable", "log"),
@@ -37,31 +38,108 @@ _CONSTANTS = (
 )
 
 
-def forms(fields: Container[str]) -> Iterator[Piece]:
-    """Torque of such a cable on the first of two joints, then on the second, for both ways the second turns."""
-    if not ("q" in fields and "q_other" in fields):
-        return
-    for sign in ("+", "-"):
-        yield Piece(_on_first("q", ("q", "q_other", sign)), _CONSTANTS, named=True)
-        # The partner is the first joint then; the joint itself turns the link with the same sign.
-        yield Piece(_on_second("q_other", "q", sign), _CONSTANTS, named=True)
+class Form(NamedTuple):
+    """Torques of such a cable on a joint and on its partner.
+
+    Attributes:
+        own: On the joint.
+        partners: On its partner.
+        first: Whether the joint carries the other one.
+        way: Which way the second joint turns the link, +1 or -1.
+    """
+
+    own: Program
+    partners: Program
+    first: bool
+    way: int
+
+    def sizes(self, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What the two programs are multiplied by to be slopes of one energy."""
+        second = self.way * e
+        return (np.ones_like(e), second) if self.first else (second, np.ones_like(e))
+
+
+def forms() -> list[Form]:
+    """A joint that carries its partner, or is carried by it, for both ways the second one turns."""
+    told = []
+    for way, sign in ((1, "+"), (-1, "-")):
+        for first, second in (("q", "q_other"), ("q_other", "q")):
+            turned = (first, second, sign)
+            both = _on_first(first, turned), _on_second(first, second, sign)
+            own, partners = both if first == "q" else both[::-1]
+            told.append(Form(own, partners, first == "q", way))
+    return told
 
 
 def cables(problem: Joint, folds: Sequence[tuple[Fold, np.ndarray]]) -> tuple[list[Point], int]:
-    """The best cables with their errors on other motion, and how many forms were tried."""
-    pieces = list(forms(problem.data)) if problem.angles else []
-    whole = problem.lin.crossfit.whole
-    rows = problem.rows_of(whole)
+    """The best cable with its error on other motion, and how many forms were tried."""
+    if not ({"q", "q_other"} <= set(problem.data) and problem.angles):
+        return [], 0
+    seen = _Seen(problem)
     looks = scipy.stats.qmc.Sobol(len(_CONSTANTS), scramble=False).random_base2(_LOOKS)
-    points = []
-    for piece in pieces:
-        shares = shares_at(problem.names, rows, piece, looks.astype(np.float32))
-        for place in looks[np.argsort(-shares)[:_REFINED]]:
-            values = {p.name: float(p.decode(u)) for p, u in zip(_CONSTANTS, place, strict=True)}
-            formula = polished(problem, Sum((piece,), values), whole)
-            if tame(problem, formula):
-                points.append(point(problem, formula, folds))
-    return [one for one in points if np.isfinite(one.error)], len(pieces)
+    starts = []
+    for form in forms():
+        shares = seen.shares(form, looks)
+        starts += [(shares[k], form, looks[k]) for k in np.argsort(-shares)[:_REFINED]]
+    refined = [(*seen.refined(form, place), form) for _, form, place in starts]
+    best, place, form = min(refined, key=lambda one: one[0])
+    if not np.isfinite(best):
+        return [], len(starts)
+    values = {p.name: float(p.decode(u)) for p, u in zip(_CONSTANTS, place, strict=True)}
+    formula = Sum((Piece(form.own, _CONSTANTS, named=True),), values)
+    if not tame(problem, formula):
+        return [], len(starts)
+    found = point(problem, formula, folds)
+    return [found] if np.isfinite(found.error) else [], len(starts)
+
+
+class _Seen:
+    """What is seen of a cable: on the joint, and on its partner where that lacks something as well.
+
+    One energy gives the torques on both. A joint alone hardly tells which of the two it is: of a cable from the
+    second link both roles left the same on it.
+    """
+
+    def __init__(self, problem: Joint):
+        crossfit = problem.both or problem.lin.crossfit
+        own = crossfit.whole.trained_on(problem.rows)
+        assert problem.other is not None
+        self.joints = [problem.joint] + ([problem.other] if problem.both else [])
+        self.data = {n: problem.data[n][problem.rows] for n in ("q", "q_other")}
+        self.weight = crossfit.weight[problem.rows][:, self.joints].T
+        self.basis = (
+            own.basis[problem.rows][:, self.joints].transpose(1, 0, 2).reshape(self.weight.size, -1)
+        )
+        self.residual = own.residual[problem.rows][:, self.joints].T.ravel()
+
+    def free(self, form: Form, places: np.ndarray) -> np.ndarray:
+        """Its torque freed of what the model takes up, (m, R), at points (m, 4) of the unit cube."""
+        known = {p.name: p.decode(places[:, k, None]) for k, p in enumerate(_CONSTANTS)}
+        parts = [
+            size * evaluate(program, {**self.data, **known}, np) * weight
+            for program, size, weight in zip(
+                (form.own, form.partners), form.sizes(known["e"]), self.weight, strict=False
+            )
+        ]
+        column = np.concatenate(parts, axis=1)
+        return column - (column @ self.basis) @ self.basis.T
+
+    def shares(self, form: Form, places: np.ndarray) -> np.ndarray:
+        """Share (m,) of the residual's square that it takes off."""
+        free = self.free(form, places)
+        size = np.maximum((free**2).sum(axis=1), 1e-300)
+        return (free @ self.residual) ** 2 / size / (self.residual @ self.residual)
+
+    def refined(self, form: Form, place: np.ndarray) -> tuple[float, np.ndarray]:
+        """The least squares that it leaves nearby, and where."""
+
+        def left(u: np.ndarray) -> np.ndarray:
+            free = self.free(form, u[None])[0]
+            size = max(float(free @ free), 1e-300)
+            return self.residual - free * (free @ self.residual) / size
+
+        found = scipy.optimize.least_squares(left, place, bounds=(0.0, 1.0), max_nfev=_STEPS)
+        return float(found.cost), found.x
 
 
 def _on_first(q: str, turned: Program) -> Program:

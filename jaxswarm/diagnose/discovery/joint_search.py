@@ -6,7 +6,7 @@ grammar does not hold. Then the model is refitted with it, and it must survive o
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
@@ -84,14 +84,10 @@ def search_joint(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
-    unexplained = {r.joint for r in remainders(final) if not r.near}
     ranked: list[tuple[Joint, Point]] = []
     tried = 0
     for partner, wanted in _variables(left, final.model.robot.joints):
-        crossfit = diagnosis.crossfit
-        if partner in unexplained:
-            crossfit = without_joint(crossfit, partner)
-        problem = joint_problem(Linearization(final, crossfit), j, partner, wanted)
+        problem = _problem(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
         tried += count
@@ -116,6 +112,15 @@ def search_joint(
             after,
         )
     return NoFormula(j, tried, ranked[0][1] if ranked else None, why)
+
+
+def _problem(diagnosis: Diagnosis, joint: int, partner: int | None, wanted: list[str]) -> Joint:
+    """A joint with a partner, whose rows are left out if it lacks something as well."""
+    final, both = diagnosis.final, diagnosis.crossfit
+    if partner is None or remainders(final)[partner].near:
+        return joint_problem(Linearization(final, both), joint, partner, wanted)
+    lin = Linearization(final, without_joint(both, partner))
+    return replace(joint_problem(lin, joint, partner, wanted), both=both)
 
 
 def _variables(left: Open, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
