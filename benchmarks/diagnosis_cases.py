@@ -6,6 +6,7 @@ half. Amplitudes are solved for from the wanted ratio; soft joints and backlash 
 with fixed parameters.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -14,12 +15,13 @@ import numpy as np
 from scipy import signal
 
 from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, LATER, WHOLE_ARM, Drawn
+from benchmarks.diagnosis_misread import SILENT, extended_misreadings
 from benchmarks.diagnosis_soft import closed_loop
 from jaxswarm.effects.base import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.measuring_chain import assemble
-from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
+from jaxswarm.identify.synthetic import fourier_motion, random_links, synthetic_log
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Motion
@@ -29,7 +31,6 @@ NOISE = np.array([0.25, 0.30, 0.15])
 WIDTH = 0.01
 VISIBLE = 0.5
 RATIOS = (0.25, 0.5, 1.0, 3.0, 10.0)
-SILENT = Noise(0.0, 0.0)
 
 
 # Softness [N m/rad, N m s/rad] and dead zone [rad], mild to severe.
@@ -117,10 +118,16 @@ def plain_motion(log: Log, state: tuple | None = None) -> Motion:
     )
 
 
-def hidden_ratio(arm: Robot, declared, motion: Motion, clean: np.ndarray) -> np.ndarray:
-    """RMS of the part of a torque that the declared model cannot absorb, over the noise, (3,)."""
+def hidden_ratio(
+    arm: Robot, declared, motion: Motion, clean: np.ndarray, beside: Sequence[np.ndarray] = ()
+) -> np.ndarray:
+    """RMS of the part of a torque that the declared model cannot absorb, over the noise, (3,).
+
+    Nor can it with what is given ``beside``, torques (T, 3) of any size.
+    """
     pi = np.asarray(arm.parameters).ravel()
-    columns = assemble(arm, declared, motion, (WIDTH,) * arm.num_joints, pi) / NOISE[:, None]
+    columns = assemble(arm, declared, motion, (WIDTH,) * arm.num_joints, pi)
+    columns = np.concatenate([columns, *(x[:, :, None] for x in beside)], axis=2) / NOISE[:, None]
     flat = columns[::4].reshape(-1, columns.shape[2])
     target = (clean / NOISE)[::4].reshape(-1)
     scale = np.maximum(np.linalg.norm(flat, axis=0), 1e-12)
@@ -176,9 +183,10 @@ def _sized(case, arm, declared, motion, base, rng):
     drawn = {k: draw(rng) for k, draw in hidden.others.items()}
     size = hidden.size
     told = (*declared, *_extended(case, drawn))
+    beside = extended_misreadings(case.effect, arm, declared, base, case.seed)
     for _ in range(3):
         terms, log = log_with(size)
-        ratio = hidden_ratio(arm, told, motion, log.tau).max()
+        ratio = hidden_ratio(arm, told, motion, log.tau, beside).max()
         if ratio < 1e-3 * size:  # the declared model absorbs it whatever its size
             break
         size = min(size * wanted / ratio, hidden.most)

@@ -27,7 +27,7 @@ def run_case(case: Case) -> dict:
     left = find_unexplained(found.final, found.crossfit)
     seconds = time.perf_counter() - start
     joints = arm.joints
-    added = [s.added for s in found.steps]
+    added = [s.added for s in found.kept]
     right = [t for t in added if any(same(t, h) for h in hidden)]
     late = [h.values["seconds"] for h in hidden if h.effect == "time_delay"]
     skew = found.final.motions[0].skew

@@ -61,6 +61,7 @@ class Prepared:
         log, elsewhere: The log that is diagnosed, and one of another motion.
         extra: The mechanism's torque on the first, (T, 3).
         train: The first, filtered.
+        state, state_elsewhere: Position and velocity of both without noise, each (T, 3).
     """
 
     blank: tuple[Term, ...]
@@ -69,11 +70,21 @@ class Prepared:
     elsewhere: Log
     extra: np.ndarray
     train: Motion
+    state: tuple[np.ndarray, np.ndarray]
+    state_elsewhere: tuple[np.ndarray, np.ndarray]
 
-    def like(self, filtering: Filtering, channel: str = "tau_clean") -> tuple[Motion, Motion]:
-        """The other motion as measured, and with one of its channels for torque, filtered as a model wants."""
-        quiet = replace(self.elsewhere, tau=self.elsewhere.channels[channel])
-        return prepare(self.elsewhere, filtering), prepare(quiet, filtering)
+    def like(
+        self, filtering: Filtering, channel: str = "tau_clean", without: Hidden | None = None
+    ) -> tuple[Motion, Motion]:
+        """The other motion as measured, and with one of its channels for torque, filtered as a model wants.
+
+        That channel comes without the torque of a mechanism, if one is given.
+        """
+        quiet = self.elsewhere.channels[channel]
+        if without is not None:
+            quiet = quiet - without.torque(*self.state_elsewhere)
+        clean = replace(self.elsewhere, tau=quiet)
+        return prepare(self.elsewhere, filtering), prepare(clean, filtering)
 
 
 def prepared_case(number: int) -> Prepared:
@@ -86,9 +97,11 @@ def prepared_case(number: int) -> Prepared:
         hidden = Hidden(rng, names[(number - number // _CLEAN) % len(names)], _motion(number)[1])
         _scale(hidden, arm, declared, number, float(rng.choice(_STRENGTHS)))
     log, extra = _log(arm, declared, hidden, number)
-    elsewhere, _ = _log(arm, declared, hidden, _elsewhere(number))
+    beyond = _elsewhere(number)
+    elsewhere, _ = _log(arm, declared, hidden, beyond)
     blank = tuple(replace(t, values={}) for t in declared)
-    return Prepared(blank, hidden, log, elsewhere, extra, prepare(log))
+    states = (_motion(seed)[1:3] for seed in (number, beyond))
+    return Prepared(blank, hidden, log, elsewhere, extra, prepare(log), *states)
 
 
 def _motion(seed: int):

@@ -38,7 +38,7 @@ def infix(program: Program, names: Mapping[str, str] | None = None) -> str:
             return f"-{_held(a, _PRODUCT)}", _PRODUCT
         if token in ("square", "cube"):
             return f"{_held(a, _ATOM)}^{2 if token == 'square' else 3}", _POWER
-        return f"{token}({a[0]})", _ATOM
+        return (f"max({a[0]}, 0)" if token == "pos" else f"{token}({a[0]})"), _ATOM
 
     return _told(program, lambda n: (told.get(n, n), _ATOM), unary, _plain)
 
@@ -65,6 +65,8 @@ def latex(program: Program, names: Mapping[str, str] | None = None) -> str:
             return rf"\left|{a[0]}\right|", _ATOM
         if token == "root":
             return rf"\sqrt{{{a[0]}}}", _ATOM
+        if token == "pos":
+            return rf"\max\left({a[0]},\,0\right)", _ATOM
         known = {"sat": r"\operatorname{sat}"}.get(token, "\\" + token)
         return rf"{known}\left({a[0]}\right)", _ATOM
 
@@ -105,6 +107,8 @@ def python(program: Program) -> str:
             return f"{_held(a, _ATOM)} ** {2 if token == 'square' else 3}", _POWER
         if token == "sat":
             return f"jnp.clip({a[0]}, -1.0, 1.0)", _ATOM
+        if token == "pos":
+            return f"jnp.maximum({a[0]}, 0.0)", _ATOM
         if token == "root":
             return f"{_held(a, _POWER)} / jnp.sqrt(jnp.abs({a[0]}) + {NOTHING})", _PRODUCT
         return f"jnp.{token}({a[0]})", _ATOM

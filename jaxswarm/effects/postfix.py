@@ -40,6 +40,7 @@ UNARY: dict[str, Callable] = {
     "abs": lambda xp, a: xp.abs(a),
     "tanh": lambda xp, a: xp.tanh(a),
     "sat": lambda xp, a: xp.clip(a, -1.0, 1.0),
+    "pos": lambda xp, a: xp.maximum(a, 0.0),
     # It keeps the sign, and has a slope at zero, where buffers and slack cables rest.
     "root": lambda xp, a: a / xp.sqrt(xp.abs(a) + NOTHING),
 }
@@ -48,7 +49,7 @@ FUNCTIONS = ("sin", "cos", "exp", "tanh", "sat", "root")
 NUMBER = "2"
 WORDS = {*FIELDS, *BINARY, *UNARY, NUMBER}
 # Operands that wait at most, and tokens of a program: bounds of what a file may hold.
-MOST_WAITING, MOST_TOKENS = 6, 48
+MOST_WAITING, MOST_TOKENS = 6, 64
 
 Program = tuple[str, ...]
 

@@ -17,7 +17,9 @@ from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.postfix import evaluate, fields_of
 
 # Of unit size: a buffer from one side, a spring with play, a magnet whose tails are powers, an eddy-current
-# brake, a shoe that engages beyond a speed, belts to the partner, a rubber ball, a spring between two points.
+# brake, a shoe that engages beyond a speed, belts to the partner, a rubber ball, a spring between two points, a
+# cable between them that hangs slack, dipoles and poles of the inverse square that pass on a lever, and a cam
+# that lifts from one side.
 MECHANISMS = {
     "buffer": lambda q, dq, other: np.maximum(q - 0.1, 0.0) ** 2,
     "play": lambda q, dq, other: q - 0.1 - np.clip(q - 0.1, -0.15, 0.15),
@@ -29,6 +31,14 @@ MECHANISMS = {
         (q - 0.6 * other) * (1.0 + ((q - 0.6 * other) / 0.4) ** 2)
     ),
     "rubber buffer": lambda q, dq, other: np.maximum(0.1 - q, 0.0) ** 1.5,
+    "slack cable": lambda q, dq, other: (
+        np.maximum(1.0 - 0.9 / np.sqrt(1.3 - np.cos(q + 0.7)), 0.0) * np.sin(q + 0.7)
+    ),
+    "dipoles on a lever": lambda q, dq, other: (
+        np.sin(2 * q - 0.1) / (1.08 - np.cos(2 * q - 0.1)) ** 2.5
+    ),
+    "poles on a lever": lambda q, dq, other: np.sin(q - 0.1) / (1.05 - np.cos(q - 0.1)) ** 1.5,
+    "cam": lambda q, dq, other: np.maximum(np.sin(other - 0.1), 0.0),
     "spring on a lever": lambda q, dq, other: np.sin(q + 0.7) / np.sqrt(1.3 - np.cos(q + 0.7)),
 }
 EXPLODING = {

@@ -1,12 +1,18 @@
 """Before a formula is searched, what may stand in for it on the joint is taken away: laws, and a wide sign."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from planted import declared_fit, log_with
 
+from jaxswarm.diagnose.discovery import joint_search
+from jaxswarm.diagnose.discovery.joint_search import stays_near
 from jaxswarm.diagnose.discovery.stand_ins import bared
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
 
 
 def outcome(width: tuple[float, float]) -> Diagnosis:
@@ -25,3 +31,40 @@ def test_a_far_wider_sign_is_searched_as_wide_as_the_others():
     assert {t.identity for t in bare.final.model.terms} == {
         t.identity for t in outcome((0.01, 0.12)).final.model.terms
     }
+
+
+def tilted() -> Diagnosis:
+    """A diagnosis that told a clean log as a tilt of the base."""
+    plain = outcome((0.01, 0.01))
+    tilt = Term("base_tilt", None, values={"gx": 0.0, "gy": 0.0})
+    model = plain.final.model
+    final = estimate(
+        model.robot, (*model.terms, tilt), plain.final.motions, width=0.01, bounded=False
+    )
+    step = Step(final.model.terms[-1], None, (), (), plain.final, final, ())
+    return replace(plain, final=final, steps=(step,))
+
+
+def test_a_law_of_the_whole_arm_may_stand_in_for_what_pulls_on_two_joints():
+    told = tilted()
+    assert bared(told, 1) is None
+    bare = bared(told, 1, whole_arm=True)
+    assert [t.effect for t in bare.withdrawn] == ["base_tilt"] and not bare.kept
+    assert "base_tilt" not in {t.effect for t in bare.final.model.terms}
+    assert bared(outcome((0.01, 0.02)), 1, whole_arm=True) is None
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "right"),
+    [
+        ((9.0, 1.2), (1.1, 1.3), True),
+        ((9.0, 1.2), (1.1, 4.0), False),
+        ((9.0, 5.0), (1.1, 6.0), True),
+    ],
+)
+def test_no_joint_that_was_explained_is_given_up_for_a_formula(monkeypatch, before, after, right):
+    def told(fit):
+        return [SimpleNamespace(near=x < 2.0) for x in fit]
+
+    monkeypatch.setattr(joint_search, "remainders", told)
+    assert stays_near(before, after) is right

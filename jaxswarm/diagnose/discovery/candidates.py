@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.diagnose.discovery.cables import cables
 from jaxswarm.diagnose.discovery.devices import families
 from jaxswarm.diagnose.discovery.front import (
     Point,
@@ -47,7 +48,10 @@ def candidates(
     points: list[Point] = []
     tried, leads = 0, [None]
     for _ in range(_TERMS):
-        found: list[Point] = _families(problem, folds) if leads == [None] else []
+        found: list[Point] = []
+        if leads == [None]:
+            strung, count = cables(problem, folds)
+            found, tried = [*_families(problem, folds), *strung], tried + count
         for lead in leads:
             tried += len(pieces)
             found += _one_more(problem, pieces, lead, folds, seed)
@@ -56,8 +60,7 @@ def candidates(
         best = min((p.error for p in points), default=1.0)
         points = ranked([*points, *found], log)
         least = min(p.error for p in found)
-        told = points[0].error < _DOUBT or _near_noise(problem, points[0])
-        if told or least > (1.0 - _WORTH) * best:
+        if _explained(problem, points[0]) or least > (1.0 - _WORTH) * best:
             break
         new = {id(p.formula) for p in found if len(p.formula.pieces) < _TERMS}
         leads = [p.formula for p in points if id(p.formula) in new][:_LEADS]
@@ -70,6 +73,11 @@ def _families(problem: Joint, folds) -> list[Point]:
     sums = [Sum(numbered(own), {}) for own in families(problem.data)]
     points = [point(problem, one, folds) for one in sums if tame(problem, one)]
     return [one for one in points if np.isfinite(one.error)]
+
+
+def _explained(problem: Joint, best: Point) -> bool:
+    """Whether nothing that is surely torque is left."""
+    return best.error < _DOUBT or _near_noise(problem, best)
 
 
 def _near_noise(problem: Joint, best: Point) -> bool:

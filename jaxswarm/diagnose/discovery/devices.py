@@ -1,6 +1,8 @@
 """Programs that are a mechanism as a whole: buffers, plays, magnets, levers, belts; terms that stand together.
 
 No product of pieces makes them, or only one that is found late; each is a law by itself, or times a direction.
+What reaches over two joints and has more constants than a program of the survey is in
+:mod:`jaxswarm.diagnose.discovery.cables`.
 """
 
 from collections.abc import Container, Iterator
@@ -27,13 +29,16 @@ _RATIO = Parameter("r", "1", -3.0, 3.0, False, 1.0, "ratio", "linear")
 
 # How much longer than its swing the mean square of a spring's length is, where it hangs between two points.
 _LENGTH = Parameter("w", "1", 1.02, 5.0, False, 1.5, "of the length", "log")
+# The free length of a cable, on the scale on which that side is from 0.1 to 2.4 long.
+_FREE = Parameter("g", "1", 0.8, 20.0, False, 2.0, "two over the free length", "log")
 
 
 def of_devices(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
-    """What stands by itself: buffers, springs with a play, levers on springs, and magnets.
+    """What stands by itself: buffers, springs with a play, levers on springs, cables, and magnets.
 
     A ball or a rubber that is pressed holds by the power 3/2 (H. Hertz, 1881). A spring between two points has
-    the length of a triangle's side. The wells of magnets have the tails of a power law; several poles repeat
+    the length of a triangle's side, and a cable pulls from its free length on. The wells of magnets have the
+    tails of a power law, poles that of the inverse square and dipoles two powers more; several poles repeat
     every so many parts of a turn.
     """
     for hinge in hinges((*x, "c", "-")):
@@ -42,7 +47,11 @@ def of_devices(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
         if angle:
             yield Piece((*hinge, *hinge, "root", "*"), (center(r, u),))
     if angle:
-        yield Piece(_lever((*x, "p", "+")), (PHASE, _LENGTH))
+        yield Piece(_lever((*x, "p", "+")), (PHASE, _LENGTH), named=True)
+        yield Piece(_taut((*x, "p", "+")), (PHASE, _LENGTH, _FREE), named=True)
+        for turned in ((*x, "c", "-"), (*x, "c", "-", "2", "*")):
+            for program in _poles(turned):
+                yield Piece(program, (center(r, u), _LENGTH), named=True)
     near = (*x, "c", "-", "s", "/")
     yield Piece((*near, *near, "sat", "-"), (center(r, u), width(r, u)))
     table = (center(r, u), width(r, u))
@@ -62,7 +71,8 @@ def of_ratio(r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
     yield Piece((*x, "cube"), (_RATIO,))
     yield Piece((*x, *x, "s", "/", "square", "2", "+", "*"), (_RATIO, scale(r, u)))
     if angle:
-        yield Piece(_lever(("q_other", "r", "*", "q", "+", "p", "+")), (_RATIO, PHASE, _LENGTH))
+        turned = ("q_other", "r", "*", "q", "+", "p", "+")
+        yield Piece(_lever(turned), (_RATIO, PHASE, _LENGTH), named=True)
         yield Piece((*x, "sin"), (_RATIO,))
         yield Piece((*x, "cos"), (_RATIO,))
     yield Piece((*x, "s", "/", "tanh"), (_RATIO, scale(r, u)))
@@ -77,6 +87,19 @@ def of_ratio(r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
 def _lever(turned: Program) -> Program:
     """Torque of a constant pull along the side of a triangle, by the angle opposite to it."""
     return (*turned, "sin", "w", *turned, "cos", "-", "root", "/")
+
+
+def _taut(turned: Program) -> Program:
+    """Torque of a cable along that side, which pulls by what it is longer than its free length."""
+    side = (*turned, "cos", "neg", "w", "+", "root")
+    return ("g", "2", *side, "/", "-", "pos", *turned, "sin", "*")
+
+
+def _poles(turned: Program) -> Iterator[Program]:
+    """Torque of a pull that falls with the length of that side: by its square, and by its fourth power."""
+    square = (*turned, "cos", "neg", "w", "+")
+    yield (*turned, "sin", *square, "cube", "root", "/")
+    yield (*turned, "sin", *square, "square", *square, "root", "*", "/")
 
 
 # Terms without constants that are found only together: each alone leaves nearly everything.

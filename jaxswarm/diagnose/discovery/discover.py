@@ -17,6 +17,7 @@ from jaxswarm.diagnose.discovery.joint_search import (
     Open,
     clearly_better,
     search_joint,
+    stays_near,
     unlawful,
 )
 from jaxswarm.diagnose.discovery.rivals import fitted_rivals
@@ -115,12 +116,16 @@ def _discover_instead(
 
     Not beside it where it explains the joint nearly: what is left is then no law of its own.
     """
-    bare = bared(diagnosis, left.joint)
-    again = [] if bare is None else [o for o in unlawful(bare, seed) if o.joint == left.joint]
-    if again:
+    for whole_arm in (False, True):
+        bare = bared(diagnosis, left.joint, whole_arm)
+        again = [] if bare is None else [o for o in unlawful(bare, seed) if o.joint == left.joint]
+        if not again:
+            continue
         outcome = search_joint(bare, again[0], other, seed)
-        if isinstance(outcome, Discovery) and clearly_better(
-            diagnosis.final, outcome.after, left.joint, other
+        if (
+            isinstance(outcome, Discovery)
+            and clearly_better(diagnosis.final, outcome.after, left.joint, other)
+            and (not whole_arm or stays_near(diagnosis.final, outcome.after))
         ):
             return bare, outcome
     if left.named:

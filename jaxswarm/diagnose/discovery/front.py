@@ -63,7 +63,7 @@ def point(problem: Joint, formula: Sum, folds: Sequence[tuple[Fold, np.ndarray]]
         before += float(own @ own)
     error = float(left @ left) / max(before, 1e-300)
     symmetry = symmetry_of(problem, formula)
-    bits = _TOKEN * sum(len(p) for p in formula.programs)
+    bits = _TOKEN * sum(one.tokens for one in formula.pieces)
     bits += 0.0 if symmetry.known else _ODD_FORM
     return Point(formula, error, bits, left, symmetry)
 

@@ -6,7 +6,7 @@ grammar does not hold. Then the model is refitted with it, and it must survive o
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
@@ -18,6 +18,7 @@ from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
 from jaxswarm.diagnose.discovery.front import Point, front
 from jaxswarm.diagnose.discovery.grammar import programs
+from jaxswarm.diagnose.discovery.partner import without_joint
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
@@ -83,11 +84,10 @@ def search_joint(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
-    lin = Linearization(final, diagnosis.crossfit)
     ranked: list[tuple[Joint, Point]] = []
     tried = 0
     for partner, wanted in _variables(left, final.model.robot.joints):
-        problem = joint_problem(lin, j, partner, wanted)
+        problem = _problem(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
         tried += count
@@ -112,6 +112,15 @@ def search_joint(
             after,
         )
     return NoFormula(j, tried, ranked[0][1] if ranked else None, why)
+
+
+def _problem(diagnosis: Diagnosis, joint: int, partner: int | None, wanted: list[str]) -> Joint:
+    """A joint with a partner, whose rows are left out if it lacks something as well."""
+    final, both = diagnosis.final, diagnosis.crossfit
+    if partner is None or remainders(final)[partner].near:
+        return joint_problem(Linearization(final, both), joint, partner, wanted)
+    lin = Linearization(final, without_joint(both, partner))
+    return replace(joint_problem(lin, joint, partner, wanted), both=both)
 
 
 def _variables(left: Open, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
@@ -164,3 +173,9 @@ def clearly_better(named: Estimate, found: Estimate, joint: int, other: Sequence
         (float(b[joint]), float(a[joint])) for a, b, *_ in errors_elsewhere(named, found, other)
     ]
     return all(b < CLEARLY_LESS * a for b, a in [(two, one), *pairs])
+
+
+def stays_near(named: Estimate, found: Estimate) -> bool:
+    """Whether every joint that named laws bring near its noise is there with a formula in their place."""
+    pairs = zip(remainders(named), remainders(found), strict=True)
+    return all(after.near for before, after in pairs if before.near)

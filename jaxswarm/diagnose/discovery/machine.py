@@ -20,7 +20,7 @@ _NOTHING, _VARIABLE, _CONSTANT = range(3)
 _OPERATIONS = {name: 3 + k for k, name in enumerate((*BINARY, *UNARY))}
 _FIRST_UNARY = 3 + len(BINARY)
 # Lengths to which programs are filled up: one compiled program each.
-LENGTHS = (4, 8, 12, 16, 24)
+LENGTHS = (4, 8, 12, 16, 24, 28)
 
 
 class Codes(NamedTuple):

@@ -21,6 +21,9 @@ _SCALE, _BUMP = (0.03, 2.0), (0.05, 1.0)
 # which the catalog holds; exponents over that range.
 _WAVES, _GROWTH = (1.0, 18.0), (0.3, 5.0)
 
+# What the name of a mechanism costs: two tokens more than the wave or the bump of a variable.
+NAMED = 10
+
 
 class Piece(NamedTuple):
     """A program with the constants inside it.
@@ -29,11 +32,19 @@ class Piece(NamedTuple):
         program: Tokens.
         constants: Their table, with the ranges that are searched.
         based_on: The known law whose shape it is; empty: none.
+        named: Whether it is a mechanism that has a name, whose description is that name: it costs no more than
+            :data:`NAMED` tokens, and is refined whatever the survey's few points say of its narrow wells.
     """
 
     program: Program
     constants: tuple[Parameter, ...] = ()
     based_on: str = ""
+    named: bool = False
+
+    @property
+    def tokens(self) -> int:
+        """Tokens that its description costs."""
+        return min(len(self.program), NAMED) if self.named else len(self.program)
 
 
 class Range(NamedTuple):
@@ -113,11 +124,13 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
     yield Piece((*x, "k", "*", "exp"), (_rate(r, u),))
     yield Piece((*x, "k", "*", "neg", "exp"), (_rate(r, u),))
     yield from (Piece(one, (center(r, u),)) for one in hinges((*x, "c", "-")))
+    if angle:  # what a lever bends or presses, from one side only
+        yield from (Piece(one, (center(r, u),)) for one in hinges((*x, "c", "-", "sin")))
 
 
 def hinges(beyond: Program) -> tuple[Program, Program]:
-    """Twice what lies beyond zero, on either side: stops, slack cables, shoes that engage."""
-    return (*beyond, "abs", *beyond, "+"), (*beyond, "abs", *beyond, "-")
+    """What lies beyond zero, on either side: stops, slack cables, shoes that engage."""
+    return (*beyond, "pos"), (*beyond, "neg", "pos")
 
 
 def of_velocity(x: Program, r: Range, u: Unit, direction: Program) -> Iterator[Piece]:

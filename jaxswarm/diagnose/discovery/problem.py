@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.folds.partial_out import Fold
+from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.effects.dimensions import Unit, field_units
 from jaxswarm.effects.postfix import Program, evaluate
 from jaxswarm.identify.forward.columns import joint_series
@@ -46,6 +46,8 @@ class Joint:
         units: Unit of every field.
         lin: The model, linearized.
         rows: Those of them that the search uses, (T,).
+        both: The folds with the partner's rows, where those are left out of ``lin`` because the partner lacks
+            something too; None: it does not.
     """
 
     joint: int
@@ -54,6 +56,7 @@ class Joint:
     units: Mapping[str, Unit]
     lin: Linearization
     rows: np.ndarray
+    both: CrossFit | None = None
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -20,8 +20,8 @@ from jaxswarm.diagnose.discovery.problem import Joint, SearchRows
 # which the best point is refined.
 _POINTS = {0: 1, 1: 12, 2: 36, 3: 64}
 _CELL = {0: 0.0, 1: 0.1, 2: 0.2, 3: 0.3}
-# Programs of every number of constants that are refined.
-_KEPT = 24
+# Programs of every number of constants that are refined, and mechanisms that have a name beside them.
+_KEPT, _KEPT_NAMED = 24, 6
 
 
 class Trial(NamedTuple):
@@ -49,7 +49,7 @@ def screen(
     for count in _POINTS:
         own = [i for i, one in enumerate(pieces) if len(one.constants) == count]
         own.sort(key=lambda i: (-shares[i], len(pieces[i].program)))
-        chosen += own[:_KEPT]
+        chosen += own[:_KEPT] + [i for i in own[_KEPT:] if pieces[i].named][:_KEPT_NAMED]
     group = [pieces[i] for i in chosen]
     cell = np.array([_CELL[len(one.constants)] for one in group], np.float32)[:, None]
     low = np.clip(points[chosen] - cell, 0.0, 1.0 - 2.0 * cell).astype(np.float32)

@@ -73,18 +73,23 @@ class Discovery:
 _WIDE = 4.0
 
 
-def bared(diagnosis: Diagnosis, joint: int) -> Diagnosis | None:
+def bared(diagnosis: Diagnosis, joint: int, whole_arm: bool = False) -> Diagnosis | None:
     """The diagnosis without what may stand in for a law that nobody knows on a joint; None: there is nothing.
 
     That are laws of the catalog which were added there and together have bent themselves to it, and a sign far
     wider than those of other joints, which imitates any drag that saturates: what they leave of the law has
-    another form than it has.
+    another form than it has. With ``whole_arm`` also laws of the whole arm: what pulls on two joints looks like
+    a tilt of the base to both; None then if there are none of these.
     """
-    own = [step for step in diagnosis.kept if step.added.joint == joint and not step.removed]
+    places = (joint, None) if whole_arm else (joint,)
+    own = [step for step in diagnosis.kept if step.added.joint in places and not step.removed]
     gone = {step.added.identity for step in own}
     final = diagnosis.final
     width = _usual_width(final.model, joint)
-    if not own and width is None:
+    if whole_arm:
+        if all(step.added.joint == joint for step in own):
+            return None
+    elif not own and width is None:
         return None
     terms = tuple(t for t in final.model.terms if t.identity not in gone)
     if width is None:
