@@ -28,6 +28,7 @@ from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
 from jaxswarm.identify.forward.measuring_chain import late
 from jaxswarm.logs.motion import Motion
+from jaxswarm.programs import program
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
@@ -64,7 +65,7 @@ def _columns_at(
     return decimate(full, taps, factor)
 
 
-@partial(jax.jit, static_argnames=("laws", "factor", "batch"))
+@program("laws", "factor", "batch")
 def _survey(
     laws: tuple[TorqueLaw, ...],
     factor: int,
@@ -99,7 +100,7 @@ def _survey(
     return jax.lax.fori_loop(0, count, look, nowhere)
 
 
-@partial(jax.jit, static_argnames=("laws", "factor"))
+@program("laws", "factor")
 def _refine(
     laws: tuple[TorqueLaw, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
 ):

@@ -55,12 +55,12 @@ def row_doubt(found: Estimate) -> np.ndarray:
     return _with_sensor(found, lambda m: m.model_noise)
 
 
-def event_doubt(found: Estimate) -> np.ndarray:
+def event_doubt(found: Estimate, doubt: np.ndarray) -> np.ndarray:
     """The noise of every row (T', n) by which it counts for an event: with when, in a sample, torques jumped.
 
     An event is a matter of few rows. A law shows on all of them, and an impact is what it has to explain.
+    ``doubt`` is that of the rows for laws, :func:`row_doubt`.
     """
-    doubt = row_doubt(found)
     if any(m.step_noise is None for m in found.motions):
         return doubt
     return np.hypot(doubt, np.concatenate([m.step_noise for m in found.motions]))

@@ -129,7 +129,8 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
             absorbs nothing.
     """
     regression, solution = found.regression, found.fit
-    weight = row_weight(found)
+    doubt = row_doubt(found)
+    weight = row_weight(found, doubt)
     if regression.used is not None:
         weight = weight * regression.used[:, None]
     columns = regression.columns[:, :, solution.base.kept]
@@ -151,9 +152,9 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     whole, first, second = (replace(fold, solve=fold.solve[:size]) for fold in folds)
     torque_size = np.sqrt((regression.torque**2).mean(axis=0))
     halves = (first, second)
-    noise = np.sqrt((row_doubt(found) ** 2).mean(axis=0))
+    noise = np.sqrt((doubt**2).mean(axis=0))
     # Rows that are bounded already count for no less.
-    timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
+    timing = 1.0 / np.maximum(1.0, weight * event_doubt(found, doubt))
     return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size, timing)
 
 
@@ -181,9 +182,12 @@ def width_slopes(found: Estimate) -> np.ndarray:
     )
 
 
-def row_weight(found: Estimate) -> np.ndarray:
-    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
-    doubt = row_doubt(found)
+def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:
+    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less.
+
+    ``doubt`` is that of the rows, :func:`row_doubt`, where it is known.
+    """
+    doubt = row_doubt(found) if doubt is None else doubt
     relative = doubt.min(axis=0) / doubt
     return relative * robust_weight(found.fit.residual * relative)
 
