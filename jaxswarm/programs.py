@@ -92,7 +92,8 @@ class Program:
         def alone(*given: Any) -> Any:
             return self._function(*given)
 
-        alone.__name__ = f"{alone.__name__}_{uuid.uuid4().hex}"  # a name that no cache has
+        # A name that no cache has.
+        alone.__name__ = f"{getattr(self._function, '__name__', 'program')}_{uuid.uuid4().hex}"
         places = [k for k, is_fixed in enumerate(self._fixed) if is_fixed]
         return jax.jit(alone, static_argnums=places).lower(*args).compile()
 
