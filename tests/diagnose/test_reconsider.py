@@ -14,7 +14,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import refit, refit_with
-from jaxswarm.diagnose.selection.reselect import reconsider
+from jaxswarm.diagnose.selection.reselect import choose_again, reconsider
 from jaxswarm.diagnose.selection.step import Step, competitors, near_ones
 from jaxswarm.effects.term import Term
 
@@ -61,6 +61,25 @@ def test_competitors_say_the_same_on_the_same_joint(case):
     assert chosen not in near and {s.joint for s in near} == {1}
     for one in near:
         assert overlap(chosen.candidate, one.candidate, crossfit) > 0.7
+
+
+def test_of_each_law_one_competes(case):
+    """However many joints it may come from: the law that all of them contain needs a place."""
+    before, scores = case
+    chosen = scores["nonlinear_viscous_friction", 1, None, None]
+    drag = scores["quadratic_drag", 1, None, None]
+    many = [replace(drag, gain=drag.gain * (1.0 + 0.001 * k)) for k in range(5)]
+    near = near_ones(chosen, many, cross_fit(before))
+    assert [s.candidate.term.effect for s in near].count("quadratic_drag") == 1
+    assert near[0] is many[-1]
+
+
+def test_a_lone_effect_is_asked_again_if_a_simpler_one_came_near(case):
+    lone = step_of(case, "nonlinear_viscous_friction", ["quadratic_drag"])
+    crossfit = cross_fit(lone.after)
+    steps, found, changed = choose_again([lone], lone.after, crossfit, 60, Rules())
+    assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
+    assert "quadratic_drag" in {t.effect for t in found.model.terms}
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
 
+from jaxswarm.diagnose.selection.refit import can_be
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -57,3 +58,18 @@ def test_a_diagnosis_ends_within_the_bounds():
     found = diagnose_log(frictionless(seed))
     assert viscous(found.final) >= 0.0
     assert np.isfinite(found.final.fit.sigma).all()
+
+
+@pytest.mark.parametrize(
+    ("backward", "error", "possible"),
+    [(0.02, 0.01, True), (-0.05, 0.02, True), (-0.05, 0.005, False)],
+)
+def test_a_law_of_two_directions_may_be_below_its_bound_in_one_by_chance(backward, error, possible):
+    values = {"fc_pos": 0.14, "fc_neg": 0.05, "b_pos": 0.12, "b_neg": backward}
+    law = Term("asymmetric_friction", 1, values=values)
+    assert can_be(law, dict.fromkeys(values, error)) is possible
+
+
+def test_a_law_of_one_number_is_within_its_bound():
+    drag = Term("quadratic_drag", 1, values={"c": -0.01})
+    assert not can_be(drag, {"c": 0.02})

@@ -13,6 +13,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.effects.term import Term
+from jaxswarm.logs.coverage import repeats_after
 from jaxswarm.logs.motion import Motion
 
 # Least share of a joint's squared error that a tone takes off: below, it may be the strongest of a law's lines.
@@ -21,8 +22,6 @@ _LEAST = 0.5
 _PERIODS, _FINER = 4, 8
 # A line that takes off this share of a joint's position, velocity or acceleration is the motion's own.
 _OWN_LINE = 0.03
-# Relative squared difference below which a motion repeats itself, and lags [s] tried, of the log at most.
-_REPEATS, _SHORTEST, _LONGEST = 0.05, 0.2, 0.5
 # Part of a turn by which a tone is ahead when the motion repeats itself: then a fifth of its power at least
 # does not repeat, and no function of the motion can be that part.
 _OUT_OF_STEP = 0.15
@@ -71,23 +70,7 @@ def _alone(motion: Motion, hertz: float) -> bool:
         line = 2.0 * np.abs(turn @ own) ** 2 / len(own)
         if (line > _OWN_LINE * (own**2).sum(axis=0)).any():
             return False
-    period = _period(motion)
+    period = repeats_after(motion.t, motion.q)
     if period is None:
         return True
     return abs(hertz * period - round(hertz * period)) > _OUT_OF_STEP
-
-
-def _period(motion: Motion) -> float | None:
-    """Time [s] after which a motion first repeats itself; None if it does not."""
-    own = motion.q - motion.q.mean(axis=0)
-    own = own / np.maximum(own.std(axis=0), 1e-12)
-    first, last = (int(x * motion.rate) for x in (_SHORTEST, _LONGEST * motion.t[-1]))
-    apart = np.array([((own[k:] - own[:-k]) ** 2).mean() / 2.0 for k in range(first, last)])
-    again = np.flatnonzero(apart < _REPEATS)
-    # Shortly after any moment a slow motion is still where it was: it has to have been elsewhere between.
-    left = np.flatnonzero(apart > 0.5)
-    again = again[again > left[0]] if len(left) else again[:0]
-    if not len(again):
-        return None
-    nearest = np.split(again, np.flatnonzero(np.diff(again) > 1) + 1)[0]
-    return (first + int(nearest[np.argmin(apart[nearest])])) / motion.rate

@@ -1,12 +1,12 @@
 r"""The noise in the compared band: what no model can go below, row by row.
 
-Three things make it. The torque's own sensor noise is told by its sample-to-sample differences. The motion is
+Four things make it. The torque's own sensor noise is told by its sample-to-sample differences. The motion is
 known only as well as its encoders tell: its noise goes through smoothing and derivatives into
 :math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
 out of the model is found by drawing that noise and sending it the same way. When a torque jumped between two
-samples is not known either (:mod:`jaxswarm.logs.steps`). And where a joint starts, stops or
-sticks, motion and torque are sharper than any smoothing or sampling shows: such errors are short, so that they
-have as much power per hertz above the compared band as in it, and are read off there.
+samples is not known either, a doubt of events alone (:mod:`jaxswarm.logs.steps`). And where a joint starts,
+stops or sticks, motion and torque are sharper than any smoothing or sampling shows: such errors are short, so
+that they have as much power per hertz above the compared band as in it, and are read off there.
 
 On clean logs of another simulator (11 worlds, some with 15-bit encoders, stick-slip or 50 Hz sampling) the
 residual is 0.4 to 1.4 times this noise on 44 of 47 joints, and up to 15 times one that is the same in all rows.
@@ -55,12 +55,12 @@ def row_doubt(found: Estimate) -> np.ndarray:
     return _with_sensor(found, lambda m: m.model_noise)
 
 
-def event_doubt(found: Estimate, doubt: np.ndarray) -> np.ndarray:
+def event_doubt(found: Estimate) -> np.ndarray:
     """The noise of every row (T', n) by which it counts for an event: with when, in a sample, torques jumped.
 
     An event is a matter of few rows. A law shows on all of them, and an impact is what it has to explain.
-    ``doubt`` is that of the rows for laws, :func:`row_doubt`.
     """
+    doubt = row_doubt(found)
     if any(m.step_noise is None for m in found.motions):
         return doubt
     return np.hypot(doubt, np.concatenate([m.step_noise for m in found.motions]))

@@ -13,6 +13,7 @@ few beyond four times it are bounded in their influence (P. J. Huber, Ann. Math.
 impact or an outlier must not decide what a joint lacks.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -120,16 +121,21 @@ class CrossFit:
         return columns * self.weight[:, :, None]
 
 
-def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
+def cross_fit(
+    found: Estimate,
+    frozen: bool = False,
+    doubt_of: Callable[[Estimate], np.ndarray] = row_doubt,
+) -> CrossFit:
     """Factor the current model on all rows and on both halves.
 
     Args:
         found: The current model.
         frozen: Whether the model is not refitted (diagnosis against an earlier model): then it
             absorbs nothing.
+        doubt_of: The noise of every row (T', n) by which it counts.
     """
     regression, solution = found.regression, found.fit
-    doubt = row_doubt(found)
+    doubt = doubt_of(found)
     weight = row_weight(found, doubt)
     if regression.used is not None:
         weight = weight * regression.used[:, None]
@@ -154,7 +160,7 @@ def cross_fit(found: Estimate, frozen: bool = False) -> CrossFit:
     halves = (first, second)
     noise = np.sqrt((doubt**2).mean(axis=0))
     # Rows that are bounded already count for no less.
-    timing = 1.0 / np.maximum(1.0, weight * event_doubt(found, doubt))
+    timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
     return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size, timing)
 
 
@@ -183,10 +189,7 @@ def width_slopes(found: Estimate) -> np.ndarray:
 
 
 def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:
-    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less.
-
-    ``doubt`` is that of the rows, :func:`row_doubt`, where it is known.
-    """
+    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
     doubt = row_doubt(found) if doubt is None else doubt
     relative = doubt.min(axis=0) / doubt
     return relative * robust_weight(found.fit.residual * relative)

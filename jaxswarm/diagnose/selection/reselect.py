@@ -49,7 +49,7 @@ def choose_again(
         progress: Called with one line per effect.
         other: Logs of other motion; what changes may not raise the error there.
     """
-    if len(steps) > 1 or _doubtful(steps, current):
+    if len(steps) > 1 or _doubtful(steps, current) or _perhaps_simpler(steps):
         done, found, changed = reconsider(steps, current, asked, rules, seed, progress, other)
         if changed:
             return done, found, True
@@ -81,6 +81,11 @@ def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
     errors = _terms_with_errors(current)
     added = [step.added.identity for step in steps]
     return any(not is_certain(*errors[key]) for key in added if key in errors)
+
+
+def _perhaps_simpler(steps: Sequence[Step]) -> bool:
+    """Whether a competitor of something added has fewer parameters."""
+    return any(s.candidate.size < step.score.candidate.size for step in steps for s in step.near)
 
 
 def reconsider(

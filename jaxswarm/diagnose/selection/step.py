@@ -43,16 +43,21 @@ class Step:
 
 
 def near_ones(chosen: Score, passed: Sequence[Score], crossfit: CrossFit) -> tuple[Score, ...]:
-    """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first."""
-    return tuple(
-        s
-        for s in sorted(passed, key=lambda s: -s.gain)
-        if s is not chosen
-        and s.joint == chosen.joint
-        and s.gain > ASKED_AGAIN * chosen.gain
-        and not s.candidate.term.law.recurring
-        and overlap(chosen.candidate, s.candidate, crossfit) > OVERLAP
-    )[:_MOST]
+    """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first.
+
+    Of each law the best: six cables from one joint left no room for the spring that they all contain.
+    """
+    best: dict[str, Score] = {}
+    for s in sorted(passed, key=lambda s: -s.gain):
+        if (
+            s is not chosen
+            and s.joint == chosen.joint
+            and s.gain > ASKED_AGAIN * chosen.gain
+            and not s.candidate.term.law.recurring
+            and overlap(chosen.candidate, s.candidate, crossfit) > OVERLAP
+        ):
+            best.setdefault(s.candidate.term.effect, s)
+    return tuple(best.values())[:_MOST]
 
 
 def competitors(step: Step) -> list[Term]:

@@ -17,6 +17,7 @@ from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.decision.sharpness import only_sharp
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
@@ -113,7 +114,11 @@ def _held(search: Search) -> set:
 
 
 def _act(search: Search, passed: list[Score]) -> bool:
-    """Add the best of those that passed; if nobody did, make every choice again."""
+    """Add the best of those that passed and show in all motion; if nobody did, make every choice again."""
+    sharp = only_sharp(passed, search.current, search.crossfit, len(search.scores), search.rules)
+    for one in sharp:
+        search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
+    passed = [s for s in passed if s not in sharp]
     return _add_best(search, passed) if passed else _choose_again(search)
 
 

@@ -1,0 +1,64 @@
+"""What shows only where a joint reverses faster than samples tell is not added; what acts elsewhere too is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import BAND, blank, log_with, small_arm
+
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import passes
+from jaxswarm.diagnose.decision.sharpness import only_sharp
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare
+
+# Standard deviation of what is sharp at reversals [N m], and the speed [rad/s] that is near one.
+SHARP, SLOW = 3.0, 0.4
+LAWS = {
+    "stribeck_friction": {"df": 2.0, "vs": 0.1, "delta": 2.0},
+    "quadratic_drag": {"c": 1.5},
+}
+
+
+def asked(effect: str, sharp: float):
+    """A log with a law of joint 2, its scores that pass, and those of them that are sharp alone."""
+    log = log_with(Term(effect, 1, values=LAWS[effect]))
+    found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
+    (motion,) = found.motions
+    slow = np.abs(motion.decimator.apply(motion.dq)) < SLOW
+    noise = np.where(slow, sharp, motion.sharp_noise)
+    found = replace(found, motions=(replace(motion, sharp_noise=noise),))
+    crossfit = cross_fit(found)
+    terms = eligible_terms(found.model, found.motions)
+    scores = score_terms(Linearization(found, crossfit), terms, 0)
+    passed = [s for s in scores if passes(s, len(scores), Rules())]
+    return passed, only_sharp(passed, found, crossfit, len(scores), Rules())
+
+
+def names(scores) -> set[str]:
+    return {s.candidate.term.effect for s in scores if s.joint == 1}
+
+
+@pytest.mark.parametrize("effect", LAWS)
+def test_nothing_is_sharp_where_the_samples_tell_all(effect):
+    passed, sharp = asked(effect, 0.0)
+    assert effect in names(passed)
+    assert effect not in names(sharp)
+
+
+def test_friction_at_reversals_goes_with_what_is_sharp_there():
+    passed, sharp = asked("stribeck_friction", SHARP)
+    assert "stribeck_friction" in names(passed)
+    assert "stribeck_friction" in names(sharp)
+
+
+def test_drag_stays_whatever_reversals_are():
+    passed, sharp = asked("quadratic_drag", SHARP)
+    assert "quadratic_drag" in names(passed)
+    assert "quadratic_drag" not in names(sharp)
