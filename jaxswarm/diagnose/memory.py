@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jaxswarm.diagnose.candidates.link_lag import MOST_NUMBERS
 from jaxswarm.errors import InputError
-from jaxswarm.identify.forward.sensitivity import is_kept, numbers_of
+from jaxswarm.identify.forward.columns import is_kept, numbers_of
 from jaxswarm.logs.motion import Motion
 
 # Signals of a joint that stand in memory at once: motion, torques, loads, what laws see, each with copies.

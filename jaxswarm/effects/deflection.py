@@ -17,11 +17,11 @@ by ``q - e``, friction and rotor inertia stay with the motor. Reference: M. W. S
 Control 109 (1987); M. Nordin, P.-O. Gutman, Automatica 38 (2002), eq. 6 for the dead zone.
 """
 
-from functools import partial
-
 import jax
 import jax.numpy as jnp
 import numpy as np
+
+from jaxswarm.programs import program
 
 # Steps of the integrator within one sample: keeps a stiff contact accurate.
 SUBSTEPS = 4
@@ -33,7 +33,7 @@ _NEWTON = 16
 _EARLY = 0.25
 
 
-@partial(jax.jit, static_argnames="substeps")
+@program("substeps")
 def deflection(
     inertia: jax.Array,
     damping: jax.Array,

@@ -1,12 +1,11 @@
 """What a drive writes down beside the true torque of its joint, as columns of its linear parameters."""
 
-from functools import partial
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.programs import program
 
 
 def distortion_columns(law: MeasurementLaw, torque: np.ndarray) -> np.ndarray:
@@ -15,7 +14,7 @@ def distortion_columns(law: MeasurementLaw, torque: np.ndarray) -> np.ndarray:
     return np.stack([np.asarray(slopes[p.name]) for p in law.linear], axis=1)
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _slopes(law: MeasurementLaw, torque: jax.Array) -> dict:
     distortion = law.distortion
     assert distortion is not None  # callers ask those that distort

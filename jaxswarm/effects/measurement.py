@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.parameter import Parameter
+from jaxswarm.programs import Program
 
 
 def shift(x: jax.Array, seconds: jax.Array, step: float) -> jax.Array:
@@ -32,7 +33,7 @@ def shift(x: jax.Array, seconds: jax.Array, step: float) -> jax.Array:
     )
 
 
-_shift = jax.jit(shift)
+shifted = Program(shift)
 
 register(
     MeasurementLaw(
@@ -64,7 +65,7 @@ register(
             "Torque and positions are stamped by clocks that differ, or one is filtered more; "
             "correct the stamps, or the filter of the drive."
         ),
-        report=lambda p, x, step: _shift(x, p["seconds"], step),
+        report=lambda p, x, step: shifted(x, p["seconds"], step),
         clock=True,
         shown_against="torque rate",
     )

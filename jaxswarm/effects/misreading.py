@@ -6,14 +6,14 @@ motion along :math:`q + s\,\dot q + s^2\,\ddot q/2`.
 """
 
 from collections.abc import Mapping
-from functools import partial
 
 import jax
 
 from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.programs import program
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def misreading(law: MeasurementLaw, p: Mapping, motion: tuple) -> tuple[jax.Array, ...]:
     """The excess of a law's encoder and its first and second derivative by time, each (T,).
 
@@ -41,7 +41,7 @@ def misreading(law: MeasurementLaw, p: Mapping, motion: tuple) -> tuple[jax.Arra
     return excess, slope, bend
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def misreading_slopes(law: MeasurementLaw, p: Mapping, motion: tuple) -> tuple[dict, ...]:
     """Derivatives of :func:`misreading` by every parameter, dictionaries of (T,) by name."""
     return jax.jacfwd(lambda values: misreading(law, values, motion))(p)

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.programs import program
 from jaxswarm.robot.model import Robot
 
 # Axes that enclose less than this [sine] are taken as parallel.
@@ -46,7 +47,7 @@ def moved_joint(robot: Robot, joint: int, moves: jax.Array) -> Robot:
     return robot.replace(translation=placed[0], rotation=placed[1])
 
 
-@jax.jit
+@program()
 def _placed(translation, rotation, joint, directions, moves) -> tuple[jax.Array, jax.Array]:
     """Translations (n, 3) and rotations (n, 3, 3) with one of them shifted and turned."""
     shift, turn = moves[0] @ directions, moves[1] @ directions

@@ -14,7 +14,7 @@ from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.identify.estimation.estimate import estimate
-from jaxswarm.identify.forward import sensitivity
+from jaxswarm.identify.forward import columns, sensitivity
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.identify.synthetic import demo_case, random_links, synthetic_log
@@ -34,7 +34,7 @@ def motion():
 @pytest.fixture
 def in_parts(monkeypatch):
     lattice = importlib.import_module("jaxswarm.diagnose.candidates.lattice")
-    monkeypatch.setattr(sensitivity, "_KEPT", 0)
+    monkeypatch.setattr(columns, "_KEPT", 0)
     monkeypatch.setattr(sensitivity, "_BLOCK", 77)
     monkeypatch.setattr(link_lag, "MOST_NUMBERS", 20_000)
     monkeypatch.setattr(lattice, "_HELD", 2**14)

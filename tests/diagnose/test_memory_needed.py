@@ -37,9 +37,9 @@ def test_a_long_log_needs_no_columns_of_all_its_samples(motion, monkeypatch):
         motion, t=np.empty(250_000), q=np.empty((250_000, 7))
     )  # a million samples at 1 kHz
     assert memory.needed([long]) < 3.5
-    sensitivity = importlib.import_module("jaxswarm.identify.forward.sensitivity")
+    columns = importlib.import_module("jaxswarm.identify.forward.columns")
     kept = memory.needed([motion])
-    monkeypatch.setattr(sensitivity, "_KEPT", 0)
+    monkeypatch.setattr(columns, "_KEPT", 0)
     assert memory.needed([motion]) < kept
 
 

@@ -35,6 +35,7 @@ class Memory:
         known: What was found, by effect, joint and partner.
         gravity: Columns of gravity along each base axis, by the logs they belong to.
         laws: Decimated columns of laws on the logs, by term, values and width of the sign.
+        misread: How errors of encoders on the logs follow their parameters, by term and log.
         positions: Of the logs that columns are kept of.
     """
 
@@ -44,13 +45,14 @@ class Memory:
     known: dict = field(default_factory=dict)
     gravity: dict = field(default_factory=dict)
     laws: dict = field(default_factory=dict)
+    misread: dict = field(default_factory=dict)
     positions: tuple[np.ndarray, ...] = ()
 
     def look_at(self, motions: Sequence[Motion]) -> None:
         """Forget the columns of other logs. What is found out about the noise of a log leaves its motion."""
         positions = tuple(m.q for m in motions)
         if [*map(id, positions)] != [*map(id, self.positions)]:
-            self.laws, self.positions = {}, positions
+            self.laws, self.misread, self.positions = {}, {}, positions
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if a new search would not change the decision; else None.

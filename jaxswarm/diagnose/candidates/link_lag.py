@@ -1,7 +1,6 @@
 """The torque that a link behind its motor changes, for many values of its parameters at once."""
 
 from dataclasses import replace
-from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -16,6 +15,7 @@ from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
+from jaxswarm.programs import program
 
 # Shares of a joint's inertia that its rotor may hold.
 ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
@@ -104,7 +104,7 @@ def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
     return felt, tuple(np.pad(x, (0, more), mode="edge") for x in gear)
 
 
-@partial(jax.jit, static_argnames="substeps")
+@program("substeps")
 def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, substeps):
     """Lags (T, m) and their derivatives of m options; see :func:`deflection`."""
 

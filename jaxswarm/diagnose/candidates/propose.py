@@ -158,8 +158,11 @@ def _folds(lin: Linearization, rows: np.ndarray) -> FoldData:
     """The rows of one log as folds of the search, (joints, folds, ...)."""
     folds = lin.crossfit.folds
     width = -(-max(f.basis.shape[2] for f in folds) // _MULTIPLE) * _MULTIPLE
-    basis = np.stack([_filled(f.basis[rows], width) for f in folds], axis=1)
     used = lin.crossfit.weight[rows].any(axis=1)
+    # Of a long log the largest there is: written once, where it stays. Columns of zeros fill it up.
+    basis = np.zeros((lin.crossfit.weight.shape[1], len(folds), len(used), width))
+    for k, fold in enumerate(folds):
+        basis[:, k, :, : fold.basis.shape[2]] = fold.basis[rows].transpose(1, 0, 2)
     train = np.stack([f.train[rows] & used for f in folds])
     residual = np.stack([np.where(f.train[rows, None], f.residual[rows], 0.0) for f in folds])
     joints = basis.shape[0]
@@ -168,8 +171,3 @@ def _folds(lin: Linearization, rows: np.ndarray) -> FoldData:
         residual.transpose(2, 0, 1),
         np.repeat(train[None].astype(float), joints, axis=0),
     )
-
-
-def _filled(basis: np.ndarray, width: int) -> np.ndarray:
-    """Basis (T, n, b) as (n, T, width) with columns of zeros."""
-    return np.pad(basis.transpose(1, 0, 2), ((0, 0), (0, 0), (0, width - basis.shape[2])))

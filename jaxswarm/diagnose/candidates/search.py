@@ -28,6 +28,7 @@ from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
 from jaxswarm.identify.forward.measuring_chain import late
 from jaxswarm.logs.motion import Motion
+from jaxswarm.programs import program
 from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
@@ -64,7 +65,7 @@ def _columns_at(
     return decimate(full, taps, factor)
 
 
-@partial(jax.jit, static_argnames=("laws", "factor", "batch"))
+@program("laws", "factor", "batch")
 def _survey(
     laws: tuple[TorqueLaw, ...],
     factor: int,
@@ -99,7 +100,7 @@ def _survey(
     return jax.lax.fori_loop(0, count, look, nowhere)
 
 
-@partial(jax.jit, static_argnames=("laws", "factor"))
+@program("laws", "factor")
 def _refine(
     laws: tuple[TorqueLaw, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
 ):
@@ -155,8 +156,6 @@ def searching(
     ends.append(_TAPS - (length + _TAPS) % -_CHUNK)
     rows = [(len(m.t) + end) // factor for m, end in zip(motions[:-1], ends, strict=False)]
     rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
-    joined = [_rows(fold, count) for fold, count in zip(folds, rows, strict=True)]
-    whole = jax.tree.map(lambda *x: np.concatenate(x, axis=2), *joined)
     laws = _searched(law for law, _, _ in tasks)
     points = max(BATCH * -(-points_of(law) // BATCH) for law in laws)
     most = points, max(len(law.nonlinear) for law in laws)
@@ -176,7 +175,7 @@ def searching(
             np.bool_(law.positive),
             cell,
             series,
-            jax.tree.map(lambda x: x[joint], whole),
+            _of_joint(folds, joint, rows),
         )
         with jax.enable_x64(precise):  # a thread has settings of its own
             with tracing:
@@ -201,13 +200,18 @@ def _held(series: Sample, count: int) -> Sample:
     return jax.tree.map(lambda x: np.pad(x, (0, count), mode="edge"), series)
 
 
-def _rows(fold: FoldData, count: int) -> FoldData:
-    """A fold with empty rows up to ``count``."""
+def _of_joint(folds: Sequence[FoldData], joint: int, counts: Sequence[int]) -> FoldData:
+    """One joint's folds of all logs, (folds, ...), each with empty rows up to its count."""
 
-    def fill(x):
-        return np.pad(x, ((0, 0), (0, 0), (0, count - x.shape[2]), *((0, 0),) * (x.ndim - 3)))
+    def fill(x: np.ndarray, count: int) -> np.ndarray:
+        own = x[joint]
+        return np.pad(own, ((0, 0), (0, count - own.shape[1]), *((0, 0),) * (own.ndim - 2)))
 
-    return jax.tree.map(fill, fold)
+    parts = [
+        jax.tree.map(partial(fill, count=count), fold)
+        for fold, count in zip(folds, counts, strict=True)
+    ]
+    return parts[0] if len(parts) == 1 else jax.tree.map(lambda *x: np.concatenate(x, 1), *parts)
 
 
 def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:

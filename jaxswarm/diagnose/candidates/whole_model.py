@@ -1,7 +1,6 @@
 """Candidates that change the whole model: its gravity, what it carries, how its torque is written down."""
 
 from dataclasses import replace
-from functools import partial
 
 import jax
 import numpy as np
@@ -15,11 +14,13 @@ from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
 from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
+from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.measuring_chain import report_own
 from jaxswarm.identify.forward.placement import placement_columns
+from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns
 
 
@@ -52,7 +53,7 @@ def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
 
 
 # Whole programs: each operation by itself would be traced, lowered and loaded on its own.
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _report_slopes(law: MeasurementLaw, values: dict, x: jax.Array, step: float) -> dict:
     """How a torque is written down by each parameter: a derivative, or a difference to its probe."""
 
@@ -65,7 +66,7 @@ def _report_slopes(law: MeasurementLaw, values: dict, x: jax.Array, step: float)
     return {p.name: slope(p.name) for p in law.parameters}
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _gravity_slopes(law: BodyChange, values: dict, gravity: jax.Array) -> dict:
     return jax.jacfwd(lambda p: law.gravity(p, gravity))(values)
 
@@ -85,17 +86,28 @@ def _distorted(lin: Linearization, term: Term, k: int) -> np.ndarray:
 
 def _turned(lin: Linearization, term: Term, k: int) -> np.ndarray:
     """Torque of a log, its own laws included, by each parameter of an encoder's error, (T, n, p)."""
-    motion = lin.found.motions[k]
-    along, own = filled(read_motion(term, motion)), slice(len(motion.t))
-    slopes = misreading_slopes(term.law, term.law.neutral(), along)
+    slopes = _misread(lin, term, k)
     by = [x.copy() for x in lin.turned(k, term.joint)]
     for x, slope in zip(by, own_slopes(lin, term.joint, k), strict=True):
         x[:, term.joint] += slope
     columns = [
-        -sum(x * np.asarray(e[p.name])[own, None] for x, e in zip(by, slopes, strict=True))
+        -sum(x * e[p.name][:, None] for x, e in zip(by, slopes, strict=True))
         for p in term.law.parameters
     ]
     return np.stack(columns, axis=2)
+
+
+def _misread(lin: Linearization, term: Term, k: int) -> list[dict[str, np.ndarray]]:
+    """What an encoder's error on a log and its two derivatives gain by each parameter, (T,) each."""
+    motion, known = lin.found.motions[k], lin.memory.misread
+    if (term.place, k) in known:  # they follow from what the encoders say
+        return known[term.place, k]
+    along, own = filled(read_motion(term, motion)), slice(len(motion.t))
+    slopes = misreading_slopes(term.law, term.law.neutral(), along)
+    found = [{name: np.asarray(x)[own] for name, x in one.items()} for one in slopes]
+    if is_kept(motion):
+        known[term.place, k] = found
+    return found
 
 
 def body_candidate(lin: Linearization, term: Term) -> Candidate:

@@ -211,7 +211,10 @@ def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray, parameters
         return Fold(train, columns, columns, torque, np.zeros((parameters, 0)))
     rows = columns[train].reshape(-1, size)
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-    q, r, order = scipy.linalg.qr(rows / scale, mode="economic", pivoting=True, check_finite=False)
+    # Nobody asks for Q, which costs as much again in time and memory.
+    _, r, order = scipy.linalg.qr(
+        rows / scale, mode="raw", pivoting=True, check_finite=False, overwrite_a=True
+    )
     rank = int((np.abs(np.diag(r)) > 1e-7 * abs(r[0, 0])).sum())
     pick = order[:rank]
     project = scipy.linalg.solve_triangular(
@@ -220,7 +223,7 @@ def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray, parameters
         trans="T",
         check_finite=False,
     ).T.reshape(len(columns), joints, rank)
-    basis = np.where(train[:, None, None], project, 0.0)
+    basis = project if train.all() else np.where(train[:, None, None], project, 0.0)
     solve = np.zeros((size, rank))
     solve[pick] = scipy.linalg.solve_triangular(r[:rank, :rank], np.eye(rank)) / scale[pick, None]
     left = torque - project @ np.einsum("tjb,tj->b", basis, torque)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import jax
 import numpy as np
@@ -12,14 +12,15 @@ from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import (
     Load,
     Rigid,
+    is_kept,
     load_along,
     low_columns,
     torque_of,
 )
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion, true_motion
-from jaxswarm.identify.forward.sensitivity import is_kept
 from jaxswarm.logs.motion import Motion
+from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
@@ -33,7 +34,7 @@ def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
     return robot
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _gravity(law: BodyChange, values: dict, gravity: jax.Array) -> jax.Array:
     return law.gravity(values, gravity)
 
@@ -120,6 +121,6 @@ def body_basis(law: BodyChange) -> np.ndarray:
     return np.stack([np.asarray(_added(law, p)) for p in unit], axis=1)
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _added(law: BodyChange, values: dict) -> jax.Array:
     return law.body(values)

@@ -5,9 +5,9 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import jax
@@ -20,15 +20,21 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
+from jaxswarm.programs import program
 from jaxswarm.robot import standard_parameter_names
 from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
 # Samples whose columns stand in memory at a time where only what follows from them is kept.
 _BLOCK = 16_384
+# Numbers that the columns of a log and their derivatives by all joints may hold together: a gigabyte, half a
+# minute of computing saved. Of a longer log they are made anew, so many samples at a time.
+_KEPT = 2**27
+# Numbers that decimated columns of laws may hold: of a log of seconds those of some hundred laws, 32 MB.
+_OF_LAWS = 2**22
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _law(law: TorqueLaw, nonlinear: dict, series: Sample) -> jax.Array:
     return law_columns(law, nonlinear, series)
 
@@ -53,6 +59,17 @@ def low_columns(
     return low
 
 
+def numbers_of(motion: Motion) -> int:
+    """Numbers of a log's columns and their derivatives by all joints."""
+    samples, joints = motion.q.shape
+    return samples * joints * (10 * joints + 3 * 10 * joints * (joints + 1) // 2)
+
+
+def is_kept(motion: Motion) -> bool:
+    """Whether the columns and derivatives of a log are few enough to be kept."""
+    return numbers_of(motion) <= _KEPT
+
+
 @dataclass(frozen=True)
 class Rigid:
     """Rigid-body columns of one log, kept because every model on it needs them.
@@ -66,6 +83,7 @@ class Rigid:
         low: Through the decimator, shape (T', n, 10 n).
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
+        laws: Decimated columns of laws by all that they follow from, the oldest first.
     """
 
     robot: Robot
@@ -73,6 +91,7 @@ class Rigid:
     low: np.ndarray
     sensed: dict = field(default_factory=dict, repr=False, compare=False)
     loads: dict = field(default_factory=dict, repr=False, compare=False)
+    laws: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def gravity(self) -> np.ndarray:
@@ -84,8 +103,16 @@ class Rigid:
         """On the working clock, shape (T, n, 10 n)."""
         return rigid_columns(self.robot, self.motion.q, self.motion.dq, self.motion.ddq)
 
+    @cached_property
+    def still(self) -> np.ndarray:
+        """The same without acceleration."""
+        rest = np.zeros_like(self.motion.ddq)
+        return rigid_columns(self.robot, self.motion.q, self.motion.dq, rest)
+
     def torque(self, pi: np.ndarray) -> np.ndarray:
         """Rigid-body torque (T, n) for parameters (10 n,)."""
+        if is_kept(self.motion):
+            return self.full @ pi
         return torque_of(self.robot, self.motion.q, self.motion.dq, self.motion.ddq, pi)
 
     def load(self, pi: np.ndarray) -> "Load":
@@ -93,9 +120,34 @@ class Rigid:
         place = np.asarray(pi).tobytes()
         if place not in self.loads:
             self.loads.clear()
-            moved = (self.motion.q, self.motion.dq, self.motion.ddq)
-            self.loads[place] = load_along(self.robot, moved, pi)
+            self.loads[place] = self._load(pi)
         return self.loads[place]
+
+    def _load(self, pi: np.ndarray) -> "Load":
+        # A fit asks for dozens: the recursion takes ten times as long as the product.
+        if is_kept(self.motion):
+            return Load(self.full @ pi, self.still @ pi)
+        return load_along(self.robot, (self.motion.q, self.motion.dq, self.motion.ddq), pi)
+
+    def law(self, term: Term, width: Sequence[float], make: Callable[[], np.ndarray]) -> np.ndarray:
+        """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.
+
+        Args:
+            term: With its nonlinear parameters.
+            width: Width of every joint's smooth sign, (n,).
+            make: Makes them.
+        """
+        law = term.law
+        if law.uses_load:
+            return make()
+        bent = tuple(term.values[p.name] for p in law.nonlinear)
+        place = (term.place, term.formula, bent, width[term.joint] if law.uses_direction else None)
+        if place not in self.laws:
+            own = make()
+            while self.laws and own.size + sum(x.size for x in self.laws.values()) > _OF_LAWS:
+                self.laws.pop(next(iter(self.laws)))
+            self.laws[place] = own
+        return self.laws[place]
 
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:

@@ -23,6 +23,7 @@ from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.logs.motion import Motion
+from jaxswarm.programs import program
 from jaxswarm.robot.model import Robot
 
 
@@ -136,7 +137,7 @@ def lag_slopes(
     return total
 
 
-@partial(jax.jit, static_argnames="law")
+@program("law")
 def _lag_directions(law, own, directions, values, step):
     """Derivatives (T, m) of e, de, dde along m directions (4, T, m) of torque and sensitivities."""
 

@@ -8,7 +8,6 @@ The order in which a torque comes about fixes the order here: the links move beh
 from collections.abc import Callable, Sequence
 from functools import singledispatch
 
-import jax
 import numpy as np
 
 from jaxswarm.effects.base import Effect
@@ -20,7 +19,7 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
-from jaxswarm.effects.measurement import shift
+from jaxswarm.effects.measurement import shifted
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
@@ -136,8 +135,13 @@ def _block(
     mixed = any(t.joint is None for t in of_kind(terms, MeasurementLaw))
     if mixed or not isinstance(term.law, TorqueLaw):
         return low(report(terms, motion, _supplied(term, body, width, load)))
-    own = low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
-    return placed(own, term.joint, motion.q.shape[1])
+
+    def own() -> np.ndarray:
+        return low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
+
+    known = None if low is np.asarray or of_kind(terms, MeasurementLaw) else body.rigid
+    made = own() if known is None else known.law(term, width, own)
+    return placed(made, term.joint, motion.q.shape[1])
 
 
 def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
@@ -225,8 +229,7 @@ def late(series: Sample, seconds: float, motion: Motion) -> Sample:
     """What a law sees, so much later: its torque is then what a late clock reports of it."""
     if not seconds:
         return series
-    held = filled(series)
-    later = (np.asarray(_shift(x, seconds, 1.0 / motion.rate)) for x in held)
+    later = (np.asarray(shifted(x, seconds, 1.0 / motion.rate)) for x in filled(series))
     return Sample(*(x[: len(motion.t)] for x in later))
 
 
@@ -243,6 +246,3 @@ def term_block(
     body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
     load = body.load() if term.law.uses_load else None
     return _block(terms, term, body, width, load, motion.decimator.apply)
-
-
-_shift = jax.jit(shift)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.columns import Rigid, is_kept
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
@@ -15,9 +15,8 @@ from jaxswarm.robot.model import Robot
 # Steps of the differences along position and velocity [rad, rad/s]. The torque is quadratic in velocity,
 # so that its step may be any, and linear in acceleration.
 _POSITION, _VELOCITY = 1e-5, 1e-2
-# Numbers that the columns of a log and their derivatives by all joints may hold together: a gigabyte, half a
-# minute of computing saved. Of a longer log they are made anew, so many samples at a time.
-_KEPT, _BLOCK = 2**27, 16_384
+# Samples of a long log whose columns are made at a time.
+_BLOCK = 16_384
 
 
 class _Columns(NamedTuple):
@@ -35,17 +34,6 @@ class _Columns(NamedTuple):
     by_q: np.ndarray
     by_dq: np.ndarray
     by_ddq: np.ndarray
-
-
-def numbers_of(motion: Motion) -> int:
-    """Numbers of a log's columns and their derivatives by all joints."""
-    samples, joints = motion.q.shape
-    return samples * joints * (10 * joints + 3 * 10 * joints * (joints + 1) // 2)
-
-
-def is_kept(motion: Motion) -> bool:
-    """Whether the columns and derivatives of a log are few enough to be kept."""
-    return numbers_of(motion) <= _KEPT
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,239 @@
+"""Compiled programs that the next process finds ready, without tracing and lowering them again.
+
+JAX keeps what it compiled on disk, and knows it again only by the text it was lowered to. Of the time until
+the two largest programs of a diagnosis ran, 1.59 of 1.70 s went into that text. Here a program is known by what
+it is made from: its function and its fixed arguments, the shapes of its data, the source of this package, the
+versions of JAX and the processor. One that cannot be known so, or not be read, is compiled as ever.
+"""
+
+import contextlib
+import dataclasses
+import functools
+import hashlib
+import inspect
+import os
+import pickle
+import platform
+import sys
+import uuid
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+from jax.experimental import serialize_executable
+
+# The folder beside JAX's own compiled code.
+FOLDER = "jaxswarm-programs"
+_CONFIG: Any = jax.config  # its settings have no types
+_PLAIN = (bool, int, float, str, bytes, type(None))
+
+
+class _Unknown(Exception):
+    """Something a program depends on has no name that holds in another process."""
+
+
+class Program:
+    """A function as compiled programs, one for each fixed argument and each shape of its data.
+
+    Within another program, on several devices and without a compile cache it is that of :func:`jax.jit`.
+
+    Args:
+        function: Pure, of positional arguments.
+        static: Names of the arguments that are fixed, hashable.
+
+    >>> double = Program(lambda x: 2 * x)
+    >>> double(np.ones(2)).tolist()
+    [2.0, 2.0]
+    """
+
+    def __init__(self, function: Callable, static: tuple[str, ...] = ()):
+        functools.update_wrapper(self, function)
+        self._function = function
+        self._jit = jax.jit(function, static_argnames=static)
+        parameters = inspect.signature(function).parameters
+        self._fixed = [name in static for name in parameters]
+        self._defaults = [p.default for p in parameters.values()]
+        # What is fixed is known by where it stands in memory, and so kept from being replaced there.
+        self._ready: dict[tuple, tuple[Callable, tuple]] = {}
+
+    def __call__(self, *args: Any) -> Any:
+        """What the function gives."""
+        args = (*args, *self._defaults[len(args) :])
+        fixed = tuple(x for x, is_fixed in zip(args, self._fixed, strict=True) if is_fixed)
+        data = tuple(x for x, is_fixed in zip(args, self._fixed, strict=True) if not is_fixed)
+        leaves, tree = jax.tree.flatten(data)
+        shapes = _shapes(leaves)
+        folder = None if shapes is None else _folder()
+        if folder is None:
+            return self._jit(*args)
+        place = (_handle(fixed), tree, shapes, _CONFIG.jax_enable_x64)
+        if place not in self._ready:
+            self._ready[place] = self._program(folder, fixed, (tree, shapes), args), fixed
+        return self._ready[place][0](*data)
+
+    def _program(self, folder: Path, fixed: tuple, given: tuple, args: tuple) -> Callable:
+        """The program for arguments, read or made; the function itself where it cannot be kept."""
+        try:
+            told = [described(self._function), described(fixed), repr(given), _settings()]
+        except _Unknown:
+            return functools.partial(_with_fixed, self._jit, self._fixed, fixed)
+        name = hashlib.sha256("\n".join(told).encode()).hexdigest()
+        found = _read(folder / name)
+        if found is None:
+            found = self._compiled(args)
+            _write(folder / name, found)
+        return found
+
+    def _compiled(self, args: tuple) -> Any:
+        """The program for arguments, made here: what JAX read from its own cache cannot be written again."""
+
+        def alone(*given: Any) -> Any:
+            return self._function(*given)
+
+        # A name that no cache has.
+        alone.__name__ = f"{getattr(self._function, '__name__', 'program')}_{uuid.uuid4().hex}"
+        places = [k for k, is_fixed in enumerate(self._fixed) if is_fixed]
+        return jax.jit(alone, static_argnums=places).lower(*args).compile()
+
+
+def program(*static: str) -> Callable[[Callable], Program]:
+    """Decorator: the function as a :class:`Program` whose arguments of these names are fixed."""
+    return lambda function: Program(function, static)
+
+
+def _with_fixed(function: Callable, is_fixed: list[bool], fixed: tuple, *data: Any) -> Any:
+    """Call a function with its fixed arguments and its data, each in their order."""
+    parts = iter(fixed), iter(data)
+    return function(*(next(parts[0] if one else parts[1]) for one in is_fixed))
+
+
+def _shapes(leaves: list) -> tuple | None:
+    """What of data a program is compiled for; None within another program, which holds no data."""
+    found: list[Any] = []
+    for x in leaves:
+        if isinstance(x, jax.core.Tracer):
+            return None
+        if isinstance(x, (np.ndarray, np.generic)):
+            found.append((x.shape, x.dtype.str))
+        elif isinstance(x, jax.Array):
+            found.append((x.shape, str(x.dtype), getattr(x, "weak_type", False)))
+        else:
+            found.append(type(x).__name__)
+    return tuple(found)
+
+
+def _handle(fixed: Any) -> Any:
+    """What is fixed by its value if it is plain, else by where it stands in memory: quicker than its hash."""
+    if isinstance(fixed, tuple):
+        return tuple(_handle(x) for x in fixed)
+    return fixed if isinstance(fixed, _PLAIN) else id(fixed)
+
+
+def _folder() -> Path | None:
+    """Where programs are kept; None where they are not."""
+    config = _CONFIG
+    place = config.jax_compilation_cache_dir
+    off = not config.jax_enable_compilation_cache or config.jax_disable_jit or config.jax_debug_nans
+    if off or not place or "://" in place or not _is_alone():
+        return None
+    return Path(place) / FOLDER
+
+
+@functools.cache
+def _is_alone() -> bool:
+    """Whether there is one device, and it is a processor."""
+    return jax.device_count() == 1 and jax.devices()[0].platform == "cpu"
+
+
+def described(x: Any) -> str:
+    """What a fixed argument is, as text that holds in another process.
+
+    Raises:
+        _Unknown: If it is made of something outside this package, or of what has no such text.
+    """
+    if isinstance(x, _PLAIN):
+        return repr(x)
+    if isinstance(x, functools.partial):
+        return f"partial({described((x.func, x.args, x.keywords))})"
+    if isinstance(x, (tuple, list)):
+        return f"({','.join(map(described, x))})"
+    if isinstance(x, Mapping):
+        return f"{{{','.join(f'{k!r}:{described(v)}' for k, v in sorted(x.items()))}}}"
+    if dataclasses.is_dataclass(x) and not isinstance(x, type) and _is_ours(type(x)):
+        parts = ((f.name, getattr(x, f.name)) for f in dataclasses.fields(x))
+        return f"{type(x).__qualname__}({','.join(f'{n}={described(v)}' for n, v in parts)})"
+    if callable(x):
+        return _described_function(inspect.unwrap(x))
+    raise _Unknown
+
+
+def _described_function(x: Any) -> str:
+    """A function by where it stands in this package, with what it holds from around it."""
+    code = getattr(x, "__code__", None)
+    if code is None or not _is_ours(x):
+        raise _Unknown
+    held = [described(cell.cell_contents) for cell in x.__closure__ or ()]
+    usual = described((x.__defaults__ or (), x.__kwdefaults__ or {}))
+    place = f"{x.__module__}:{x.__qualname__}:{code.co_firstlineno}"
+    numbers = [c for c in code.co_consts if isinstance(c, _PLAIN)]
+    return f"{place}({held})({usual}){code.co_code.hex()}{numbers}{code.co_names}"
+
+
+def _is_ours(x: Any) -> bool:
+    """Whether this package defines it: its source is part of what programs are known by."""
+    return (getattr(x, "__module__", None) or "").partition(".")[0] == __name__.partition(".")[0]
+
+
+def _settings() -> str:
+    """What JAX was told, beside what no setting changes."""
+    told = {k: v for k, v in _CONFIG.values.items() if "cache" not in k}
+    return f"{sorted(told.items())} {_CONFIG.jax_enable_x64} {_surroundings()}"
+
+
+@functools.cache
+def _surroundings() -> str:
+    """What else decides what a program is: this package's source, versions, processor, flags of XLA."""
+    source = hashlib.sha256()
+    package = Path(__file__).parent
+    for path in sorted(package.rglob("*.py")):
+        source.update(str(path.relative_to(package)).encode() + path.read_bytes())
+    told = [source.hexdigest(), jax.__version__, jax.lib.__version__, np.__version__, sys.version]
+    told += [platform.platform(), platform.machine(), _processor()]
+    told += [os.environ.get(name, "") for name in ("XLA_FLAGS", "JAX_DEFAULT_MATMUL_PRECISION")]
+    return "\n".join(told)
+
+
+def _processor() -> str:
+    """What the processor can do, as far as the system tells."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").splitlines()
+    except OSError:
+        return platform.processor()
+    told = [line for line in lines if line.startswith(("model name", "flags", "Features"))]
+    return "\n".join(sorted(set(told))) or platform.processor()
+
+
+def _read(path: Path) -> Callable | None:
+    """A program as it was written; None where there is none, or it is damaged."""
+    try:
+        sum_, _, content = path.read_bytes().partition(b"\n")
+        if hashlib.sha256(content).hexdigest().encode() != sum_:
+            return None
+        return serialize_executable.deserialize_and_load(*pickle.loads(content))
+    except Exception:  # whatever does not fit here is made anew
+        return None
+
+
+def _write(path: Path, compiled: Any) -> None:
+    """Keep a program, whole or not at all; nothing is said where that fails."""
+    beside = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        content = pickle.dumps(serialize_executable.serialize(compiled))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_bytes(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+        beside.replace(path)
+    except Exception:  # a full disk, a folder that takes nothing, a program that JAX cannot write
+        with contextlib.suppress(OSError):
+            beside.unlink()

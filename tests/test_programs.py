@@ -1,0 +1,151 @@
+"""Compiled programs that another process finds ready."""
+
+import functools
+import importlib
+import json
+import os
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxswarm.effects import REGISTRY, get_law
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.sample import Sample
+from jaxswarm.identify.forward import columns
+from jaxswarm.programs import Program
+
+programs = importlib.import_module("jaxswarm.programs")
+LAW = get_law("stribeck_friction")
+VALUES = {"vs": np.float64(0.1), "delta": np.float64(2.0)}
+# A process of its own: how many programs it traced, and what came out.
+SCRIPT = """
+import json, sys
+import jax, numpy as np
+jax.config.update("jax_enable_x64", True)
+from jaxswarm.effects import get_law
+from jaxswarm.effects.sample import Sample
+from jaxswarm.identify.forward.columns import _law
+traced = []
+def note(name, seconds, **more):
+    if name.endswith("jaxpr_trace_duration"):
+        traced.append(name)
+jax.monitoring.register_event_duration_secs_listener(note)
+moved = Sample(*np.linspace(-1.0, 1.0, 13 * 8).reshape(13, 8))
+values = {"vs": np.float64(0.1), "delta": np.float64(2.0)}
+found = np.asarray(_law(get_law("stribeck_friction"), values, moved))
+print(json.dumps([len(traced), found.tolist()]))
+"""
+
+
+def series(count: int = 8) -> Sample:
+    return Sample(*np.linspace(-1.0, 1.0, 13 * count).reshape(13, count))
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """A folder for programs, whatever JAX keeps elsewhere."""
+    monkeypatch.setattr(programs, "_folder", lambda: tmp_path)
+    return tmp_path
+
+
+def fresh() -> Program:
+    """The program of laws as a new process has it."""
+    return Program(columns._law.__wrapped__, ("law",))
+
+
+def plain(law, moved) -> np.ndarray:
+    return np.asarray(jax.jit(columns._law.__wrapped__, static_argnums=0)(law, VALUES, moved))
+
+
+def test_another_process_traces_nothing(tmp_path):
+    environment = {**os.environ, "JAX_COMPILATION_CACHE_DIR": str(tmp_path)}
+    told = []
+    for _ in range(2):
+        words = [sys.executable, "-c", SCRIPT]
+        done = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
+        told.append(json.loads(done.stdout))
+    (first, one), (second, two) = told
+    assert first > 0 and second == 0
+    assert one == two == plain(LAW, series()).tolist()
+
+
+def test_what_was_kept_is_read_and_not_made(kept, monkeypatch):
+    one = np.asarray(fresh()(LAW, VALUES, series()))
+    monkeypatch.setattr(Program, "_compiled", lambda self, args: pytest.fail("made again"))
+    assert (np.asarray(fresh()(LAW, VALUES, series())) == one).all()
+    assert (one == plain(LAW, series())).all()
+
+
+def test_other_shapes_other_laws_and_other_precision_are_other_programs(kept):
+    fresh()(LAW, VALUES, series())
+    fresh()(LAW, VALUES, series(16))
+    fresh()(get_law("viscous_friction"), {}, series())
+    with jax.enable_x64(False):
+        low = fresh()(LAW, VALUES, series())
+    assert low.dtype == np.float32
+    assert len(list(kept.iterdir())) == 4
+
+
+@pytest.mark.parametrize("content", [b"", b"nonsense", b"0\n" + b"x" * 100])
+def test_a_damaged_program_is_made_anew(kept, content):
+    one = np.asarray(fresh()(LAW, VALUES, series()))
+    (path,) = kept.iterdir()
+    whole = path.read_bytes()
+    path.write_bytes(content or whole[: len(whole) // 2])
+    assert (np.asarray(fresh()(LAW, VALUES, series())) == one).all()
+    assert len(path.read_bytes()) > len(whole) // 2
+
+
+def test_a_folder_that_takes_nothing_is_no_error(tmp_path, monkeypatch):
+    path = tmp_path / "file"
+    path.write_text("")
+    monkeypatch.setattr(programs, "_folder", lambda: path / "under")
+    assert np.asarray(fresh()(LAW, VALUES, series())).shape == (8, 1)
+
+
+def test_other_source_is_another_program(kept, monkeypatch):
+    fresh()(LAW, VALUES, series())
+    monkeypatch.setattr(programs, "_surroundings", lambda: "another version")
+    fresh()(LAW, VALUES, series())
+    assert len(list(kept.iterdir())) == 2
+
+
+def test_a_law_of_somebody_else_is_compiled_and_not_kept(kept):
+    law = TorqueLaw(
+        name="own_drag",
+        scope="joint",
+        parameters=(Parameter("c", "N m", 0.0, 1.0, True, 0.1, ""),),
+        summary="c dq^3",
+        reference="",
+        torque=lambda p, s: p["c"] * s.dq**3,
+    )
+    found = np.asarray(fresh()(law, {}, series()))
+    np.testing.assert_allclose(found[:, 0], series().dq ** 3)
+    assert not list(kept.iterdir())
+
+
+def test_within_another_program_it_is_a_part_of_it(kept):
+    double = Program(lambda x: 2.0 * x)
+    assert jax.jit(lambda x: double(x) + 1.0)(jnp.ones(2)).tolist() == [3.0, 3.0]
+    assert jax.vmap(double)(jnp.ones((2, 1))).tolist() == [[2.0], [2.0]]
+    assert not list(kept.iterdir())
+
+
+def test_every_law_has_a_text_of_its_own_that_holds():
+    told = {name: programs.described(law) for name, law in REGISTRY.items()}
+    assert len(set(told.values())) == len(told)
+    assert not any(" at 0x" in text for text in told.values())
+    again = {name: programs.described(law) for name, law in REGISTRY.items()}
+    assert again == told
+
+
+def test_what_a_function_holds_is_told():
+    one, two = (functools.partial(columns.direction, width=w) for w in (0.1, 0.2))
+    assert programs.described(one) != programs.described(two)
+    with pytest.raises(programs._Unknown):
+        programs.described(lambda x: x)
