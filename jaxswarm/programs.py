@@ -6,13 +6,11 @@ it is made from: its function and its fixed arguments, the shapes of its data, t
 versions of JAX and the processor. One that cannot be known so, or not be read, is compiled as ever.
 """
 
-import contextlib
 import dataclasses
 import functools
 import hashlib
 import inspect
 import os
-import pickle
 import platform
 import sys
 import uuid
@@ -22,7 +20,8 @@ from typing import Any
 
 import jax
 import numpy as np
-from jax.experimental import serialize_executable
+
+from jaxswarm.program_files import read, write
 
 # The folder beside JAX's own compiled code.
 FOLDER = "jaxswarm-programs"
@@ -80,10 +79,10 @@ class Program:
         except _Unknown:
             return functools.partial(_with_fixed, self._jit, self._fixed, fixed)
         name = hashlib.sha256("\n".join(told).encode()).hexdigest()
-        found = _read(folder / name)
+        found = read(folder / name)
         if found is None:
             found = self._compiled(args)
-            _write(folder / name, found)
+            write(folder / name, found)
         return found
 
     def _compiled(self, args: tuple) -> Any:
@@ -213,27 +212,3 @@ def _processor() -> str:
         return platform.processor()
     told = [line for line in lines if line.startswith(("model name", "flags", "Features"))]
     return "\n".join(sorted(set(told))) or platform.processor()
-
-
-def _read(path: Path) -> Callable | None:
-    """A program as it was written; None where there is none, or it is damaged."""
-    try:
-        sum_, _, content = path.read_bytes().partition(b"\n")
-        if hashlib.sha256(content).hexdigest().encode() != sum_:
-            return None
-        return serialize_executable.deserialize_and_load(*pickle.loads(content))
-    except Exception:  # whatever does not fit here is made anew
-        return None
-
-
-def _write(path: Path, compiled: Any) -> None:
-    """Keep a program, whole or not at all; nothing is said where that fails."""
-    beside = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        content = pickle.dumps(serialize_executable.serialize(compiled))
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_bytes(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
-        beside.replace(path)
-    except Exception:  # a full disk, a folder that takes nothing, a program that JAX cannot write
-        with contextlib.suppress(OSError):
-            beside.unlink()

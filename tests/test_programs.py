@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxswarm import program_files
 from jaxswarm.effects import REGISTRY, get_law
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
@@ -149,3 +150,20 @@ def test_what_a_function_holds_is_told():
     assert programs.described(one) != programs.described(two)
     with pytest.raises(programs._Unknown):
         programs.described(lambda x: x)
+
+
+def test_a_program_that_others_may_have_written_is_not_run(kept):
+    fresh()(LAW, VALUES, series())
+    (one,) = kept.iterdir()
+    assert program_files.read(one) is not None
+    one.chmod(0o666)
+    assert program_files.read(one) is None
+
+
+def test_the_oldest_programs_make_room(kept, monkeypatch):
+    for count in (8, 9, 10):
+        fresh()(LAW, VALUES, series(count))
+    old, *rest = sorted(kept.iterdir(), key=lambda p: p.stat().st_mtime)
+    monkeypatch.setattr(program_files, "MOST", sum(p.stat().st_size for p in rest))
+    program_files.make_room(kept)
+    assert sorted(kept.iterdir()) == sorted(rest)
