@@ -72,6 +72,11 @@ class Program:
             self._ready[place] = self._program(folder, fixed, (tree, shapes), args), fixed
         return self._ready[place][0](*data)
 
+    @property
+    def made(self) -> int:
+        """Programs that this process has made or read."""
+        return len(self._ready) + self._jit._cache_size()
+
     def _program(self, folder: Path, fixed: tuple, given: tuple, args: tuple) -> Callable:
         """The program for arguments, read or made; the function itself where it cannot be kept."""
         try:

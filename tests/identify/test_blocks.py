@@ -36,6 +36,7 @@ def whole(log):
 def in_parts(monkeypatch):
     covariance = importlib.import_module("jaxswarm.identify.estimation.covariance")
     monkeypatch.setattr(columns, "_BLOCK", 333)
+    monkeypatch.setattr(columns, "_KEPT", 0)
     monkeypatch.setattr(covariance, "_ROWS", 50)
     monkeypatch.setattr(lost, "_ROWS", 100)
 
@@ -130,6 +131,7 @@ def test_laws_of_a_model_share_the_load_they_go_by(whole, monkeypatch):
         return along(*given)
 
     monkeypatch.setattr(columns, "load_along", counted)
+    monkeypatch.setattr(columns, "_KEPT", 0)
     drawn = np.random.default_rng(0).normal(size=(3, 30))
     for number, pi in enumerate((*drawn, drawn[0]), 1):
         for _ in range(2):
@@ -138,6 +140,15 @@ def test_laws_of_a_model_share_the_load_they_go_by(whole, monkeypatch):
             np.testing.assert_array_equal(own.full, fresh.full)
             np.testing.assert_array_equal(own.static, fresh.static)
         assert len(made) == number
+
+
+def test_a_load_is_the_product_of_columns_that_are_kept(whole):
+    rigid = rigid_of(rx60(), whole.motions[0])
+    motion, pi = rigid.motion, np.random.default_rng(0).normal(size=30)
+    fresh = columns.load_along(rigid.robot, (motion.q, motion.dq, motion.ddq), pi)
+    own = rigid.load(pi)
+    np.testing.assert_allclose(own.full, fresh.full, rtol=1e-10, atol=1e-11)
+    np.testing.assert_allclose(own.static, fresh.static, rtol=1e-10, atol=1e-11)
 
 
 def test_no_more_columns_stand_in_memory_than_a_search_looks_at(log, monkeypatch):

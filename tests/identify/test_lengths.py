@@ -48,11 +48,11 @@ def test_columns_of_a_law_are_those_of_the_log_alone(name):
 def test_a_log_of_another_length_compiles_no_law_again():
     term = Term("viscous_friction", 0)
     columns.term_columns(term, motion(CHUNK - 200), (0.01, 0.01))
-    programs = columns._law._cache_size()
+    programs = columns._law.made
     for samples in (CHUNK - 150, CHUNK - 7):
         seen = motion(samples)
         assert len(columns.term_columns(term, seen, (0.01, 0.01))) == len(seen.t)
-    assert columns._law._cache_size() == programs
+    assert columns._law.made == programs
 
 
 def test_the_lag_of_a_link_is_that_of_the_log_alone_and_compiles_once():
@@ -61,11 +61,11 @@ def test_the_lag_of_a_link_is_that_of_the_log_alone_and_compiles_once():
     gear = [np.array([x]) for x in (500.0, 2.0, 0.0, 0.0)]
     long = motion(CHUNK - 150)
     lag_torque(long, sensitivity_of(robot, long, 0), pi[None], *gear)
-    programs = deflection._cache_size()
+    programs = deflection.made
     seen = motion(CHUNK - 200)
     sensed = sensitivity_of(robot, seen, 0)
     found = lag_torque(seen, sensed, pi[None], *gear)
-    assert deflection._cache_size() == programs
+    assert deflection.made == programs
     torque, by_q, by_dq, by_ddq = (x[:, 0] for x in sensed.at(pi))
     e, v, a = deflection(by_ddq, by_dq, by_q, torque, 500.0, 2.0, 0.0, 0.0, 1.0 / seen.rate, 2)
     _, by_q, by_dq, by_ddq = sensed.at(pi)

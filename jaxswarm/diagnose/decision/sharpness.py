@@ -20,6 +20,8 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.folds.noise import row_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -37,7 +39,7 @@ def only_sharp(
         asked: Candidates asked, for the level of the tests.
         rules: Thresholds.
     """
-    asking = [s for s in passed if s.candidate.blur == 1 and not s.candidate.term.law.recurring]
+    asking = [s for s in passed if not _is_sharp(s.candidate.term.law)]
     if not asking:
         return []
     softer = cross_fit(found, doubt_of=row_noise)
@@ -48,6 +50,11 @@ def only_sharp(
     interval = max(m.interval for m in found.motions)
     again = [(s, score(_weighted(s.candidate, ratio), softer, interval)) for s in asking]
     return [s for s, other in again if not passes(other, asked, rules)]
+
+
+def _is_sharp(law: Effect) -> bool:
+    """Whether what a law does is as sharp as can be: the impact in a gear, the edge of an event."""
+    return law.recurring or (isinstance(law, TransmissionLaw) and law.gap is not None)
 
 
 def _weighted(candidate: Candidate, ratio: np.ndarray) -> Candidate:
