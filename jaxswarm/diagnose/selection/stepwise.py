@@ -24,13 +24,14 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
-from jaxswarm.diagnose.selection.refit import refit, refit_with
+from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, chain, find_term, near_ones
-from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
+from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
+from jaxswarm.diagnose.selection.survives import stands_in, survives
+from jaxswarm.diagnose.selection.take_back import take_back_harm, take_back_shadows
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -77,7 +78,8 @@ def diagnose(
     memory = Memory(journal, rules.share)
     search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
-    _take_back_harm(search)
+    take_back_harm(search)
+    take_back_shadows(search)
     settle_clocks(search)
     _hold_within_bounds(search)
     return Diagnosis(
@@ -120,22 +122,6 @@ def _act(search: Search, passed: list[Score]) -> bool:
         search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
     passed = [s for s in passed if s not in sharp]
     return _add_best(search, passed) if passed else _choose_again(search)
-
-
-def _take_back_harm(search: Search) -> None:
-    """Take back, one after the other, what in the end raises a joint's error on other motion."""
-    while search.steps:
-        found = harmful(search.declared, search.steps, search.current, search.other)
-        if found is None:
-            break
-        step, why = found
-        own = step.added.identity
-        search.refused.append((step.added, why))
-        search.steps = [s for s in search.steps if s is not step]
-        kept = tuple(t for t in search.current.model.terms if t.identity != own)
-        search.current = with_motion_noise(refit(search.current, kept), search.seed)
-        search.steps = chain(search.steps) if search.steps else []
-        search.crossfit = cross_fit(search.current)
 
 
 def _hold_within_bounds(search: Search) -> None:
