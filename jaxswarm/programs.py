@@ -50,7 +50,7 @@ class Program:
     def __init__(self, function: Callable, static: tuple[str, ...] = ()):
         functools.update_wrapper(self, function)
         self._function = function
-        self._jit = jax.jit(function, static_argnames=static)
+        self._jit: Any = jax.jit(function, static_argnames=static)
         parameters = inspect.signature(function).parameters
         self._fixed = [name in static for name in parameters]
         self._defaults = [p.default for p in parameters.values()]
