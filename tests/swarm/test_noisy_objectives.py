@@ -21,6 +21,7 @@ from jaxswarm.swarm import (
     restart,
     shade,
 )
+from jaxswarm.swarm.optimizers.topologies import global_best
 
 KEY = jax.random.key(0)
 SPACE = Space.vector([-5.0] * 3, [5.0] * 3)
@@ -70,8 +71,12 @@ def test_without_noise_memories_keep_their_values(inner):
 
 
 def test_what_stays_is_seen_again_and_averages_out():
-    """4800 evaluations each: the plain swarm believes its luckiest, far below what there is."""
-    keys = jax.random.split(KEY, 6)
+    """4800 evaluations each: the plain swarm believes its luckiest, far below what there is.
+
+    Followers of one best gain most from seeing it again: 0.13 for 0.17 in 60 runs. Neighbors on a grid, of whom
+    each follows its own, do as well without (0.15 for 0.13).
+    """
+    keys = jax.random.split(KEY, 60)
 
     def search(optimizer):
         options = dict(num_steps=120, noisy=True)
@@ -79,8 +84,8 @@ def test_what_stays_is_seen_again_and_averages_out():
         advice = jax.vmap(lambda one: recommend(one, SPACE))(found)
         return found, float(jnp.median(found.value)), float(jnp.median(sphere(advice)))
 
-    lucky, believed, error = search(pso(40))
-    still, mean, proven = search(reevaluate(pso(20)))
+    lucky, believed, error = search(pso(40, topology=global_best()))
+    still, mean, proven = search(reevaluate(pso(20, topology=global_best())))
     assert believed < -2.5 * SIZE < believed + 1.0 < mean
     assert proven < error
     assert float(still.state.seen.max()) > 5.0
