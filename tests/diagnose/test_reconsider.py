@@ -10,6 +10,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import overlap
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
 from jaxswarm.diagnose.selection.pair import pair
@@ -61,6 +62,14 @@ def test_competitors_say_the_same_on_the_same_joint(case):
     assert chosen not in near and {s.joint for s in near} == {1}
     for one in near:
         assert overlap(chosen.candidate, one.candidate, crossfit) > 0.7
+
+
+def test_what_other_joints_lose_is_no_matter_of_a_law_on_its_own(case):
+    """They share parameters with it, which half a short log knows badly."""
+    drag = case[1]["quadratic_drag", 1, None, None]
+    assert passes(drag, 60, Rules())
+    assert passes(replace(drag, gain=-1.0), 60, Rules())
+    assert not passes(replace(drag, gain=-1.0, own=None), 60, Rules())
 
 
 def test_of_each_law_one_competes(case):
