@@ -16,9 +16,9 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.rules import NEAR, Rules
 from jaxswarm.diagnose.decision.score import Score, passes, score
-from jaxswarm.diagnose.folds.noise import row_noise
+from jaxswarm.diagnose.folds.noise import noise_of, row_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import TransmissionLaw
@@ -30,6 +30,7 @@ def only_sharp(
 ) -> list[Score]:
     """Those that pass no more where rows count by all their noise, what is sharp included.
 
+    Asked are joints that are near that noise as they are: what is left of others is more than sharpness leaves.
     What is sharp by itself, an impact in a gear or the edge of a contact, is not asked.
 
     Args:
@@ -39,7 +40,8 @@ def only_sharp(
         asked: Candidates asked, for the level of the tests.
         rules: Thresholds.
     """
-    asking = [s for s in passed if not _is_sharp(s.candidate.term.law)]
+    near = found.fit.sigma <= NEAR * noise_of(found)
+    asking = [s for s in passed if near[s.joint] and not _is_sharp(s.candidate.term.law)]
     if not asking:
         return []
     softer = cross_fit(found, doubt_of=row_noise)

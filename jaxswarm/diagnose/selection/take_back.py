@@ -24,9 +24,11 @@ def take_back_shadows(search: Search) -> None:
 
     What is missing there has no name, and a law that happens to go along with a part of it has no better one:
     an encoder's eccentricity took a fifth of the squared error that a soft gear left, and the joint stayed at
-    5.6 times its noise (q10 of the practice logs). Of 189 worlds one ended so, with a false name.
+    5.6 times its noise (q10 of the practice logs). Of 189 worlds one ended so, with a false name. What lowers
+    the error of another log is shown by that.
     """
-    _take_back(search, lambda: _shadow(search))
+    if not search.other:
+        _take_back(search, lambda: _shadow(search))
 
 
 def _take_back(search: Search, wrong: Callable[[], tuple[Step, str] | None]) -> None:
