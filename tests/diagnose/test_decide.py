@@ -105,7 +105,8 @@ def test_every_threshold_can_refuse(case, truth):
         {"repeats": 0.99 * rules.repeat},
         {"p_value": 1.01 * rules.significance / 100},
         {"allowed": False},
-        {"gain": -1.0},
+        {"gain": -1.0, "own": None},
+        {"own": -good.own},
     ):
         assert not passes(replace(good, **change), 100, rules), change
     assert passes(replace(good, p_value=0.9 * rules.significance / 100), 100, rules)

@@ -60,7 +60,7 @@ SECOND_VARIABLE = 0.06
 # Chance of structure where there is none, over all variables and pairs.
 STRUCTURE_SIGNIFICANCE = 0.01
 # A law below the first share of a joint's error stands in for an unknown one where a smooth function of one or
-# two variables reaches the second, and so many times the law's own; or where the joint stays beyond NEAR.
+# two variables reaches the second, and so many times the law's own.
 SMALL_PART, NEARLY_ALL, TIMES_OWN = 0.45, 0.7, 2.0
 
 # --- What is left, against the noise -------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import NEAR, SMALL_PART
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit
@@ -23,9 +23,9 @@ def take_back_shadows(search: Search) -> None:
     """Take back what explains a small part of what its joint lacks, where the rest stays far above the noise.
 
     What is missing there has no name, and a law that happens to go along with a part of it has no better one:
-    an encoder's eccentricity took a fifth of the squared error that a soft gear left, and the joint stayed at
-    5.6 times its noise (q10 of the practice logs). Of 189 worlds one ended so, with a false name. What lowers
-    the error of another log is shown by that.
+    an encoder's eccentricity took a fifth off what another joint had left, an eighth off that of its own, which
+    a soft gear left at 5.6 times the noise (q10 of the practice logs). The part is that which a law has to take
+    off the joint where it shows most. What lowers the error of another log is shown by that.
     """
     if not search.other:
         _take_back(search, lambda: _shadow(search))
@@ -68,7 +68,7 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
     if not told:
         return None
     share, joint, step = min(told, key=lambda item: item[0])
-    if share >= SMALL_PART:
+    if share >= search.rules.share:
         return None
     name = current.model.robot.joints[joint]
     part = f"takes {100 * share:.0f} % off the squared error of {name}"
