@@ -188,9 +188,9 @@ def identify_files(
         report = report_of(found, summaries, unseen, validation, search) | told
         report |= {"estimator": estimator, "physical_consistency": bodies}
         progress("writing")
-        pages = {**drawing.finished(), "identification.json": outputs.to_json(report)}
-        model = {"model.json": lambda path: save_model(found.model, path)}
-        outputs.write_results(out, {**pages, **model})
+        content: dict[str, outputs.Content] = {"identification.json": outputs.to_json(report)}
+        content["model.json"] = lambda path: save_model(found.model, path)
+        outputs.write_results(out, content | drawing.finished())
     return report
 
 
