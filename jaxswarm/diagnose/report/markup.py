@@ -12,11 +12,9 @@ from jaxswarm.diagnose.report.grids import Grid
 _SHORT = 26
 # On a telephone two cells with their heads stand on a line of a list, of so many characters each.
 _HALF = 16
-# What a telephone of 390 pixels shows beside each other: 358 pixels are left, a character takes 7.5 of them and
-# the room between two columns 12. The rows of a wider table stand as lists there.
-_NARROW, _CHARACTER, _ROOM = 358.0, 7.5, 12.0
-# The widest table that a desk shows with its heads on one line.
-_DESK = 1080.0
+# Pixels that a page leaves to a table, that a character takes, and that lie between two columns: on a telephone
+# of 390, where the rows of a wider table stand as lists, and on a desk, where its heads wrap.
+_TELEPHONE, _DESK = (358.0, 7.5, 12.0), (1080.0, 8.5, 24.0)
 # What was published tells its year.
 _YEAR = r"\b(1[6-9]|20)\d\d\b"
 
@@ -51,8 +49,7 @@ def table(grid: Grid, label: str) -> str:
         + "</tr>"
         for number, row in enumerate(grid.rows)
     )
-    width = _width(grid)
-    wide = " wide" * (width > _NARROW) + " heads" * (width > _DESK)
+    wide = " wide" * _exceeds(grid, *_TELEPHONE) + " heads" * _exceeds(grid, *_DESK)
     return (
         f'<div class="scroll{wide}" role="region" tabindex="0" aria-label="{escape(label)}">'
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
@@ -68,10 +65,10 @@ def _kind(head: str, cells: list[str]) -> str:
     return " ".join(["n"] * number + ["l"] * (longest + len(head) > _HALF))
 
 
-def _width(grid: Grid) -> float:
-    """Pixels that a table takes, every cell on one line."""
+def _exceeds(grid: Grid, width: float, character: float, room: float) -> bool:
+    """Whether a table is wider than that with every cell on one line."""
     longest = (max(map(len, cells)) for cells in zip(grid.head, *grid.rows, strict=True))
-    return sum(_CHARACTER * most + _ROOM for most in longest)
+    return sum(character * most + room for most in longest) > width
 
 
 def _cell(tag: str, content: str, kind: str, head: str = "") -> str:

@@ -27,7 +27,7 @@ th{background:var(--box);font-weight:600;white-space:nowrap}
 td{white-space:nowrap}td.n{text-align:right;font-variant-numeric:tabular-nums}th.n{text-align:right}
 td.w{min-width:14rem;white-space:normal}
 .heads th{white-space:normal;overflow-wrap:anywhere;vertical-align:bottom}
-.heads td,.heads th{padding:.28rem .4rem}
+.heads td,.heads th{padding:.28rem .3rem;font-size:.87rem}
 .heads td.w{min-width:9rem}
 tr.far td{background:var(--warnbox);color:var(--warn);font-weight:600}
 @media screen and (max-width:40rem){td,th{padding:.28rem .35rem;font-size:.92rem}
