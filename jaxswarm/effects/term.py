@@ -60,6 +60,17 @@ class Term:
             raise TypeError(f"{self.effect} acts on the whole arm, not on one joint")
         return self.joint
 
+    @property
+    def found_formula(self) -> Formula:
+        """The formula of a law that is one.
+
+        Raises:
+            TypeError: If a registry holds the law.
+        """
+        if self.formula is None:
+            raise TypeError(f"{self.effect} is a law of the catalog, not a formula")
+        return self.formula
+
     def label(self, joints: tuple[str, ...]) -> str:
         """Readable name: ``viscous_friction@joint2``, ``transmission_coupling@joint5:joint6``."""
         if self.joint is None:

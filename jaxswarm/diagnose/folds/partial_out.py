@@ -113,8 +113,8 @@ class CrossFit:
 
     def with_columns(self, columns: tuple[np.ndarray, ...]) -> "CrossFit":
         """The folds of a model that has further weighted columns, given for every fold."""
-        whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
-        return replace(self, whole=whole, halves=tuple(halves), structure={})
+        whole, one, two = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
+        return replace(self, whole=whole, halves=(one, two), structure={})
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
         """Columns (T, n, k) in units of the noise."""
