@@ -143,11 +143,17 @@ def fetch(
         found = {own: pooch.file_hash(str(Path(place) / own)) for own in names}
         content = {own: (Path(place) / own).read_bytes() for own in names}
     outputs.write_files(target, {**content, CHECKSUMS: outputs.to_json(found)})
-    fresh = [own for own in names if own not in known]
+    return _told(name, source, target, found, [own for own in names if own not in known])
+
+
+def _told(
+    name: str, source: Source, target: Path, found: dict[str, str], fresh: list[str]
+) -> Result:
+    """What arrived, under which licence, and what its checksums were compared with."""
     result = {
         "name": name,
         "about": source.about,
-        "files": [str(target / own) for own in names],
+        "files": [str(target / own) for own in found],
         "sha256": found,
         "first_seen": fresh,
         "source": source.base,
@@ -158,10 +164,10 @@ def fetch(
     lines.append(
         f"checksums: the same as in {CHECKSUMS}"
         if not fresh
-        else f"checksums: {len(fresh)} of {len(names)} files were fetched for the first time, with nothing to "
+        else f"checksums: {len(fresh)} of {len(found)} files were fetched for the first time, with nothing to "
         f"compare them with; what arrived is pinned in {target / CHECKSUMS} from now on"
     )
-    rows = tuple((str(target / own), found[own]) for own in names)
+    rows = tuple((str(target / own), checksum) for own, checksum in found.items())
     return Result(result, tuple(lines), (Table("", ("file", "SHA-256"), rows),))
 
 
