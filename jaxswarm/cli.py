@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from jaxswarm import console
+from jaxswarm import __version__, console
 from jaxswarm.commands import register
 from jaxswarm.work import run
 
@@ -22,6 +22,12 @@ def main() -> None:
     run(lambda: app(args=console.modes_first(sys.argv[1:]), standalone_mode=True))
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"jaxswarm {__version__}")
+        raise typer.Exit()
+
+
 @app.callback()
 def modes(
     quiet: Annotated[
@@ -29,6 +35,12 @@ def modes(
     ] = False,
     plain: Annotated[
         bool, typer.Option("--plain", help="ASCII without colors, for logs and other programs.")
+    ] = False,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Print the version and end."
+        ),
     ] = False,
 ) -> None:
     """Finds the physical effect a robot model lacks, adds it, and shows the error before and after."""

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from slide import EFFECTS, assert_refused, identify, run, slide_log
 
+import jaxswarm
 from jaxswarm.cli import app
 
 
@@ -22,6 +23,11 @@ def quiet_cache(tmp_path_factory):
         before = jax.config.jax_persistent_cache_min_compile_time_secs
         yield
         jax.config.update("jax_persistent_cache_min_compile_time_secs", before)
+
+
+def test_the_version_is_told():
+    code, out, _ = run("--version")
+    assert code == 0 and out.split() == ["jaxswarm", jaxswarm.__version__]
 
 
 @pytest.fixture(scope="module")

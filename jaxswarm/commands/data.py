@@ -61,7 +61,11 @@ def register(app: typer.Typer) -> None:
         ] = None,
         json: Json = False,
     ) -> None:
-        """Download a public log of a measured arm, and say its licence and what to cite."""
+        """Download a public log of a measured arm, and say its licence and what to cite.
+
+        The authors publish no checksums: the first download is trusted and its SHA-256 pinned in
+        checksums.json; every later one has to be the same.
+        """
         start()
         from jaxswarm.tasks.fetching import fetch as get
 

@@ -19,7 +19,7 @@ from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import outcome_of
-from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.step import Addition
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.diagnose.unfit import undecided_by
@@ -116,7 +116,7 @@ def conclude(
     return result, left
 
 
-def _where_seen(step: Step, final: Estimate) -> tuple[Model, Motion]:
+def _where_seen(step: Addition, final: Estimate) -> tuple[Model, Motion]:
     """The log in which an effect shows itself, its own if it is an event, and the model during it."""
     log = int(step.added.values.get("log", 0)) if step.added.law.in_one_log else 0
     return final.model.during(log), final.motions[log]
@@ -148,9 +148,13 @@ def write_report(
     laws = {}
     for one in search.found if search else ():
         term = one.added
-        where = [None if k is None else robot.joints[k] for k in (term.joint, term.other)]
-        figures[f"{law_name(where[0])}.png"] = pictures.evidence(one, *_where_seen(one, final))
-        laws[f"{law_name(where[0])}.py"] = law_file(with_values(term.formula, term.values), *where)
+        joint, other = (
+            robot.joints[term.index],
+            None if term.other is None else robot.joints[term.other],
+        )
+        figures[f"{law_name(joint)}.png"] = pictures.evidence(one, *_where_seen(one, final))
+        formula = with_values(term.found_formula, term.values)
+        laws[f"{law_name(joint)}.py"] = law_file(formula, joint, other)
     for item in left:
         rows = final.regression.log >= 0
         figures[f"unexplained_{robot.joints[item.joint]}.png"] = pictures.structure(

@@ -98,7 +98,7 @@ class TransmissionLaw(Effect):
         """The links move otherwise than the motors."""
         return True
 
-    def gear(self, p: Mapping, inertia: jax.Array) -> tuple[jax.Array, ...]:
+    def gear(self, p: Mapping, inertia: jax.Array | np.ndarray) -> tuple[jax.Array, ...]:
         """Stiffness, damping, gap and hardening where the link's inertia is (T,)."""
         if self.spring is None:
             k, d = contact_stiffness(inertia, p["flank"])

@@ -1,12 +1,14 @@
 """What a law sees of a motion at one instant."""
 
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
-import jax
 import jax.numpy as jnp
 
+# Arrays of NumPy along a log, of JAX within a program.
+A = TypeVar("A")
 
-class Sample(NamedTuple):
+
+class Sample(NamedTuple, Generic[A]):
     """What a joint law sees at one instant: scalars of its own joint, and of a partner joint.
 
     Attributes:
@@ -24,19 +26,19 @@ class Sample(NamedTuple):
         q_other: Position of the partner joint of a coupling law.
     """
 
-    t: jax.Array
-    q: jax.Array
-    dq: jax.Array
-    ddq: jax.Array
-    direction: jax.Array
-    load: jax.Array
-    static_load: jax.Array
-    temperature: jax.Array
-    dq_other: jax.Array
-    ddq_other: jax.Array
-    direction_sum: jax.Array
-    state: jax.Array
-    q_other: jax.Array
+    t: A
+    q: A
+    dq: A
+    ddq: A
+    direction: A
+    load: A
+    static_load: A
+    temperature: A
+    dq_other: A
+    ddq_other: A
+    direction_sum: A
+    state: A
+    q_other: A
 
 
 def make_sample(**fields) -> Sample:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import jax
 import numpy as np
@@ -10,6 +11,8 @@ from jaxswarm.effects.base import Effect, get_law
 from jaxswarm.effects.formula import Formula, formula_law
 from jaxswarm.effects.parameter import Unit
 from jaxswarm.errors import InputError, nearest
+
+K = TypeVar("K", bound=Effect)
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,39 @@ class Term:
     def law(self) -> Effect:
         """The registered law, or that of the formula."""
         return get_law(self.effect) if self.formula is None else formula_law(self.formula)
+
+    def law_of(self, kind: type[K]) -> K:
+        """The law where it is known to be of a kind.
+
+        Raises:
+            TypeError: If it is of another one.
+        """
+        law = self.law
+        if not isinstance(law, kind):
+            raise TypeError(f"{self.effect} is a {type(law).__name__}, not a {kind.__name__}")
+        return law
+
+    @property
+    def index(self) -> int:
+        """Index of the joint of a law that has one.
+
+        Raises:
+            TypeError: If the law is one of the whole arm.
+        """
+        if self.joint is None:
+            raise TypeError(f"{self.effect} acts on the whole arm, not on one joint")
+        return self.joint
+
+    @property
+    def found_formula(self) -> Formula:
+        """The formula of a law that is one.
+
+        Raises:
+            TypeError: If a registry holds the law.
+        """
+        if self.formula is None:
+            raise TypeError(f"{self.effect} is a law of the catalog, not a formula")
+        return self.formula
 
     def label(self, joints: tuple[str, ...]) -> str:
         """Readable name: ``viscous_friction@joint2``, ``transmission_coupling@joint5:joint6``."""

@@ -62,11 +62,15 @@ def render(
 def headline(arms: Sequence[Arm]) -> str:
     """One sentence on the whole fleet."""
     told = {
-        "lack or changed an effect": sum(bool(arm.found) for arm in arms),
-        "differ from their sisters": sum(bool(arm.differs) for arm in arms),
-        "drift": sum(bool(arm.drifts) for arm in arms),
+        ("lacks or changed an effect", "lack or changed an effect"): sum(
+            bool(a.found) for a in arms
+        ),
+        ("differs from its sisters", "differ from their sisters"): sum(
+            bool(a.differs) for a in arms
+        ),
+        ("drifts", "drift"): sum(bool(a.drifts) for a in arms),
     }
-    parts = [f"{count} {what}" for what, count in told.items() if count]
+    parts = [f"{count} {words[count > 1]}" for words, count in told.items() if count]
     return f"Of {len(arms)} arms {', '.join(parts) or 'none stands out'}."
 
 
@@ -199,4 +203,10 @@ def _unused(fleet: Fleet) -> str:
     content = bullets(f"{one.source.path}: {one.verdict}: {one.reason}" for one in refused[:_MOST])
     more = len(refused) - _MOST
     rest = _soft(f"{more} more stand in fleet.parquet.") if more > 0 else ""
-    return folded(f"{len(refused)} logs that could not be used", content + rest) if refused else ""
+    return (
+        folded(
+            f"{len(refused)} log{'s' * (len(refused) > 1)} that could not be used", content + rest
+        )
+        if refused
+        else ""
+    )

@@ -7,7 +7,7 @@ has masses, they serve as ``--prior``, for torque limits of a planned motion and
 Look first: ``jaxswarm robots show arm.urdf --out arm.png`` prints joints, axes, limits and masses, says what
 of the file was skipped, and draws the skeleton. Compare an axis and an offset with the arm before you log.
 
-A DH table is six lines of TOML:
+A DH table is six lines of TOML, angles in rad; ``joints = ["a", "b"]`` in it names them as the logs do:
 
 >>> import tempfile
 >>> from pathlib import Path

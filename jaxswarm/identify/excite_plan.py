@@ -127,8 +127,8 @@ def _condition_on(
     """Condition number of the base columns of an excitation on another motion."""
     samples = FINE * limits.harmonics
     period = 1.0 / trajectory.fundamental
-    motion = (x.T for x in trajectory.motion(np.arange(samples) * period / samples))
-    columns = planned_columns(robot, terms, limits, *motion, period, pi)
+    q, dq, ddq = (x.T for x in trajectory.motion(np.arange(samples) * period / samples))
+    columns = planned_columns(robot, terms, limits, q, dq, ddq, period, pi)
     return condition(np.asarray(columns)[found.base.kept])
 
 

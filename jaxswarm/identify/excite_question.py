@@ -22,8 +22,8 @@ def question_of(
     joints = robot.joints
     if separate is None:
         if effects is None and given is not None:
-            usable = tuple(t for t in given.terms if plannable(t, joints, True))
-            return None, usable, [t.label(joints) for t in given.terms if t not in usable]
+            possible = tuple(t for t in given.terms if plannable(t, joints, True))
+            return None, possible, [t.label(joints) for t in given.terms if t not in possible]
         return None, parse_terms(USUAL_FRICTION if effects is None else effects, joints), []
     pair = parse_terms(separate, joints)
     if len(pair) != 2:
@@ -40,7 +40,7 @@ def question_of(
         raise InputError("--effects and --given both say what the model holds; give one of them")
     refuse_terms(pair, joints, True, "--separate")
     known = {term: term for term in given.terms}
-    others = [term for term in given.terms if term not in pair]
+    others = tuple(term for term in given.terms if term not in pair)
     kept = tuple(term for term in others if plannable(term, joints, True))
     pair = (known.get(pair[0], pair[0]), known.get(pair[1], pair[1]))
     pi = np.asarray(given.robot.parameters).ravel()

@@ -125,9 +125,9 @@ def refuse_missing_channels(terms: tuple[Term, ...], logs: list[Log]) -> None:
     for term, name, log in needed:
         values = log.channels.get(name)
         # A channel without a joint has one column for all, which no law reads.
-        given = values is not None and values.ndim == 2
-        if not given or not np.isfinite(values[:, term.joint]).all():
-            joint = log.joints[term.joint]
+        own = values[:, term.index] if values is not None and values.ndim == 2 else None
+        if own is None or not np.isfinite(own).all():
+            joint = log.joints[term.index]
             raise InputError(
                 f"{log.source}: {term.effect} on {joint} needs the channel {name}_{joint} in every "
                 f"log, complete; log it, or leave {term.effect} out"
@@ -185,12 +185,12 @@ def identify_files(
         found, estimator, bodies = refined(found, options, progress)
         order_pictures(drawing, found, max(unseen or found.motions, key=lambda m: len(m.t)), search)
         progress("scoring")
-        told |= {"estimator": estimator, "physical_consistency": bodies}
         report = report_of(found, summaries, unseen, validation, search) | told
+        report |= {"estimator": estimator, "physical_consistency": bodies}
         progress("writing")
-        pages = {"identification.json": outputs.to_json(report)}
-        pages["model.json"] = lambda path: save_model(found.model, path)
-        outputs.write_results(out, pages | drawing.finished())
+        content: dict[str, outputs.Content] = {"identification.json": outputs.to_json(report)}
+        content["model.json"] = lambda path: save_model(found.model, path)
+        outputs.write_results(out, content | drawing.finished())
     return report
 
 

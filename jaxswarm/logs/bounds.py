@@ -39,7 +39,8 @@ def needed_arrays(
 ) -> tuple[set[str], dict[str, str]]:
     """Choose which arrays of a file to read.
 
-    An array that is no quantity, and larger than the positions, can be no channel of the log.
+    An array that is no quantity, and larger than the largest of these, can be no channel of the log; where
+    there is none by its name, such as where they have other names, all are read.
 
     Args:
         path: For the message.
@@ -54,7 +55,8 @@ def needed_arrays(
     """
     counts = {name: int(np.prod(shape, dtype=object)) for name, shape in shapes.items()}
     quantities = {n for n in shapes if n in (*QUANTITIES, "t", "joints") or looks_like(n)}
-    largest = max((counts[n] for n in quantities), default=max(counts.values(), default=0))
+    measured = (counts[n] for n in quantities - {"t", "joints"})
+    largest = max(measured, default=max(counts.values(), default=0))
     read = {name for name in shapes if name in quantities or counts[name] <= largest}
     notes = {
         name: f"{name} was left out: shape {shapes[name]} is neither (T,) nor (T, n)."

@@ -28,6 +28,8 @@ _TOLERANCE = 0.1
 _STRETCHES, _SURE, _MATERIAL = 20, 8.0, 2e-3
 # Windows that a verdict needs.
 _LEAST_WINDOWS = 20
+# A joint that travels less [rad or m] is held where it stands.
+_HELD = 1e-3
 
 
 def drop_contradictions(log: Log) -> Log:
@@ -89,11 +91,18 @@ def refuse_dead_torque(log: Log) -> None:
         return
     dead = [j for j, torque in enumerate(log.tau.T) if np.ptp(torque) == 0.0]
     if dead:
-        first, names = dead[0], ",".join(log.joints[j] for j in dead)
+        first, names = dead[0], ",".join(_held(log, j) for j in dead)
         raise InputError(
             f"{log.source}: the torque of {log.joints[first]} is {log.tau[0, first]:g} in every sample: the "
             f"channel is dead. Log it again, or hold what nobody moves still: --lock {names}"
         )
+
+
+def _held(log: Log, joint: int) -> str:
+    """A joint with the position it is held at, as ``--lock`` takes it; zero need not be written."""
+    own = log.q[:, joint]
+    position = float(np.median(own)) if np.ptp(own) < _HELD else 0.0
+    return log.joints[joint] + (f"={position:.6g}" if position else "")
 
 
 def _note(rate: str, of: str, joints: list[str]) -> str:

@@ -5,6 +5,7 @@ MuJoCo's ``qpos`` and ``qvel``. A file whose groups hold several logs, such as e
 needs to be told which one. MATLAB stores arrays transposed, names as numbers and cells as references.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,10 @@ def read_hdf5(path: Path, part: str | None = None) -> Table:
                     f"{path}: no group {part!r} with arrays. {nearest(part, groups)} (--topic)"
                 )
             found = inner
-        return _table(path, file, _by_name(path, found))
+        columns = _by_name(path, found)
+        where = {id(data): place for place, data in found.items()}
+        places = {name: where[id(data)] for name, data in columns.items()}
+        return replace(_table(path, file, columns), places=places)
 
 
 def _datasets(h5py: Any, file: Any) -> dict[str, Any]:

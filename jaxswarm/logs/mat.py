@@ -44,6 +44,7 @@ def read_mat(path: Path, part: str | None = None) -> Table:
 
     found = parse_mat(content, choose)
     variables, where = _log_in(path, found, part)
+    variables = _flat(variables)
     told = (f"The log is the structure {where}.",) if where else ()
     columns, rejected, joints = {}, {}, None
     for name, value in variables.items():
@@ -76,6 +77,9 @@ def _log_in(path: Path, found: dict[str, Value], part: str | None) -> tuple[dict
         for name, fields in structures.items()
         if "t" in fields or any(looks_like(field) for field in fields)
     }
+    outermost = [name for name in structures if "." not in name]
+    if not logs and len(outermost) == 1:
+        return structures[outermost[0]], outermost[0]
     if len(logs) != 1:
         raise InputError(
             f"{path}: holds the structures {', '.join(logs or structures)}. Say which is the log: --topic "
@@ -92,6 +96,17 @@ def _structures(variables: dict[str, Value], prefix: str) -> dict[str, dict[str,
             found[prefix + name] = value.fields
             found |= _structures(value.fields, f"{prefix}{name}.")
     return found
+
+
+def _flat(variables: dict[str, Value]) -> dict[str, Value]:
+    """Variables with the fields of structures among them, ``meas.pos``."""
+    flat: dict[str, Value] = {}
+    for name, value in variables.items():
+        if isinstance(value, Structure) and value.fields:
+            flat |= {f"{name}.{inner}": x for inner, x in _flat(value.fields).items()}
+        else:
+            flat[name] = value
+    return flat
 
 
 def _joints(path: Path, value: Value) -> tuple[str, ...]:

@@ -146,7 +146,9 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         decimator = Decimator(np.ones(1), 1)
     tau = noise = None
     if measured is not None:
-        noise = white_noise(measured) * np.sqrt(torque_cutoff / (0.5 * rate))
+        # Of a log too short to decimate nothing is taken off.
+        passed = torque_cutoff / (0.5 * rate) if len(decimator.taps) > 1 else 1.0
+        noise = white_noise(measured) * np.sqrt(passed)
         tau = thin(measured, rate, stride)
     motion = Motion(
         source=log.source,

@@ -87,7 +87,8 @@ def _mapped(table: Table, joints: tuple[str, ...], reading: Reading) -> Table:
         if target == "t" and (rate := rate_of(column.unit)) is not None:
             made["t"] = np.arange(_length(table)) / rate
             continue
-        for name, source, index in _expanded(table, target, column, joints):
+        for name, said, index in _expanded(table, target, column, joints):
+            source = _meant(table, said)
             made[name] = _values(table, name, source, column, index, joints)
             taken.add(_SLICE.sub(r"\1", source))
     left = {name: x for name, x in table.columns.items() if name not in taken and name not in made}
@@ -102,6 +103,14 @@ def _mapped(table: Table, joints: tuple[str, ...], reading: Reading) -> Table:
         rejected=rejected,
         notes=(*table.notes, *notes),
     )
+
+
+def _meant(table: Table, source: str) -> str:
+    """The column that a user means, with the part of it that is asked for."""
+    part = _SLICE.fullmatch(source) if source not in table.columns else None
+    if part is None:
+        return table.column_of(source)
+    return table.column_of(part[1]) + source[len(part[1]) :]
 
 
 def _length(table: Table) -> int:

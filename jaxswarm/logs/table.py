@@ -22,6 +22,7 @@ class Table:
             the column turns out to be needed.
         lines: Line in the file (from 1) of each row, or None where a format has no lines.
         notes: Sentences about what the reader did.
+        places: Where columns stand in a file of groups, ``run/meas/pos``, for those known by another name.
     """
 
     source: str
@@ -30,6 +31,20 @@ class Table:
     rejected: dict[str, str] = field(default_factory=dict)
     lines: np.ndarray | None = None
     notes: tuple[str, ...] = ()
+    places: dict[str, str] = field(default_factory=dict)
+
+    def column_of(self, name: str) -> str:
+        """The column that a user means: by its name, its place, or the end of the one place that ends so.
+
+        >>> Table("log.mat", {"t": np.zeros(2)}, places={"t": "run/time"}).column_of("run.time")
+        't'
+        """
+        if name in self.columns:
+            return name
+        end = "." + name.replace("/", ".")
+        named = {column: self.places.get(column, column) for column in self.columns}
+        found = [c for c, place in named.items() if f".{place.replace('/', '.')}".endswith(end)]
+        return found[0] if len(found) == 1 else name
 
     def row(self, index: int) -> str:
         """Name the row at ``index`` (from 0) as a user counts: from 1, with its line in the file.

@@ -40,6 +40,8 @@ _TOP = ("name", "gravity", "drive_gain", "dh", "joint")
 _DH = ("convention", "alpha", "a", "d", "theta", "kinds", "joints", "base_rpy", "parameters")
 _JOINT = ("name", "kind", "parent", "xyz", "rpy", "axis", "parameters")
 _ZEROS = [0.0, 0.0, 0.0]
+# More than a turn between two joints [rad] is an angle in degrees: nobody writes 90 rad.
+_TURN = 2.0 * np.pi + 1e-6
 
 
 def read_toml(path: str | Path) -> Description:
@@ -70,6 +72,9 @@ def load_toml(path: str | Path) -> Robot:
 
 
 def _robot(document: dict[str, Any], path: str) -> Robot:
+    inside = [key for key in document if key in _DH and key not in _TOP]
+    if inside:
+        raise InputError(f"top level: {inside[0]} belongs into [dh], beside alpha, a and d.")
     _check_keys(document, _TOP, "top level")
     if ("dh" in document) == ("joint" in document):
         raise InputError("give either a [dh] table or [[joint]] blocks, one of the two.")
@@ -104,6 +109,12 @@ def _from_table(name: str, table: Any, gravity, gains) -> Robot:
     }
     if "theta" in table:
         columns["theta"] = _numbers(table, "theta", (None,), None, "[dh]")
+    for angle in ("alpha", "theta"):
+        far = np.abs(columns.get(angle, np.zeros(0)))
+        if far.size and far.max() > _TURN:
+            raise InputError(
+                f"[dh]: {angle} has {far.max():g}, more than a turn: angles are in rad, 90 deg is 1.5708."
+            )
     if "parameters" in table:
         columns["parameters"] = _numbers(table, "parameters", (None, 10), None, "[dh]")
     if not len(columns["alpha"]):

@@ -1,18 +1,17 @@
 """A study's report as one self-contained HTML page: headings, sentences, tables, pictures."""
 
-import base64
 from collections.abc import Iterable, Sequence
 from html import escape
 
-_STYLE = """
-body{font:15px/1.5 system-ui,sans-serif;max-width:66rem;margin:2rem auto;padding:0 1rem;color:#222}
-h1{font-size:1.5rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2.2rem}
-.verdict{background:#f3f6f8;border-left:5px solid #2e6f95;padding:.8rem 1rem}
-.reconstruction{background:#fdf6e3;border-left:5px solid #edae49;padding:.5rem 1rem}
-.wide{overflow-x:auto}table{border-collapse:collapse;margin:.6rem 0;font-size:.86rem}
-td,th{padding:.2rem .55rem;border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}
-td:first-child,th:first-child{text-align:left}th{background:#fafafa;font-weight:600}
-img{max-width:100%;margin:.4rem 0}
+from jaxswarm.diagnose.report import markup
+from jaxswarm.diagnose.report.grids import Grid
+from jaxswarm.diagnose.report.style import STYLE
+
+# Beside the style of every page: what rests on a reconstruction, light and dark.
+_OWN = """
+.verdict li{margin:.3rem 0}.verdict{max-width:none;padding-left:2rem}
+.reconstruction{background:var(--box);border-left:6px solid #edae49;padding:.5rem 1rem .5rem 2rem;
+max-width:none}
 """
 
 
@@ -27,12 +26,12 @@ def number(value: float | None, digits: int = 3) -> str:
 
 def heading(text: str) -> str:
     """A section's heading."""
-    return f"<h2>{escape(text)}</h2>"
+    return markup.text("h2", text)
 
 
 def sentence(text: str) -> str:
     """A paragraph."""
-    return f"<p>{escape(text)}</p>"
+    return markup.text("p", text)
 
 
 def verdicts(texts: Iterable[str]) -> str:
@@ -52,26 +51,26 @@ def reconstructions(texts: Iterable[str]) -> str:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A table; floats are shown with three digits."""
-    top = "".join(f"<th>{escape(h)}</th>" for h in head)
-    body = "".join("<tr>" + "".join(f"<td>{_cell(c)}</td>" for c in row) + "</tr>" for row in rows)
-    return f"<div class=wide><table><tr>{top}</tr>{body}</table></div>"
+    told = [tuple(_cell(value) for value in row) for row in rows]
+    return markup.table(Grid(tuple(head), told), f"table of {', '.join(filter(None, head))}")
 
 
-def picture(name: str, data: bytes) -> str:
-    """A PNG inside the page."""
-    text = base64.b64encode(data).decode()
-    return f'<img alt="{escape(name)}" src="data:image/png;base64,{text}">'
+def picture(name: str, data: bytes, words: str) -> str:
+    """A PNG inside the page, with its content in words, which also stand below it."""
+    return markup.image({name: data}, name, words)
 
 
 def page(title: str, parts: Iterable[str]) -> str:
     """The whole page."""
     return (
-        f"<!doctype html><html lang=en><head><meta charset=utf-8><title>{escape(title)}</title>"
-        f"<style>{_STYLE}</style></head><body><h1>{escape(title)}</h1>{''.join(parts)}</body></html>\n"
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f'<link rel="icon" href="data:,"><title>{escape(title)}</title><style>{STYLE}{_OWN}</style></head>'
+        f"<body><main><h1>{escape(title)}</h1>{''.join(parts)}</main></body></html>\n"
     )
 
 
 def _cell(value: object) -> str:
     if value is None or isinstance(value, float):
         return number(value)
-    return escape(str(value))
+    return str(value)

@@ -34,7 +34,8 @@ def compare(a: Any, b: Any) -> Result:
 
     Args:
         a, b: Two models, or two results of ``identify``, or two of ``diagnose``; as objects or as
-            ``model.json``, ``identification.json`` or ``diagnosis.json``, or the folder of one.
+            ``model.json``, ``identification.json`` or ``diagnosis.json``, or the folder of one. Of folders
+            with results of two kinds the models are compared.
 
     Returns:
         ``parameters`` (value, standard error and unit on both sides, difference, whether it ``differs``
@@ -45,6 +46,9 @@ def compare(a: Any, b: Any) -> Result:
     """
     (kind, one), (other_kind, two) = _read(a, "first"), _read(b, "second")
     if kind != other_kind:
+        left, right = _model_in(a), _model_in(b)
+        if left is not None and right is not None:
+            return compare(left, right)
         raise InputError(
             f"the first is {kind} and the second {other_kind}: compare two of the same kind, such as the "
             "model.json that both commands write"
@@ -56,12 +60,12 @@ def compare(a: Any, b: Any) -> Result:
             "compare results of the same robot"
         )
     if kind == "a model":
-        left, right, errors = values_of_model(one), values_of_model(two), {}
+        values, others, errors = values_of_model(one), values_of_model(two), {}
         moved = _torque_difference(one, two)
     else:
-        left, right = values_of_report(one), values_of_report(two)
+        values, others = values_of_report(one), values_of_report(two)
         errors, moved = {"a": one["error"], "b": two["error"]}, None
-    rows, only_a, only_b = _pairs(left, right)
+    rows, only_a, only_b = _pairs(values, others)
     content: dict[str, Any] = {
         "kind": kind,
         "joints": list(joints),
@@ -102,6 +106,12 @@ def _read(item: Any, which: str) -> tuple[str, Any]:
     raise InputError(
         f"{which}: is no model.json, identification.json or diagnosis.json of this library"
     )
+
+
+def _model_in(item: Any) -> Model | None:
+    """The model beside a result where a folder is named: every command writes one."""
+    path = Path(item) / "model.json" if isinstance(item, str | Path) else None
+    return load_model(path) if path is not None and path.is_file() else None
 
 
 def _joints(item: Any) -> tuple[str, ...]:

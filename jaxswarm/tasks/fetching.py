@@ -1,8 +1,9 @@
 """Public logs of measured arms, as their authors published them, at a fixed commit of their repository.
 
 Nothing of them is part of this package: the licence of each is told, and what to cite. An address names a
-commit, so what it holds cannot change; the SHA-256 of what arrived is kept beside the files
-(``checksums.json``) and has to be the same whenever they are asked for again.
+commit, so what it holds should not change, but the authors publish no checksums: the first download is
+trusted, its SHA-256 is shown and kept beside the files (``checksums.json``), and every later one has to be
+the same. Who has the checksums of somebody else puts that file into the folder first.
 """
 
 import json
@@ -82,7 +83,8 @@ SOURCES = {
         "none is stated: use it to test, do not pass it on",
         "S. Mamedov, S. Mikhel, Practical Aspects of Model-Based Collision Detection, Front. Robot. AI "
         "7:571574, 2020",
-        "six joints, about 94 Hz, irregular; positions, velocities, motor currents",
+        "six joints, about 94 Hz, irregular; CSV without a header line: time, 6 positions, 6 velocities, "
+        "6 motor currents, and 12 columns more",
     ),
     "kr300": Source(
         _github(
@@ -115,7 +117,8 @@ def fetch(
         progress: Called with one line per file.
 
     Returns:
-        ``files``, ``sha256``, ``licence`` and ``cite``.
+        ``files``, ``sha256``, ``licence``, ``cite``, and ``first_seen``: the files whose checksum
+        nobody had told.
 
     Raises:
         InputError: If the set is unknown, pooch is not installed, there is no connection, or a file is
@@ -140,18 +143,32 @@ def fetch(
         found = {own: pooch.file_hash(str(Path(place) / own)) for own in names}
         content = {own: (Path(place) / own).read_bytes() for own in names}
     outputs.write_files(target, {**content, CHECKSUMS: outputs.to_json(found)})
+    return _told(name, source, target, found, [own for own in names if own not in known])
+
+
+def _told(
+    name: str, source: Source, target: Path, found: dict[str, str], fresh: list[str]
+) -> Result:
+    """What arrived, under which licence, and what its checksums were compared with."""
     result = {
         "name": name,
         "about": source.about,
-        "files": [str(target / own) for own in names],
+        "files": [str(target / own) for own in found],
         "sha256": found,
+        "first_seen": fresh,
         "source": source.base,
         "licence": source.licence,
         "cite": source.cite,
     }
-    lines = tuple(f"{k}: {result[k]}" for k in ("about", "licence", "cite", "source"))
-    rows = tuple((str(target / own), found[own]) for own in names)
-    return Result(result, lines, (Table("", ("file", "SHA-256"), rows),))
+    lines = [f"{k}: {result[k]}" for k in ("about", "licence", "cite", "source")]
+    lines.append(
+        f"checksums: the same as in {CHECKSUMS}"
+        if not fresh
+        else f"checksums: {len(fresh)} of {len(found)} files were fetched for the first time, with nothing to "
+        f"compare them with; what arrived is pinned in {target / CHECKSUMS} from now on"
+    )
+    rows = tuple((str(target / own), checksum) for own, checksum in found.items())
+    return Result(result, tuple(lines), (Table("", ("file", "SHA-256"), rows),))
 
 
 def _get(pooch, address: str, place: Path, own: str, known: str | None) -> None:
@@ -168,7 +185,7 @@ def _get(pooch, address: str, place: Path, own: str, known: str | None) -> None:
         )
     except ValueError as error:
         raise InputError(
-            f"{address}: is not the file that was fetched before (SHA-256 {known}); remove "
+            f"{address}: is not the file whose SHA-256 is pinned ({known}), as fetched before; remove "
             f"{CHECKSUMS} if it is to be another one"
         ) from error
     except Exception as error:

@@ -110,7 +110,8 @@ def _can(joint, cover, log: Log) -> list[str]:
     """What the motion of one joint does not show, in sentences."""
     told = []
     if not joint.moves:
-        return ["nothing: it never moves"]
+        place = 0.5 * (joint.position_min + joint.position_max)
+        return [f"nothing: it never moves; if it cannot, hold it: --lock {joint.name}={place:.6g}"]
     if joint.reversals < _FEW_REVERSALS:
         told.append(
             f"{joint.reversals} reversals: Coulomb friction is hard to tell from an offset; reverse more"

@@ -105,7 +105,7 @@ def test_laws_that_leave_more_than_noise_are_doubted_and_not_told_as_searched_in
 )
 def test_a_formula_is_searched_again_beside_those_found_after_it(monkeypatch, better, order):
     def law(joint):
-        return SimpleNamespace(added=SimpleNamespace(joint=joint))
+        return SimpleNamespace(added=SimpleNamespace(joint=joint, index=joint))
 
     diagnosis, _ = by_hand(monkeypatch, (0.9, 1.6, 1.6), law)
     again = []

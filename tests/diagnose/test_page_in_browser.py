@@ -6,18 +6,24 @@ import shutil
 import subprocess
 from html import escape, unescape
 
+import numpy as np
 import pytest
 from results import RESULTS, explained, pictures, signals
 
 from jaxswarm.diagnose.report.html import render
+from jaxswarm.studies.page import page, table
 
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 )
-MEASURE = (
-    "<script>parent.document.documentElement.dataset.seen="
-    "innerWidth+' '+document.documentElement.scrollWidth</script></body>"
-)
+# Width of the window, of the page, and the widest table beyond the box it stands in.
+MEASURE = """<script>
+document.querySelectorAll("details").forEach(function (one) { one.open = true; });
+var over = Array.from(document.querySelectorAll("table"), function (one) {
+  return one.scrollWidth - one.parentElement.clientWidth; });
+parent.document.documentElement.dataset.seen =
+  innerWidth + " " + document.documentElement.scrollWidth + " " + Math.max(0, ...over);
+</script></body>"""
 
 
 # Drags over the second quarter of the second panel, looks at a value there, presses keys, shows all again.
@@ -48,7 +54,7 @@ def page_of(told):
 
 
 def browse(page, path, width, *options):
-    """Inner width, width of the content and what a browser says on its console.
+    """Inner width, width of the content, what a table scrolls by, and what a browser says on its console.
 
     The page stands in a frame of this width: a window of a browser is no narrower than 500 pixels.
     """
@@ -62,11 +68,11 @@ def browse(page, path, width, *options):
          "--enable-logging=stderr", *options, "--dump-dom", (path / "frame.html").as_uri()],
         capture_output=True, text=True, check=True, timeout=60,
     )  # fmt: skip
-    inner, content = re.search(r'data-seen="(\d+) (\d+)"', run.stdout).groups()
+    inner, content, over = re.search(r'data-seen="(\d+) (\d+) (\d+)"', run.stdout).groups()
     said = [line for line in run.stderr.splitlines() if "CONSOLE" in line]
     if told := re.search(r'data-told="([^"]*)"', run.stdout):
         said.append(json.loads(unescape(told[1])))
-    return int(inner), int(content), said
+    return int(inner), int(content), int(over), said
 
 
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the PATH")
@@ -76,8 +82,8 @@ needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the 
 @pytest.mark.parametrize("kind", RESULTS)
 @pytest.mark.parametrize(("width", "options"), [(390, ()), (1280, ("--force-dark-mode",))])
 def test_page_fits_a_telephone_and_a_desk_without_an_error(kind, width, options, tmp_path):
-    inner, content, said = browse(page_of(RESULTS[kind]()), tmp_path, width, *options)
-    assert inner == width
+    inner, content, over, said = browse(page_of(RESULTS[kind]()), tmp_path, width, *options)
+    assert inner == width and over == 0
     assert content <= width
     assert said == []
 
@@ -85,7 +91,7 @@ def test_page_fits_a_telephone_and_a_desk_without_an_error(kind, width, options,
 @needs_browser
 def test_signals_are_zoomed_into_and_read(tmp_path):
     page = page_of(explained()).replace("</body>", DRAG + "</body>")
-    *said, told = browse(page, tmp_path, 1280)[2]
+    *said, told = browse(page, tmp_path, 1280)[3]
     assert said == []
     zoomed, redrawn, value, moved, whole = told
     assert zoomed == "10.000 s to 20.000 s" and redrawn
@@ -95,8 +101,20 @@ def test_signals_are_zoomed_into_and_read(tmp_path):
 
 
 @needs_browser
+def test_a_table_of_many_columns_is_a_list_on_a_telephone(tmp_path):
+    """What a study prints: fifteen numbers a row, with a name in front."""
+    head = ["row", *(f"parameter {k}" for k in range(14))]
+    whole = page(
+        "A study", [table(head, [["GPSO noisy: mean of ten runs", *np.linspace(-1, 1, 14)]] * 3)]
+    )
+    assert browse(whole, tmp_path, 390)[1:] == (390, 0, [])
+
+
+@needs_browser
 def test_the_browser_would_tell(tmp_path):
     """A page that is too wide and one that fails are seen."""
-    bad = '<div style="width:900px">x</div><script>nothing.at.all</script></body>'
-    _, content, said = browse(page_of(explained()).replace("</body>", bad), tmp_path, 390)
-    assert content >= 900 and "nothing is not defined" in said[0]
+    bad = '<div style="width:900px">x</div><script>nothing.at.all</script>'
+    bad += f"<div><table><tr><td>{'x' * 90}</table></div></body>"
+    whole = page_of(explained()).replace("overflow-wrap:anywhere", "")
+    _, content, over, said = browse(whole.replace("</body>", bad), tmp_path, 390)
+    assert content >= 900 and over > 100 and "nothing is not defined" in said[0]

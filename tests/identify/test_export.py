@@ -105,6 +105,39 @@ def test_sdf_comes_back_and_keeps_what_drake_reads(arm, tmp_path):
     assert text.count("<drake:rotor_inertia>") == NUM and "<spring_stiffness>40<" in text
 
 
+@pytest.mark.parametrize("kind", ["urdf", "sdf"])
+def test_drake_reads_what_is_written(arm, kind, tmp_path):
+    """Bodies and damping, and from SDF springs and rotors too."""
+    multibody = pytest.importorskip("pydrake.multibody.all")
+    path = tmp_path / f"arm.{kind}"
+    {"urdf": export_urdf, "sdf": export_sdf}[kind](arm, path, EFFECTS)
+    plant = multibody.MultibodyPlant(0.0)
+    multibody.Parser(plant).AddModels(str(path))
+    if kind == "urdf":  # its base is a link of its own
+        plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base"))
+    plant.mutable_gravity_field().set_gravity_vector(np.asarray(arm.gravity))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    order = [plant.GetJointByName(name).velocity_start() for name in arm.joints]
+    q, dq, ddq = np.random.default_rng(3).normal(size=(3, NUM))
+
+    def torque(q, dq, ddq):
+        own = np.zeros((3, NUM))
+        own[:, order] = q, dq, ddq
+        plant.SetPositions(context, own[0])
+        plant.SetVelocities(context, own[1])
+        forces = multibody.MultibodyForces(plant)
+        plant.CalcForceElementsContribution(context, forces)
+        return plant.CalcInverseDynamics(context, own[2], forces)[order]
+
+    wanted = inverse_dynamics(arm, q, dq, ddq) + (0.5 + np.arange(NUM)) * dq
+    wanted = np.array(wanted)
+    if kind == "sdf":
+        wanted += (0.2 + 0.1 * np.arange(NUM)) * ddq
+        wanted[2] += 40.0 * q[2] - 3.0
+    np.testing.assert_allclose(torque(q, dq, ddq), wanted, rtol=1e-9, atol=1e-9)
+
+
 def test_motion_equals_mujoco_with_armature_damping_spring_and_dry_friction(arm, tmp_path):
     """Without dry friction to 1e-8 of the span; dry friction, a soft constraint there and a smooth
     sign here, to 1 mrad."""

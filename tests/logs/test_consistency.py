@@ -116,3 +116,6 @@ def test_all_dead_torques_are_held_still_by_one_option():
         refuse_dead_torque(replace(log, tau=0.0 * log.tau))
     with pytest.raises(InputError, match="--lock joint2$"):
         refuse_dead_torque(replace(log, tau=log.tau * [1.0, 0.0]))
+    still = np.column_stack([log.q[:, 0], np.full(len(log.t), 0.02)])
+    with pytest.raises(InputError, match="--lock joint2=0.02$"):
+        refuse_dead_torque(replace(log, q=still, tau=log.tau * [1.0, 0.0]))

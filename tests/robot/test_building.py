@@ -157,6 +157,8 @@ def test_toml_tables_and_placements(tmp_path):
     [
         ("name = ", "not valid TOML"),
         ("[dh]\nalpha=[0]", "lacks convention"),
+        ('joints=["a"]\n[dh]\nalpha=[0]', "joints belongs into"),
+        ('[dh]\nconvention="standard"\nalpha=[90]\na=[0]\nd=[0]', "alpha has 90, more than a turn"),
         ("grav = [0]", "unknown key 'grav'. Did you mean gravity"),
         (DH_TOML.replace("[0, 0.5]", "[0]"), "column a"),
         (DH_TOML.replace("modified", "modifed"), "Did you mean modified"),

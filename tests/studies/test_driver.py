@@ -22,7 +22,7 @@ def _study(calls):
         return {"number": 3.0}, figures
 
     def render(content, images):
-        return page("Trial", [picture(name, data) for name, data in images.items()])
+        return page("Trial", [picture(name, data, "a picture") for name, data in images.items()])
 
     return Study(
         "trial",

@@ -54,6 +54,22 @@ def test_folders_are_read_and_intervals_stand_beside_the_values(results, tmp_pat
         compare(tmp_path / "empty", tmp_path / "b")
 
 
+def test_of_folders_with_results_of_two_kinds_the_models_are_compared(results, tmp_path):
+    other = results[2].content | {"verdict": "explained", "steps": []}
+    for name, found, content in (
+        ("identification", results[0], results[0].content),
+        ("diagnosis", results[2], other),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"{name}.json").write_text(to_json(content))
+        found.save(tmp_path / name / "model.json")
+    told = compare(tmp_path / "identification", tmp_path / "diagnosis")
+    assert told["kind"] == "a model" and "b" in differing(told)
+    (tmp_path / "diagnosis" / "model.json").unlink()
+    with pytest.raises(InputError, match="an identification and the second a diagnosis"):
+        compare(tmp_path / "identification", tmp_path / "diagnosis")
+
+
 def test_models_compare_by_torque_whatever_their_basis(results, tmp_path):
     paths = [r.save(tmp_path / f"{k}.json") for k, r in enumerate(results)]
     found = compare(paths[0], paths[2])

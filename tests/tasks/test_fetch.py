@@ -30,6 +30,23 @@ def test_files_arrive_with_checksum_licence_and_citation(local, tmp_path):
     assert "CC0" in repr(found) and "Nobody, 2020" in repr(found)
 
 
+def test_a_first_download_is_told_to_be_trusted_and_a_later_one_to_be_the_same(local, tmp_path):
+    first = fetch("set", tmp_path / "data", sources=local)
+    assert first["first_seen"] == ["a run.csv"]
+    assert "1 of 1 files were fetched for the first time" in " ".join(first.lines)
+    second = fetch("set", tmp_path / "data", sources=local)
+    assert second["first_seen"] == [] and "checksums: the same as in" in " ".join(second.lines)
+
+
+def test_checksums_of_somebody_else_hold_for_the_first_download(local, tmp_path):
+    place = tmp_path / "data" / "set"
+    place.mkdir(parents=True)
+    (place / "checksums.json").write_text('{"a run.csv": "' + "0" * 64 + '"}')
+    with pytest.raises(InputError, match="pinned"):
+        fetch("set", tmp_path / "data", sources=local)
+    assert not (place / "a run.csv").exists()
+
+
 class Silent(http.server.SimpleHTTPRequestHandler):
     def log_message(self, *words):
         pass
@@ -56,7 +73,7 @@ def test_by_http_checksums_licence_and_citation_come_along(served, tmp_path):
     assert told[0].endswith("/a%20run.csv")
     fetch("set", tmp_path / "data", sources=served)  # the same file again is no other one
     (tmp_path / "public" / "a run.csv").write_text("t,q1\n0,2\n")
-    with pytest.raises(InputError, match="not the file that was fetched before"):
+    with pytest.raises(InputError, match="not the file whose SHA-256 is pinned"):
         fetch("set", tmp_path / "data", sources=served)
     assert path.read_text() == "t,q1\n0,1\n"
 
@@ -80,7 +97,7 @@ def test_without_a_connection_the_remedy_is_told(local, tmp_path, monkeypatch):
 def test_a_file_that_changed_is_refused(local, tmp_path):
     fetch("set", tmp_path / "data", sources=local)
     (tmp_path / "public" / "a run.csv").write_text("t,q1\n0,2\n")
-    with pytest.raises(InputError, match="not the file that was fetched before"):
+    with pytest.raises(InputError, match="not the file whose SHA-256 is pinned"):
         fetch("set", tmp_path / "data", sources=local)
     assert (tmp_path / "data" / "set" / "a run.csv").read_text() == "t,q1\n0,1\n"
 

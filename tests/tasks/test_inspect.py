@@ -45,7 +45,7 @@ def test_a_motion_that_never_returns_has_no_period():
 def test_a_joint_at_rest_hides_its_parameters():
     moving = inspect(periodic(), "rx60")
     resting = inspect(periodic(noise=0.0, still=True), "rx60")
-    assert "joint3: nothing: it never moves" in repr(resting)
+    assert "joint3: nothing: it never moves; if it cannot, hold it: --lock joint3=" in repr(resting)
     names = {row["name"] for row in moving["identifiable"]["base_parameters"]}
     hidden = names - {row["name"] for row in resting["identifiable"]["base_parameters"]}
     assert {"b_joint3", "fc_joint3"} <= hidden

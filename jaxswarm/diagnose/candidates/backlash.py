@@ -20,6 +20,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
 from jaxswarm.effects.deflection import SUBSTEPS
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 
 # Share of the joint's squared error that predicted impacts must explain, on unseen blocks of time too.
@@ -39,7 +40,7 @@ class _Point(NamedTuple):
 
 def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The gap of a joint with its impacts where they happen; None where those cannot be predicted."""
-    (pi, residual), j = lin.steady, term.joint
+    (pi, residual), j = lin.steady, term.index
     along = lin.rotor(j)
     divided = bool(along.any())
 
@@ -51,7 +52,9 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
         return np.concatenate(parts)
 
     inertia = float(np.median(np.abs(lin.sensed(j)[0].inertia(lin.pi))))
-    lattice = [(o["gap"], o["flank"]) for o in term.law.lattice(inertia)]
+    tried = term.law_of(TransmissionLaw).lattice
+    assert tried is not None  # every dead zone has it
+    lattice = [(o["gap"], o["flank"]) for o in tried(inertia)]
     coarse = [_Point(g, s, f) for s in (ROTOR_SHARES if divided else (0.0,)) for g, f in lattice]
     curves = curves_at(coarse, SUBSTEPS // 2, own=True)[:, :, 0]
     shares_of = _explained(curves, residual[:, j])
@@ -93,11 +96,11 @@ def _curves(
     own: bool = False,
 ) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs; its own (m, T', 1)."""
-    motions, sensed = lin.found.motions, lin.sensed(term.joint)
+    motions, sensed = lin.found.motions, lin.sensed(term.index)
     options = [{"gap": p.gap, "flank": p.flank} for p in points]
-    terms = lin.found.model.terms
+    terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
     parts = [
-        lag_torque(motion, one, pi[None], *gears(term.law, options, one, pi), substeps, terms, own)
+        lag_torque(motion, one, pi[None], *gears(law, options, one, pi), substeps, terms, own)
         for motion, one in zip(motions, sensed, strict=True)
     ]
     return np.concatenate(parts, axis=1)

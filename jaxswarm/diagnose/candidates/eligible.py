@@ -41,7 +41,7 @@ def eligible_terms(
             for j, kind in enumerate(model.robot.kinds)
         ]
         if law.scope == "global":
-            places = [(None, None)]
+            places: list[tuple[int | None, int | None]] = [(None, None)]
         elif law.scope == "joint":
             places = [(j, None) for j in range(joints) if moves[j] and fits[j]]
         else:

@@ -82,7 +82,7 @@ class Linearization:
             rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])
             target = (regression.target * weight / noise).ravel()
             scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-            triangle = np.linalg.qr(np.column_stack([rows / scale, target]), mode="r")
+            triangle = np.asarray(np.linalg.qr(np.column_stack([rows / scale, target]), mode="r"))
             factor, reduced = triangle[:, :-1], triangle[:, -1]
             values = np.linalg.lstsq(factor, reduced, rcond=_RANK)[0] / scale
             residual = regression.target - columns @ values
@@ -142,18 +142,18 @@ class Linearization:
 
         def build(k):
             own = columns_along(term, self._series(k, term))[: len(motions[k].t)]
-            return report_own(terms, motions[k], term.acts_in(k) * own, term.joint)
+            return report_own(terms, motions[k], term.acts_in(k) * own, term.index)
 
         if term.law.uses_load:
-            return self.on_joint(self.low(build), term.joint)
+            return self.on_joint(self.low(build), term.index)
         # They follow from the motion, and many from that alone: the next round finds them ready.
         laws = self.memory.laws
         reports = tuple((t.place, *t.values.items()) for t in of_kind(terms, MeasurementLaw))
-        own_width = width[term.joint] if term.law.uses_direction else None
+        own_width = width[term.index] if term.law.uses_direction else None
         place = (term, *term.values.items(), own_width, reports)
         if place not in laws:
             laws[place] = self.low(build)
-        return self.on_joint(laws[place], term.joint)
+        return self.on_joint(laws[place], term.index)
 
     def _series(self, k: int, term: Term) -> Sample:
         """What laws on a joint, with a partner, see along a log, where programs have it at hand."""
@@ -161,8 +161,9 @@ class Linearization:
         if place not in self.series:
             while len(self.series) >= _SERIES:
                 self.series.pop(next(iter(self.series)))
-            seen = (self.true[k], self.found.model.width, self.loads[k], term.joint, term.other)
-            self.series[place] = jax.device_put(filled(joint_series(*seen)))
+            width, load = self.found.model.width, self.loads[k]
+            seen = joint_series(self.true[k], width, load, term.index, term.other)
+            self.series[place] = jax.device_put(filled(seen))
         return self.series[place]
 
     def turned(self, k: int, joint: int) -> list[np.ndarray]:

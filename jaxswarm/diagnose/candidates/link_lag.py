@@ -27,6 +27,10 @@ _FEW, _MANY = 24, 72
 MOST_NUMBERS = 2**24
 
 
+# Stiffness, damping, dead zone and hardening of options, each (m,).
+Gears = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
 def lag_torque(
     motion: Motion,
     sensed: Sensitivity,
@@ -115,14 +119,13 @@ def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, substeps):
     return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0, 0), out_axes=1)(*driven, k, d, gap, hard)
 
 
-def gears(
-    law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray
-) -> tuple[np.ndarray, ...]:
+def gears(law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray) -> Gears:
     """What makes gears of options (m,) with the link's inertia on a log, as the fit has them."""
     # A gear is as stiff as the median inertia asks for: taken once, not for every option.
     inertia = np.median(np.abs(sensed.inertia(pi)), keepdims=True)
     found = [law.gear(option, inertia) for option in options]
-    return tuple(np.array([float(x) for x in own]) for own in zip(*found, strict=True))
+    k, d, gap, hard = (np.array([float(x) for x in own]) for own in zip(*found, strict=True))
+    return k, d, gap, hard
 
 
 def best_option(probe: Candidate, fold: Fold, curves: np.ndarray) -> int:

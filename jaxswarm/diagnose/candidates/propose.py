@@ -57,7 +57,8 @@ def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> 
         placed = replace(term, values=best[0][0])
         columns = tuple(own for _, own in best)
         done[term] = Candidate(placed, columns, len(term.law.parameters))
-    return [done[t] for t in terms if done[t] is not None]
+    made = (done[t] for t in terms)
+    return [one for one in made if one is not None]
 
 
 @singledispatch
@@ -106,7 +107,7 @@ def _searched(
         return
     memory = lin.memory
     memory.round += 1
-    found = {t: memory.recall(t, lin.residuals(t.joint)) for t in terms}
+    found = {t: memory.recall(t, lin.residuals(t.index)) for t in terms}
     unknown = [t for t in terms if found[t] is None]
     known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
     if all(known.values()):
@@ -115,7 +116,7 @@ def _searched(
     motions = lin.found.motions
     chosen = _comparable(motions)
     search = searching(
-        [(t.law, t.joint, t.other) for t in unknown],
+        [(t.law_of(TorqueLaw), t.index, t.other) for t in unknown],
         [motions[k] for k in chosen],
         lin.found.model.width,
         [lin.loads[k] for k in chosen],
@@ -150,7 +151,7 @@ def _comparable(motions: Sequence[Motion]) -> list[int]:
 def _keep(lin: Linearization, terms: list[Term], found: dict, new: dict) -> list[list[dict]]:
     """Values per fold of all terms; those that are new are remembered."""
     for term, per_fold in new.items():
-        lin.memory.keep(term, lin.residuals(term.joint), per_fold)
+        lin.memory.keep(term, lin.residuals(term.index), per_fold)
     return [{**found, **new}[t] for t in terms]
 
 

@@ -43,9 +43,9 @@ _CHUNK, _TAPS = 1024, 32
 class _Task(NamedTuple):
     """One law on one joint with its folds (S, ...): the law by its number among those of the program."""
 
-    law: jax.Array
-    positive: jax.Array
-    cell: jax.Array
+    law: jax.Array | np.int32
+    positive: jax.Array | np.bool_
+    cell: jax.Array | np.ndarray
     series: Sample
     folds: FoldData
 
@@ -160,7 +160,8 @@ def searching(
     points = max(BATCH * -(-points_of(law) // BATCH) for law in laws)
     most = points, max(len(law.nonlinear) for law in laws)
     batch = batch_of(length + ends[-1])
-    precise, tracing = jax.config.jax_enable_x64, Lock()
+    precise = jax.config.jax_enable_x64  # type: ignore[attr-defined]
+    tracing = Lock()
 
     def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
@@ -217,7 +218,8 @@ def _of_joint(folds: Sequence[FoldData], joint: int, counts: Sequence[int]) -> F
 def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
     """The laws that share compiled programs: all that are registered, and these."""
     known = {one.name: one for one in (*REGISTRY.values(), *laws)}
-    return tuple(one for one in known.values() if one.searched)
+    laws_of = (one for one in known.values() if isinstance(one, TorqueLaw))
+    return tuple(one for one in laws_of if one.searched)
 
 
 def _decode(law: TorqueLaw, u) -> dict:

@@ -12,6 +12,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.coverage import repeats_after
 from jaxswarm.logs.motion import Motion
@@ -29,7 +30,7 @@ _OUT_OF_STEP = 0.15
 
 def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The term at the strongest line of its joint's residual, found on every fold anew; None without one."""
-    name = term.law.tone
+    name = term.law_of(TorqueLaw).tone
     lines = [
         _strongest(lin, np.where(fold.train, fold.residual[:, term.joint], 0.0))
         for fold in lin.crossfit.folds

@@ -1,5 +1,6 @@
 """A link behind its motor as a candidate: the best of the lattice that its transmission is tried on."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
 
@@ -15,6 +16,7 @@ from jaxswarm.diagnose.candidates.link_lag import (
     lag_torque,
     placed,
 )
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 
 # Times the rigid parameters are settled with a dead zone, and every how many-th gap that is done for:
@@ -28,7 +30,7 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     Where a rotor is declared, divisions of the joint's inertia between it and the link are tried with
     every stiffness: a stiff joint does not tell them apart.
     """
-    law, j = term.law, term.joint
+    law, j = term.law_of(TransmissionLaw), term.index
     crossing = law.gap is not None
     inertia = lin.sensed(j)[0].inertia(lin.pi)
     if np.median(np.abs(inertia)) < 1e-6:
@@ -47,7 +49,7 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     probe = Candidate(term, (), len(law.free(law.nominal())), blur)
     build = _settled_curves if crossing else _curves
     curves = build(lin, term, options, rotor)
-    picks = range(len(options))
+    picks: Sequence[int] = range(len(options))
     if known is None:
         picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
         memory.keep(term, residuals, [options[p] for p in picks])
@@ -65,8 +67,10 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
 
     Beside the law's parameters every option has the rotor's ``share`` of the joint's inertia.
     """
-    options = term.law.lattice(float(np.median(np.abs(inertia))))
-    if term.law.gap is not None:
+    law = term.law_of(TransmissionLaw)
+    assert law.lattice is not None  # what extends no other law has it
+    options = law.lattice(float(np.median(np.abs(inertia))))
+    if law.gap is not None:
         options = options[::_THINNED]
     limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
     inside = [{n: float(np.clip(v, *limits[n])) for n, v in o.items()} for o in options]
@@ -98,10 +102,10 @@ def _settled_curves(
 
 def _weighted(lin: Linearization, term: Term, options: list[dict], pis) -> np.ndarray:
     """Weighted torque (m, T', n) of options with their rigid parameters."""
-    terms = lin.found.model.terms
+    terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
     parts = [
-        lag_torque(m, own, pis, *gears(term.law, options, own, lin.pi), terms=terms)
-        for m, own in zip(lin.found.motions, lin.sensed(term.joint), strict=True)
+        lag_torque(m, own, pis, *gears(law, options, own, lin.pi), terms=terms)
+        for m, own in zip(lin.found.motions, lin.sensed(term.index), strict=True)
     ]
     return np.concatenate(parts, axis=1) * lin.crossfit.weight
 

@@ -26,12 +26,12 @@ from jaxswarm.robot.logged import rigid_columns
 
 def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
     """How the model's torque would change in what the drives write down, to first order."""
-    law, neutral = term.law, term.law.neutral()
+    law, neutral = term.law_of(MeasurementLaw), term.law.neutral()
     if law.excess is not None:
         columns = lin.stack(lambda k: lin.reported(k, _turned(lin, term, k)))
         return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
     if law.distortion is not None:
-        columns = lin.on_joint(lin.low(lambda k: _distorted(lin, term, k)), term.joint)
+        columns = lin.on_joint(lin.low(lambda k: _distorted(lin, term, k)), term.index)
         return Candidate(term, lin.on_all(columns), columns.shape[2])
 
     def slopes(k):
@@ -68,7 +68,9 @@ def _report_slopes(law: MeasurementLaw, values: dict, x: jax.Array, step: float)
 
 @program("law")
 def _gravity_slopes(law: BodyChange, values: dict, gravity: jax.Array) -> dict:
-    return jax.jacfwd(lambda p: law.gravity(p, gravity))(values)
+    turned = law.gravity
+    assert turned is not None
+    return jax.jacfwd(lambda p: turned(p, gravity))(values)
 
 
 def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
@@ -78,18 +80,18 @@ def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
 
 def _distorted(lin: Linearization, term: Term, k: int) -> np.ndarray:
     """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
-    torque = lin.outputs[k][:, term.joint]
-    own = distortion_columns(term.law, filled(torque))[: len(torque)]
+    torque = lin.outputs[k][:, term.index]
+    own = distortion_columns(term.law_of(MeasurementLaw), filled(torque))[: len(torque)]
     terms = lin.found.model.terms
-    return report_own(terms, lin.found.motions[k], own, term.joint)
+    return report_own(terms, lin.found.motions[k], own, term.index)
 
 
 def _turned(lin: Linearization, term: Term, k: int) -> np.ndarray:
     """Torque of a log, its own laws included, by each parameter of an encoder's error, (T, n, p)."""
-    slopes = _misread(lin, term, k)
-    by = [x.copy() for x in lin.turned(k, term.joint)]
-    for x, slope in zip(by, own_slopes(lin, term.joint, k), strict=True):
-        x[:, term.joint] += slope
+    slopes, j = _misread(lin, term, k), term.index
+    by = [x.copy() for x in lin.turned(k, j)]
+    for x, slope in zip(by, own_slopes(lin, j, k), strict=True):
+        x[:, j] += slope
     columns = [
         -sum(x * e[p.name][:, None] for x, e in zip(by, slopes, strict=True))
         for p in term.law.parameters
@@ -110,14 +112,14 @@ def _misread(lin: Linearization, term: Term, k: int) -> list[dict[str, np.ndarra
     return found
 
 
-def body_candidate(lin: Linearization, term: Term) -> Candidate:
-    """Another gravity or a body on the last link, to first order."""
-    law, neutral = term.law, term.law.neutral()
+def body_candidate(lin: Linearization, term: Term) -> Candidate | None:
+    """Another gravity or a body on the last link, to first order; None where no window is found."""
+    law, neutral = term.law_of(BodyChange), term.law.neutral()
     if law.placement is not None:
 
         def moved(k):
             at = lin.arm, lin.moved[k], lin.pi
-            return lin.reported(k, placement_columns(law, term.joint, *at))
+            return lin.reported(k, placement_columns(law, term.index, *at))
 
         columns = lin.stack(moved)
         return Candidate(term, lin.on_all(columns), columns.shape[2])

@@ -34,11 +34,12 @@ def windowed_candidate(lin: Linearization, term: Term, columns: np.ndarray) -> C
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     _, size, directions = np.linalg.svd(rows / scale, full_matrices=False)
     seen = columns / scale @ directions[size > _RANK * size[0]].T
-    values = [_best_window(lin, fold, seen) for fold in lin.crossfit.folds]
-    if None in values:
+    windows = [_best_window(lin, fold, seen) for fold in lin.crossfit.folds]
+    found = [window for window in windows if window is not None]
+    if len(found) < len(windows):
         return None
     bounds = {p.name: (p.lower, p.upper) for p in term.law.nonlinear}
-    values = [{n: float(np.clip(x, *bounds[n])) for n, x in v.items()} for v in values]
+    values = [{n: float(np.clip(x, *bounds[n])) for n, x in v.items()} for v in found]
     t, log = lin.found.regression.t, lin.found.regression.log
 
     def within(window):
@@ -64,11 +65,11 @@ def _best_window(lin: Linearization, fold: Fold, seen: np.ndarray) -> dict | Non
         edges = np.linspace(0, count, _EDGES + 1).astype(int)
         gain, pick = _look(sums, whole, edges, edges, least)
         width = count // _EDGES + 1
-        fine = [
+        starts, ends = (
             np.unique(np.clip(np.linspace(p - width, p + width, _FINE).astype(int), 0, count))
             for p in pick
-        ]
-        again, closer = _look(sums, whole, *fine, least)
+        )
+        again, closer = _look(sums, whole, starts, ends, least)
         gain, pick = (again, closer) if again > gain else (gain, pick)
         if gain > best:
             t = regression.t[rows]

@@ -73,7 +73,7 @@ class Score:
 
     def beside(self, other: "Score") -> np.ndarray:
         """Gain per block (B,) by which it is compared: on their joint if both show on the same one."""
-        return self.own if self.shows_with(other) else self.blocks
+        return self.own if self.own is not None and self.shows_with(other) else self.blocks
 
     def shows_with(self, other: "Score") -> bool:
         """Whether both show on one and the same joint of their own."""

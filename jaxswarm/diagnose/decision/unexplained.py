@@ -101,7 +101,7 @@ def _look(
     """The structure of one joint."""
     singles = [(_try(crossfit, joint, [table[n]], seed), (n,)) for n in table]
     singles.sort(key=lambda item: -item[0][0])
-    best, pick = singles[0]
+    best, pick = singles[0][0], tuple[str, ...](singles[0][1])
     # Pairs with each of the three most telling variables, and with the joint's own velocity.
     own = f"dq_{found.model.robot.joints[joint]}"
     leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
@@ -123,10 +123,10 @@ def _look(
 
 def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
     """The model with a smooth term for all structure whose variables another log has too."""
-    kept = [item for item in left if item.term is not None]
-    change = sum((item.change for item in kept), np.zeros(len(found.fit.theta)))
+    kept = [(item.change, item.term) for item in left if item.term is not None]
+    change = sum((change for change, _ in kept), np.zeros(len(found.fit.theta)))
     model = with_linear_values(found.model, linear_values(found.model) + change)
-    return replace(model, smooth=(*model.smooth, *(item.term for item in kept)))
+    return replace(model, smooth=(*model.smooth, *(term for _, term in kept)))
 
 
 def _unexplained(found, crossfit, joint, pick, worth, table, seed) -> Unexplained:

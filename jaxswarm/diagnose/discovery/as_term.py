@@ -65,5 +65,5 @@ def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
     for half in crossfit.halves:
         own = polished(problem, formula, half)
         columns.append(problem.lin.law(replace(term, values={**term.values, **own.values})))
-    size = len(term.formula.parameters)
+    size = len(term.found_formula.parameters)
     return Candidate(term, tuple(np.nan_to_num(c) for c in columns), size), term

@@ -46,7 +46,8 @@ def candidates(
     log = problem.lin.found.regression.log
     folds = region_folds(crossfit.whole, label)
     points: list[Point] = []
-    tried, leads = 0, [None]
+    tried = 0
+    leads: Sequence[Sum | None] = [None]
     for _ in range(_TERMS):
         found: list[Point] = []
         if leads == [None]:

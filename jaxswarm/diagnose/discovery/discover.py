@@ -71,7 +71,7 @@ def discover(
     for earlier in tuple(found):
         if earlier is found[-1]:  # nothing was found after it
             break
-        progress(f"searching the formula for {joints[earlier.added.joint]} again")
+        progress(f"searching the formula for {joints[earlier.added.index]} again")
         diagnosis, found = _searched_again(diagnosis, found, earlier, other, seed)
     told = (replace(one, rivals=fitted_rivals(one)) for one in found)
     return diagnosis, Search(tuple(told), tuple(vain))
@@ -85,7 +85,7 @@ def _searched_again(
     seed: int,
 ) -> tuple[Diagnosis, list[Discovery]]:
     """A formula searched anew beside those found after it; it stays unless another one is clearly better."""
-    own, joint = earlier.added.identity, earlier.added.joint
+    own, joint = earlier.added.identity, earlier.added.index
     rest = refit(
         diagnosis.final, tuple(t for t in diagnosis.final.model.terms if t.identity != own)
     )
@@ -118,7 +118,9 @@ def _discover_instead(
     """
     for whole_arm in (False, True):
         bare = bared(diagnosis, left.joint, whole_arm)
-        again = [] if bare is None else [o for o in unlawful(bare, seed) if o.joint == left.joint]
+        if bare is None:
+            continue
+        again = [o for o in unlawful(bare, seed) if o.joint == left.joint]
         if not again:
             continue
         outcome = search_joint(bare, again[0], other, seed)

@@ -100,15 +100,15 @@ def _groups(
 ) -> dict[str, list[Piece]]:
     """Pieces by the variable they are functions of."""
     makers: dict[str, Callable[..., Iterable[Piece]]] = {
-        "q": lambda *x: p.of_position(*x, angles),
-        "dq": lambda *x: p.of_velocity(*x, ("direction",)),
+        "q": lambda x, around, unit: p.of_position(x, around, unit, angles),
+        "dq": lambda x, around, unit: p.of_velocity(x, around, unit, ("direction",)),
         "ddq": lambda x, *_: [Piece(x)],
         "load": p.of_load,
         "static_load": p.of_load,
         "t": p.of_time,
         "temperature": p.of_time,
-        "q_other": lambda *x: p.of_position(*x, angles),
-        "dq_other": lambda *x: p.of_velocity(*x, ()),
+        "q_other": lambda x, around, unit: p.of_position(x, around, unit, angles),
+        "dq_other": lambda x, around, unit: p.of_velocity(x, around, unit, ()),
         "ddq_other": lambda x, *_: [Piece(x)],
     }
     groups = {

@@ -84,7 +84,7 @@ def _decode(box: Box, u: jax.Array) -> jax.Array:
 
 def _share(program: tuple[Codes, Box], u: jax.Array, searched: SearchRows) -> jax.Array:
     codes, box = program
-    return share_of(run(codes, _decode(box, u), searched.variables), searched)
+    return share_of(run(codes, _decode(box, u), jnp.asarray(searched.variables)), searched)
 
 
 _shares = jax.jit(jax.vmap(_share, in_axes=(0, 0, None)))

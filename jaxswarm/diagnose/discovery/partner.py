@@ -22,7 +22,7 @@ def without_joint(crossfit: CrossFit, joint: int) -> CrossFit:
         )
         return seen.trained_on(fold.train)
 
-    whole, halves = fitted(crossfit.whole), tuple(map(fitted, crossfit.halves))
+    whole, one, two = map(fitted, crossfit.folds)
     return replace(
-        crossfit, weight=crossfit.weight * kept, whole=whole, halves=halves, structure={}
+        crossfit, weight=crossfit.weight * kept, whole=whole, halves=(one, two), structure={}
     )

@@ -30,10 +30,10 @@ class SearchRows(NamedTuple):
         residual: Weighted, (R,).
     """
 
-    variables: jax.Array
-    weight: jax.Array
-    basis: jax.Array
-    residual: jax.Array
+    variables: jax.Array | np.ndarray
+    weight: jax.Array | np.ndarray
+    basis: jax.Array | np.ndarray
+    residual: jax.Array | np.ndarray
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ def fit_alike(
     problem: Joint, one: Point, points: Sequence[Point]
 ) -> tuple[tuple[Point, Term], ...]:
     """Formulas of another form that fit alike, the shortest first."""
-    told = []
+    told: list[tuple[Point, Term]] = []
     for point in points:
         near = abs(alike(point, one)) < FORMULA_TIE or point.error < FORMULA_NEAR * one.error
         if near and not _extends(point, one) and len(told) < _TOLD:

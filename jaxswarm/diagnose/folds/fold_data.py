@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 
 class FoldData(NamedTuple):
@@ -15,9 +16,9 @@ class FoldData(NamedTuple):
         train: 1 on training rows, else 0, (T',).
     """
 
-    basis: jax.Array
-    residual: jax.Array
-    train: jax.Array
+    basis: jax.Array | np.ndarray
+    residual: jax.Array | np.ndarray
+    train: jax.Array | np.ndarray
 
 
 def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:

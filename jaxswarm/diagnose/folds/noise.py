@@ -44,7 +44,7 @@ def noise_of(found: Estimate) -> np.ndarray:
 
 def row_noise(found: Estimate) -> np.ndarray:
     """The same of every row, (T', n)."""
-    return _with_sensor(found, lambda m: np.maximum(m.model_noise, m.sharp_noise))
+    return _with_sensor(found, lambda m: np.maximum(_known(m.model_noise), _known(m.sharp_noise)))
 
 
 def row_doubt(found: Estimate) -> np.ndarray:
@@ -52,7 +52,7 @@ def row_doubt(found: Estimate) -> np.ndarray:
 
     An impact in a gear or the edge of a contact is sharp too, and is what has to be explained.
     """
-    return _with_sensor(found, lambda m: m.model_noise)
+    return _with_sensor(found, lambda m: _known(m.model_noise))
 
 
 def event_doubt(found: Estimate) -> np.ndarray:
@@ -63,7 +63,7 @@ def event_doubt(found: Estimate) -> np.ndarray:
     doubt = row_doubt(found)
     if any(m.step_noise is None for m in found.motions):
         return doubt
-    return np.hypot(doubt, np.concatenate([m.step_noise for m in found.motions]))
+    return np.hypot(doubt, np.concatenate([_known(m.step_noise) for m in found.motions]))
 
 
 def _with_sensor(found: Estimate, part: Callable[[Motion], np.ndarray]) -> np.ndarray:
@@ -74,9 +74,14 @@ def _with_sensor(found: Estimate, part: Callable[[Motion], np.ndarray]) -> np.nd
     return np.hypot(sensor, np.concatenate([part(m) for m in found.motions]))
 
 
+def _known(noise: np.ndarray | None) -> np.ndarray:
+    assert noise is not None  # asked for where there is a torque, and after the doubt of the motion
+    return noise
+
+
 def _sensor(found: Estimate) -> np.ndarray:
     """Noise of the torque's sensor (n,), the least of the logs."""
-    measured = np.min([m.torque_noise for m in found.motions], axis=0)
+    measured = np.min([_known(m.torque_noise) for m in found.motions], axis=0)
     size = np.sqrt((found.regression.torque**2).mean(axis=0))
     return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
 
@@ -117,11 +122,11 @@ def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
     if motion.position_noise is None:
         return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
     rng = np.random.default_rng(seed)
-    ratio = motion.velocity_ratio
-    speed = None if ratio is None else motion.position_noise / np.sqrt(ratio)
+    ratio, noise = motion.velocity_ratio, motion.position_noise
+    speed = None if ratio is None else noise / np.sqrt(ratio)
 
     def torque(share: float) -> np.ndarray:
-        q = motion.q + share * motion.position_noise * rng.normal(size=motion.q.shape)
+        q = motion.q + share * noise * rng.normal(size=motion.q.shape)
         dq = None if speed is None else motion.dq + share * speed * rng.normal(size=q.shape)
         q = smooth(q, motion.rate, np.array(motion.motion_cutoff), dq, ratio)
         dq, ddq = derivatives(q, motion.rate, 2)

@@ -17,11 +17,11 @@ def regions(found: Estimate) -> np.ndarray | None:
     """Region of every row, (T,); None where the log is too short for any."""
     from scipy.cluster.vq import kmeans2  # asked for only where something is about to be added
 
-    states = []
+    parts = []
     for motion in found.motions:
         kept = motion.decimator.kept(len(motion.t))
-        states.append(np.concatenate([motion.q[kept], motion.dq[kept]], axis=1))
-    states = np.concatenate(states)
+        parts.append(np.concatenate([motion.q[kept], motion.dq[kept]], axis=1))
+    states = np.concatenate(parts)
     spread = states.std(axis=0)
     states = states[:, spread > 1e-9] / spread[spread > 1e-9]
     for count in _GROUPS if states.shape[1] else ():

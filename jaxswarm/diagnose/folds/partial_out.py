@@ -120,8 +120,8 @@ class CrossFit:
         ``known``: their coefficients are known to be zero within one, standard deviation.
         """
         more = zip(self.folds, columns, strict=True)
-        whole, *halves = (fold.with_columns(c, known) for fold, c in more)
-        return replace(self, whole=whole, halves=tuple(halves), structure={})
+        whole, one, two = (fold.with_columns(c, known) for fold, c in more)
+        return replace(self, whole=whole, halves=(one, two), structure={})
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
         """Columns (T, n, k) in units of the noise."""

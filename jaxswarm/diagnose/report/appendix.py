@@ -60,9 +60,9 @@ def pictures(result: dict, images: dict[str, bytes], shown: Signals | None = Non
     zoomed = section(shown, result["joints"], result["torque_units"])
     drawn = drawn[1:] if zoomed else drawn
     # What the declared model leaves is for those who doubt: behind its title.
-    shown = [(text("h2", title), image(images, name, words)) for title, name, words in drawn[:-1]]
+    pairs = [(text("h2", title), image(images, name, words)) for title, name, words in drawn[:-1]]
     title, name, words = drawn[-1]
-    told = zoomed + "".join(head + picture for head, picture in shown if picture)
+    told = zoomed + "".join(head + picture for head, picture in pairs if picture)
     return told + folded(title, image(images, name, words))
 
 

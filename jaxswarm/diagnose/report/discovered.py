@@ -53,12 +53,12 @@ def _entry(one: Discovery, final: Estimate, joints: tuple[str, ...]) -> dict:
     pairs = zip(final.model.terms, final.std_errors, strict=True)
     term, errors = next((t, e) for t, e in pairs if t.identity == one.added.identity)
     plain, tex = field_names(term, joints)
-    own = joints[term.joint]
+    own, formula = joints[term.index], term.found_formula
     return {
         "joint": own,
         "other": None if term.other is None else joints[term.other],
-        "formula": term.formula.text(plain),
-        "latex": term.formula.latex(tex),
+        "formula": formula.text(plain),
+        "latex": formula.latex(tex),
         "parameters": with_intervals(term_parameters(term, robot, errors)),
         "form": one.chosen.symmetry.text,
         "based_on": list(one.based_on),
@@ -82,7 +82,7 @@ def _entry(one: Discovery, final: Estimate, joints: tuple[str, ...]) -> dict:
 
 def field_names(term: Term, joints: tuple[str, ...]) -> tuple[dict[str, str], dict[str, str]]:
     """What the fields of a formula are called on its joint: as text, and in LaTeX."""
-    own = joints[term.joint]
+    own = joints[term.index]
     plain = {name: f"{name}_{own}" for name in _MOTION}
     plain |= {name: text.format(own) for name, (text, _) in _SYMBOLS.items()}
     tex = {name: text.format(_index(own)) for name, text in _MOTION.items()}
@@ -107,16 +107,16 @@ def _point_text(point: Point) -> str:
 def _range(term: Term, final: Estimate, joints: tuple[str, ...]) -> list[dict]:
     """Where the law was seen."""
     kinds = final.model.robot.kinds
-    units = field_units(kinds[term.joint], None if term.other is None else kinds[term.other])
+    units = field_units(kinds[term.index], None if term.other is None else kinds[term.other])
     plain, _ = field_names(term, joints)
     return [
         {
             "variable": plain.get(name, name),
             "from": low,
             "to": high,
-            "unit": physical_unit(unit_text(units[name]), kinds[term.joint]),
+            "unit": physical_unit(unit_text(units[name]), kinds[term.index]),
         }
-        for name, low, high in term.formula.valid
+        for name, low, high in term.found_formula.valid
     ]
 
 
@@ -125,8 +125,8 @@ def _alternative(one: Discovery, rival: Rival, joints: tuple[str, ...]) -> dict:
     plain, tex = field_names(rival.term, joints)
     trial = best_experiment(one.after.model, rival.model, one.after.motions[0], rival.term.joint)
     return {
-        "formula": rival.term.formula.text(plain),
-        "latex": rival.term.formula.latex(tex),
+        "formula": rival.term.found_formula.text(plain),
+        "latex": rival.term.found_formula.latex(tex),
         "error_on_other_motion": rival.point.error,
         "distance": {"rms": rival.rms, "over_noise": rival.over_noise},
         "experiment": _words(trial, joints),

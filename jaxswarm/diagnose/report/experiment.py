@@ -41,6 +41,7 @@ def best_experiment(one: Model, other: Model, motion: Motion, joint: int | None)
         motion: The log, for ranges and the noise.
         joint: The joint in question; None: the arm as a whole.
     """
+    assert motion.torque_noise is not None  # both models were fitted to a torque
     noise = np.maximum(motion.torque_noise, 1e-12)
     best = None
     for text, trial in _candidates(motion, joint):
@@ -50,6 +51,7 @@ def best_experiment(one: Model, other: Model, motion: Motion, joint: int | None)
         where = int(np.argmax(ratio))
         if best is None or ratio[where] > best.ratio:
             best = Experiment(text, float(ratio[where]), where)
+    assert best is not None  # every joint can be moved
     return best
 
 

@@ -9,7 +9,7 @@ from jaxswarm import plots
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.stages import stages
-from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.step import Addition
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import units
@@ -70,7 +70,7 @@ def evidence_axis(
     return label, values()
 
 
-def evidence(step: Step, final: Model, motion: Motion) -> Figure:
+def evidence(step: Addition, final: Model, motion: Motion) -> Figure:
     """Partial residual of an effect: what the others leave, and what the effect says of it.
 
     Left against the variable the law is about, right over time; the dots are measured minus the final

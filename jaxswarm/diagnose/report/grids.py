@@ -36,22 +36,26 @@ def by_joint(result: dict) -> Grid:
     error, changed = result["error"], bool(result["steps"])
     before, after = error["before"], error["after"]
     over = result["residual_over_noise"] or [None] * len(result["joints"])
-    head = ("joint", "unit", *(("before", "share") if changed else ()))
-    head += ("after" if changed else "error", "share", "noise", "x noise")
+    head = ("joint", *(("before", "share") if changed else ()))
+    head += ("after" if changed else "error", "share", "noise", "x noise", "unit")
     rows, flagged = [], set()
     for j, joint in enumerate(result["joints"]):
         far = over[j] is not None and over[j] > NEAR
         if far:
             flagged.add(j)
-        row = [joint, result["torque_units"][j]]
+        row = [joint]
         for errors in (before, after) if changed else (after,):
             row += [measure(errors["rms"][j]), percent(errors["relative"][j])]
-        row += [measure(error["noise_floor"]["rms"][j]), measure(over[j])]
+        row += [
+            measure(error["noise_floor"]["rms"][j]),
+            measure(over[j]),
+            result["torque_units"][j],
+        ]
         rows.append((*row, FAR if far else ""))
-    whole = ["whole arm", ""]
+    whole = ["whole arm"]
     for errors in (before, after) if changed else (after,):
         whole += ["", percent(errors["relative_global"])]
-    rows.append((*whole, "", "", ""))
+    rows.append((*whole, "", "", "", ""))
     if not flagged:
         return Grid(head, [row[:-1] for row in rows])
     return Grid((*head, ""), rows, frozenset(flagged))
@@ -112,11 +116,11 @@ def by_validation_log(result: dict) -> Grid | None:
             grew = two > one and two > low
             if grew:
                 flagged.add(len(rows))
-            cells = measure(one), measure(two), "grew" if grew else ""
-            rows.append((entry["on"], joint, unit, *cells))
+            told = "grew" if grew else ""
+            rows.append((entry["on"], joint, measure(one), measure(two), unit, told))
         shares = (percent(entry[k]["relative_global"]) for k in ("before", "after"))
-        rows.append((entry["on"], "whole arm", "", *shares, ""))
-    return Grid(("log", "joint", "unit", "before", "after", ""), rows, frozenset(flagged))
+        rows.append((entry["on"], "whole arm", *shares, "", ""))
+    return Grid(("log", "joint", "before", "after", "unit", ""), rows, frozenset(flagged))
 
 
 def parameters(effect: dict) -> Grid:

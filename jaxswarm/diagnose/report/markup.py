@@ -10,6 +10,11 @@ from jaxswarm.diagnose.report.grids import Grid
 
 # Cells with more characters than this may wrap; shorter ones stay on one line.
 _SHORT = 26
+# On a telephone two cells with their heads stand on a line of a list, of so many characters each.
+_HALF = 16
+# Pixels that a page leaves to a table, that a character takes, and that lie between two columns: on a telephone
+# of 390, where the rows of a wider table stand as lists, and on a desk, where its heads wrap.
+_TELEPHONE, _DESK = (358.0, 7.5, 12.0), (1080.0, 8.5, 24.0)
 # What was published tells its year.
 _YEAR = r"\b(1[6-9]|20)\d\d\b"
 
@@ -27,7 +32,7 @@ def bullets(lines: Iterable[str]) -> str:
 
 
 def table(grid: Grid, label: str) -> str:
-    """A table that scrolls within its own box where the page is narrow.
+    """A table; on a telephone the rows of a wide one are lists of cells, each with the head of its column.
 
     Args:
         grid: Its content.
@@ -36,29 +41,40 @@ def table(grid: Grid, label: str) -> str:
     if not grid.rows:
         return ""
     columns = range(len(grid.head))
-    kinds = [_kind([row[k] for row in grid.rows]) for k in columns]
+    kinds = [_kind(grid.head[k], [row[k] for row in grid.rows]) for k in columns]
     head = "".join(_cell("th", grid.head[k], kinds[k]) for k in columns)
     body = "".join(
         f"<tr{' class=far' if number in grid.flagged else ''}>"
-        + "".join(_cell("td", row[k], kinds[k]) for k in columns)
+        + "".join(_cell("td", row[k], kinds[k], grid.head[k]) for k in columns)
         + "</tr>"
         for number, row in enumerate(grid.rows)
     )
+    wide = " wide" * _exceeds(grid, *_TELEPHONE) + " heads" * _exceeds(grid, *_DESK)
     return (
-        f'<div class="scroll" role="region" tabindex="0" aria-label="{escape(label)}">'
+        f'<div class="scroll{wide}" role="region" tabindex="0" aria-label="{escape(label)}">'
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
 
-def _kind(cells: list[str]) -> str:
-    """How a column is set: ``n`` numbers, ``w`` words that wrap, nothing for short words."""
-    if any(len(cell) > _SHORT for cell in cells):
+def _kind(head: str, cells: list[str]) -> str:
+    """How a column is set: ``n`` numbers, ``w`` words that wrap, ``l`` a line of its own in a list."""
+    longest = max(map(len, cells))
+    if longest > _SHORT:
         return "w"
-    return "n" if any(cell.lstrip("-")[:1].isdigit() for cell in cells) else ""
+    number = any(cell.lstrip("-")[:1].isdigit() for cell in cells)
+    return " ".join(["n"] * number + ["l"] * (longest + len(head) > _HALF))
 
 
-def _cell(tag: str, content: str, kind: str) -> str:
-    return f"<{tag}{f' class={kind}' if kind else ''}>{escape(content)}</{tag}>"
+def _exceeds(grid: Grid, width: float, character: float, room: float) -> bool:
+    """Whether a table is wider than that with every cell on one line."""
+    longest = (max(map(len, cells)) for cells in zip(grid.head, *grid.rows, strict=True))
+    return sum(character * most + room for most in longest) > width
+
+
+def _cell(tag: str, content: str, kind: str, head: str = "") -> str:
+    attributes = f' class="{kind}"' if kind else ""
+    attributes += f' data-head="{escape(head)}"' if head else ""
+    return f"<{tag}{attributes}>{escape(content)}</{tag}>"
 
 
 def source(reference: str) -> str:

@@ -64,8 +64,10 @@ def _joined(windows: list[dict]) -> list[dict]:
     told: list[dict] = []
     for w in sorted(windows, key=lambda w: (w["log"], w["start"])):
         last = told[-1] if told else None
-        near = last is not None and last["log"] == w["log"]
-        if near and w["start"] - last["end"] <= _HARDLY_PARTED * (w["end"] - last["start"]):
+        parted = (
+            float("inf") if last is None or last["log"] != w["log"] else w["start"] - last["end"]
+        )
+        if last is not None and parted <= _HARDLY_PARTED * (w["end"] - last["start"]):
             told[-1] = {**last, "end": w["end"]}
         else:
             told.append(w)

@@ -1,6 +1,7 @@
 """The outcome of a diagnosis as plain data: the keys of ``diagnosis.json``."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from jaxswarm.diagnose.report.experiment import best_experiment, separating_comm
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
-from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.step import Addition, Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
@@ -94,7 +95,8 @@ def _choices(outcome: Outcome, laws: Search, joints: tuple[str, ...]) -> dict:
     diagnosis = outcome.diagnosis
     effects = [_effect(step, diagnosis.final, joints) for step in diagnosis.kept]
     taken = (*(t for s in diagnosis.steps for t in s.removed), *diagnosis.withdrawn)
-    steps = zip((*diagnosis.steps, *laws.found), outcome.steps, strict=True)
+    every: tuple[Addition, ...] = (*diagnosis.steps, *laws.found)
+    steps = zip(every, outcome.steps, strict=True)
     return {
         "effects": [{**e, "picture": f"effect_{k}.png"} for k, e in enumerate(effects, 1)],
         "changed": [],
@@ -180,9 +182,13 @@ def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
 
 def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], joints) -> list[dict]:
     """Structure that was found, and joints that are far from the noise without any."""
-    told = []
+    told: list[tuple[int, dict[str, Any]]] = []
     for u in left:
-        entry = {"share": u.share, "p_value": u.p_value, "in_model": u.term is not None}
+        entry: dict[str, Any] = {
+            "share": u.share,
+            "p_value": u.p_value,
+            "in_model": u.term is not None,
+        }
         entry["share_on_other_motion"] = u.elsewhere
         told.append((u.joint, {"depends_on": list(u.depends_on), **entry}))
     seen = {joint for joint, _ in told}

@@ -26,7 +26,23 @@ td,th{padding:.28rem .75rem;border-bottom:1px solid var(--line);text-align:left;
 th{background:var(--box);font-weight:600;white-space:nowrap}
 td{white-space:nowrap}td.n{text-align:right;font-variant-numeric:tabular-nums}th.n{text-align:right}
 td.w{min-width:14rem;white-space:normal}
+.heads th{white-space:normal;overflow-wrap:anywhere;vertical-align:bottom}
+.heads td,.heads th{padding:.28rem .3rem;font-size:.87rem}
+.heads td.w{min-width:9rem}
 tr.far td{background:var(--warnbox);color:var(--warn);font-weight:600}
+@media screen and (max-width:40rem){td,th{padding:.28rem .35rem;font-size:.92rem}
+.wide table,.wide tbody{display:block}.wide thead{display:none}
+.wide tr{display:grid;grid-template-columns:repeat(auto-fill,minmax(8.5rem,1fr));column-gap:1.2rem;
+border-bottom:1px solid var(--line);padding:.4rem .3rem}
+.wide td{display:flex;justify-content:space-between;gap:.6rem;border:0;padding:.05rem 0;min-width:0;
+white-space:normal;text-align:right;overflow-wrap:anywhere}
+.wide td::before{content:attr(data-head);color:var(--soft);font-weight:400;text-align:left;overflow-wrap:normal;
+white-space:normal}
+.wide td.n{white-space:nowrap}.wide tr.far{background:var(--warnbox)}
+.wide td.l,.wide td.w,.wide td:first-child{grid-column:1/-1}
+.wide td.w,.wide td:first-child{display:block;text-align:left}
+.wide td.w::before{display:block}.wide td:first-child{font-weight:600}.wide td:first-child::before{content:none}
+.wide tr>td:empty{display:none}}
 .signal{margin:.5rem 0;outline-offset:3px}.signal figcaption{display:flex;flex-wrap:wrap;gap:.1rem .6rem}
 .signal b{color:var(--text)}.signal output{color:var(--text);font-variant-numeric:tabular-nums}
 .signal svg{display:block;width:100%;height:13rem;background:var(--box);touch-action:pan-y;cursor:crosshair}
@@ -47,7 +63,7 @@ a{color:var(--accent)}
 img{filter:none}figure img{min-width:0;max-height:22cm}
 .signal svg{height:4cm}figure,tr,.verdict,.flags{break-inside:avoid}h2,h3{break-after:avoid}
 .scroll{overflow:visible}td,th{padding:.15rem .35rem;white-space:normal}td.n{white-space:nowrap}
-td.w{min-width:0}.download{display:none}
+td.w,.heads td.w{min-width:0}th{white-space:normal;overflow-wrap:anywhere}.download{display:none}
 .formula{border:1px solid var(--line)}}
 @media print{details::details-content{content-visibility:visible;display:block}}
 """

@@ -105,7 +105,7 @@ def compare(
     run_rounds(search, _changed(found), _MOST_STEPS)
     return Comparison(
         before, search.current, found.changes, tuple(found.after_each), tuple(found.unseen),
-        tuple(search.scores), search.crossfit, search.asked, tuple(search.refused), search.spent,
+        tuple(search.scores), search.folds, search.asked, tuple(search.refused), search.spent,
         rules,
     )  # fmt: skip
 
@@ -161,8 +161,8 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
     """Add the best change whose values can be believed; whether there was one."""
     before = search.declared
     while passed:
-        chosen, _ = choose(passed, search.rules, search.crossfit)
-        picked = [*found.picked, as_picked(chosen, search.scores, search.crossfit)]
+        chosen, _ = choose(passed, search.rules, search.folds)
+        picked = [*found.picked, as_picked(chosen, search.scores, search.folds)]
         changes = changes_of(before, picked)
         doubt = doubt_of_any(changes, before.model.robot.kinds)
         if doubt is None:

@@ -27,16 +27,16 @@ def errors_elsewhere(
     """
     if other:
         for motion in other:
-            pair = [log_residual(e, motion) for e in (before, after)]
-            yield *compared(*pair, _moving(motion)), "on " + motion.source
+            one, two = (log_residual(e, motion) for e in (before, after))
+            yield *compared(one, two, _moving(motion)), "on " + motion.source
         return
     label = regions(before)
     if label is None or len(label) != len(after.regression.torque):
         return
     used = rows_of_both(before, after)
-    pair = [held_out_residual(e, block=label)[used] for e in (before, after)]
+    one, two = (held_out_residual(e, block=label)[used] for e in (before, after))
     moving = before.regression.moving[used]
-    yield *compared(*pair, moving), "on held-out regions of the motion"
+    yield *compared(one, two, moving), "on held-out regions of the motion"
 
 
 def compared(

@@ -108,8 +108,8 @@ def _least_certain(after: Estimate, everyday: Sequence[Score], noise: np.ndarray
     for s in everyday:
         term = s.candidate.term
         certainty = _certainty(after, term, noise)
-        if certainty < min(EVERYDAY_CERTAIN, worst.get(term.joint, (np.inf, s))[0]):
-            worst[term.joint] = certainty, s
+        if certainty < min(EVERYDAY_CERTAIN, worst.get(term.index, (np.inf, s))[0]):
+            worst[term.index] = certainty, s
     return [s for _, s in worst.values()]
 
 

@@ -13,7 +13,7 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.step import Addition, Step
 from jaxswarm.diagnose.selection.unseen_errors import UnseenErrors
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
@@ -73,7 +73,7 @@ def outcome_of(
     diagnosis: Diagnosis,
     left: Sequence[Unexplained] = (),
     validation: Sequence[Motion] = (),
-    laws: Sequence[Step] = (),
+    laws: Sequence[Addition] = (),
 ) -> Outcome:
     """Compute what the report tells.
 

@@ -44,10 +44,14 @@ def pair(
         rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
         for rival in rivals:
             one = _ask(rest, rival, asked, rules, seed)
-            first = one and refit_with(rest, one)
-            two = first and _ask(first, step.added, asked, rules, seed)
-            both = two and refit_with(first, two)
-            if not both or not _predicts_better(both, current, step.score.joint, asked, rules):
+            first = None if one is None else refit_with(rest, one)
+            if one is None or first is None:
+                continue
+            two = _ask(first, step.added, asked, rules, seed)
+            both = None if two is None else refit_with(first, two)
+            if two is None or both is None:
+                continue
+            if not _predicts_better(both, current, step.score.joint, asked, rules):
                 continue
             others = tuple(s for s in step.others if s.candidate.term.identity != rival.identity)
             found = [

@@ -138,7 +138,7 @@ def can_swing(found: Estimate, term: Term) -> bool:
     pi, arm = _rigid(found), tilted(found.model.robot, found.model.terms)
     inertia = np.median(
         [
-            np.median(np.abs(sensitivity_of(arm, m, term.joint, r).inertia(pi)))
+            np.median(np.abs(sensitivity_of(arm, m, term.index, r).inertia(pi)))
             for m, r in zip(found.motions, found.rigids, strict=True)
         ]
     )

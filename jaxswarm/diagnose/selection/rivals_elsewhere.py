@@ -39,7 +39,7 @@ def best_elsewhere(
         near: What passed too, gains nearly as much and says the same.
         other: Logs of other motion.
     """
-    fits = {id(chosen): (chosen, after)}
+    fits: dict[int, tuple[Score, Estimate | None]] = {id(chosen): (chosen, after)}
     for score in (*rivals, *near):
         if score.joint == chosen.joint and id(score) not in fits:
             fits[id(score)] = (score, refit_with(current, score))
@@ -47,7 +47,7 @@ def best_elsewhere(
         key: np.inf if fit is None else left_elsewhere(fit, current, chosen.joint, other)
         for key, (_, fit) in fits.items()
     }
-    best = min(left, key=left.get)
+    best = min(left, key=lambda key: left[key])
     if left[best] > GAIN * left[id(chosen)]:
         best = id(chosen)
     kept = [
@@ -55,4 +55,6 @@ def best_elsewhere(
         for s in (chosen, *rivals)
         if id(s) != best and (id(s) not in left or GAIN * left[id(s)] <= left[best])
     ]
-    return *fits[best], kept
+    score, fit = fits[best]
+    assert fit is not None  # what has no fit leaves more than anything
+    return score, fit, kept

@@ -55,6 +55,17 @@ class Search:
     withdrawn: tuple[Term, ...] = ()
     refused: list[tuple[Term, str]] = field(default_factory=list)
 
+    @property
+    def folds(self) -> CrossFit:
+        """The current model on all folds, made at the begin of every round.
+
+        Raises:
+            ValueError: If no round has begun.
+        """
+        if self.crossfit is None:
+            raise ValueError("no round has begun: there are no folds yet")
+        return self.crossfit
+
     def refuse(self, term: Term, why: str = "") -> None:
         """Leave a term out until its joint's model changes; told if it had been found worth adding."""
         self.banned.add(replace(term, values={}).identity)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from jaxswarm.diagnose.decision.competing import overlap
 from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
@@ -14,6 +15,34 @@ from jaxswarm.identify.forward.model import Model
 
 # Competitors of an effect that are asked again.
 _MOST = 3
+
+
+class Addition(Protocol):
+    """What the report tells of everything that was added: a law of the catalog, or one found as a formula."""
+
+    @property
+    def added(self) -> Term:
+        """The term, with the values of the fit after it."""
+
+    @property
+    def score(self) -> Score:
+        """What it was worth."""
+
+    @property
+    def before(self) -> Estimate:
+        """The estimate before it."""
+
+    @property
+    def after(self) -> Estimate:
+        """The estimate after it."""
+
+    @property
+    def removed(self) -> tuple[Term, ...]:
+        """Terms that became superfluous."""
+
+    @property
+    def rest(self) -> Model | None:
+        """The final model without it, where that is not the model without the term."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +97,7 @@ def competitors(step: Step) -> list[Term]:
 
 def chain(steps: Sequence[Step]) -> list[Step]:
     """The same steps with the estimates before and after each as the exchanged effects make them."""
-    done = []
+    done: list[Step] = []
     for step in steps:
         before = done[-1].after if done else step.before
         gone = {t.identity for t in step.removed}

@@ -87,7 +87,7 @@ def diagnose(
         search.current,
         tuple(search.steps),
         tuple(search.scores),
-        search.crossfit,
+        search.folds,
         search.asked,
         search.withdrawn,
         tuple(search.refused),
@@ -117,7 +117,7 @@ def _held(search: Search) -> set:
 
 def _act(search: Search, passed: list[Score]) -> bool:
     """Add the best of those that passed and show in all motion; if nobody did, make every choice again."""
-    sharp = only_sharp(passed, search.current, search.crossfit, len(search.scores), search.rules)
+    sharp = only_sharp(passed, search.current, search.folds, len(search.scores), search.rules)
     for one in sharp:
         search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
     passed = [s for s in passed if s not in sharp]
@@ -147,7 +147,7 @@ def _choose_again(search: Search) -> bool:
     search.steps, search.current, changed = choose_again(
         former,
         search.current,
-        search.crossfit,
+        search.folds,
         search.asked,
         search.rules,
         search.seed,
@@ -162,7 +162,7 @@ def _choose_again(search: Search) -> bool:
 
 def _add_best(search: Search, best: list[Score]) -> bool:
     """Add the best candidate if it proves itself; always another round."""
-    current, scores, crossfit = search.current, search.scores, search.crossfit
+    current, scores, crossfit = search.current, search.scores, search.folds
     joints = current.model.robot.joints
     chosen, rivals = choose(best, search.rules, crossfit)
     term = chosen.candidate.term
@@ -226,7 +226,7 @@ def _superseded(current: Estimate, after: Estimate) -> tuple[Term, ...]:
 def _error(one: Estimate) -> float:
     """Relative error [%] of a fit, all joints."""
     size = np.linalg.norm(one.regression.torque)
-    return float(100.0 * np.linalg.norm(one.fit.residual) / max(size, 1e-300))
+    return float(100.0 * np.linalg.norm(one.fit.residual) / max(float(size), 1e-300))
 
 
 _LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _allow)

@@ -160,10 +160,10 @@ def harmful(
                 continue
             more = [b[j] - a[j] for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
             raised.append((max(more, default=0.0), step))
-        rise, step = max(raised, key=lambda item: item[0], default=(0.0, None))
-        if step is not None and rise > 0.0:
+        rise, worst = max(raised, key=lambda item: item[0], default=(0.0, None))
+        if worst is not None and rise > 0.0:
             told = f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
-            return step, told
+            return worst, told
     return None
 
 

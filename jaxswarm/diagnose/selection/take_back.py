@@ -58,8 +58,8 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
     told = []
     for step in search.steps:
         law = step.added.law
-        acts = {step.score.joint, step.added.joint} - {None}
-        far = [j for j in acts if left[j] > NEAR]
+        acts = {step.score.joint, step.added.joint}
+        far = [j for j in acts if j is not None and left[j] > NEAR]
         if law.in_one_log or law.everyday or not far:
             continue
         rest = _without(current, step)

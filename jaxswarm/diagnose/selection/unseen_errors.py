@@ -29,7 +29,7 @@ class UnseenErrors:
                 / max(self._on(before.model, source)["relative_global"], 1e-12)
                 for source in self.logs
             }
-            self.worst = max(change, key=change.get)
+            self.worst = max(change, key=lambda source: change[source])
             self.validation = [
                 {
                     "on": Path(source).name,

@@ -85,7 +85,8 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     much = rough.strictness
     likely = rough.likely_order()
     guesses = [*torque_guesses(robot), *torque_scale_guesses(robot)]
-    tried = list(zip(guesses, rough.fit([g.mixture for g in guesses], sigma), strict=True))
+    mixtures = [g.mixture for g in guesses if g.mixture is not None]
+    tried = list(zip(guesses, rough.fit(mixtures, sigma), strict=True))
     tried += _with_its_own_weights(robot, rough, likely)
     poor = logged.size > _POOR or logged.left.max() > _POOR_JOINT or logged.braking.min() < -_NONE
     far = np.ptp(rough.samples.q, axis=0) > _FAR
@@ -96,7 +97,7 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
         *zero_guesses(robot, rough, logged.power),
     ]
     for guess in motions:
-        other = Rough(robot, guess.motion(rough.samples))
+        other = Rough(robot, guess.moved(rough.samples))
         tried.append((guess, other.as_logged()[0]))
     believed = [
         (g, t)
@@ -138,7 +139,9 @@ def _with_its_own_weights(
     not count at all.
     """
     order = likely_order_guess(robot, likely)
-    return [] if order is None else [(order, rough.settled(order.mixture)[0])]
+    if order is None or order.mixture is None:
+        return []
+    return [(order, rough.settled(order.mixture)[0])]
 
 
 def _sound(guess: Guess, found: Tried) -> bool:

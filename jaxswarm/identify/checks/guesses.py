@@ -42,6 +42,10 @@ class Guess:
     likely: bool = False
     remedy: str | None = None
 
+    def moved(self, samples: Samples) -> Samples:
+        """The log as it would be with the guess's motion."""
+        return samples if self.motion is None else self.motion(samples)
+
 
 def torque_guesses(robot: Robot) -> Iterator[Guess]:
     """Torques of the wrong sign, or in another order than the joints."""
@@ -49,7 +53,8 @@ def torque_guesses(robot: Robot) -> Iterator[Guess]:
     if n <= _ALL_SIGNS:
         patterns = [p for p in product((1.0, -1.0), repeat=n) if min(p) < 0]
     else:
-        patterns = [*np.where(np.eye(n) > 0, -1.0, 1.0), -np.ones(n)]
+        one_each = np.where(np.eye(n) > 0, -1.0, 1.0)
+        patterns = [tuple(map(float, row)) for row in (*one_each, -np.ones(n))]
     for pattern in patterns:
         wrong = tuple(int(j) for j in np.flatnonzero(np.asarray(pattern) < 0))
         text = f"the torque of {_named(robot, wrong)} has the wrong sign"

@@ -42,4 +42,4 @@ def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: 
 def _tried(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess) -> Tried:
     if guess.mixture is not None:
         return rough.fit([guess.mixture], sigma)[0]
-    return Rough(robot, guess.motion(rough.samples)).as_logged()[0]
+    return Rough(robot, guess.moved(rough.samples)).as_logged()[0]

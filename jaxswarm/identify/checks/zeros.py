@@ -29,7 +29,7 @@ def zero_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Guess]:
 
         def left(zero: float, joint: int = joint) -> float:
             guess = zero_guess(robot, joint, zero)
-            return Rough(robot, guess.motion(rough.samples)).as_logged()[0].power
+            return Rough(robot, guess.moved(rough.samples)).as_logged()[0].power
 
         probe = _PROBE[kind]
         low, zero = min((left(side), side) for side in (-probe, probe))

@@ -58,7 +58,7 @@ class Problem:
 
     def solve(self, terms: tuple[Term, ...], regression: Regression) -> Fit:
         """The linear parameters."""
-        bounds = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
+        lower, upper = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
         known = tuple(t.identity for t in terms)
         if known not in self.inertias:
             self.inertias[known] = link_inertias(self.robot, terms, self.motions)
@@ -66,7 +66,7 @@ class Problem:
         if above is not None:
             others = len(regression.names) - above.shape[1]
             above = np.pad(above, ((0, 0), (0, others)))
-        return fit(regression, *bounds, above=above)
+        return fit(regression, lower, upper, above=above)
 
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""

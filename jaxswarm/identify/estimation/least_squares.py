@@ -103,9 +103,9 @@ def triangular_factor(matrix: np.ndarray) -> np.ndarray:
     rows = max(_BLOCK_ROWS, 2 * width)
     whole = len(matrix) // rows * rows
     if whole > rows:
-        blocks = np.linalg.qr(matrix[:whole].reshape(-1, rows, width), mode="r")
+        blocks = np.asarray(np.linalg.qr(matrix[:whole].reshape(-1, rows, width), mode="r"))
         matrix = np.concatenate([blocks.reshape(-1, width), matrix[whole:]])
-    return np.linalg.qr(matrix, mode="r")
+    return np.asarray(np.linalg.qr(matrix, mode="r"))
 
 
 def joint_factors(regression: Regression) -> list[np.ndarray]:

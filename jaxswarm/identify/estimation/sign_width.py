@@ -68,7 +68,8 @@ def best_widths(
         return tuple(map(float, _USUAL * scale))
     grid = np.concatenate([[_SHARP], np.geomspace(_FROM, _TO, _COUNT)])
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
-    regression = build_regression(robot, terms, motions, _USUAL * scale, pi, rigids)
+    usual = tuple(map(float, _USUAL * scale))
+    regression = build_regression(robot, terms, motions, usual, pi, rigids)
     costs, sigma = [], None
     for part in grid:
         # All that depends on the width is written anew for each.

@@ -18,6 +18,7 @@ def check_usable(terms: Sequence[Term], motions: Sequence[Motion]) -> None:
             that a law needs is missing.
     """
     check_precision()
+    torques = []
     for motion in motions:
         if motion.tau is None:
             raise InputError(
@@ -29,8 +30,9 @@ def check_usable(terms: Sequence[Term], motions: Sequence[Motion]) -> None:
                 "pass a log of a moving arm, or leave its dq_<joint> columns out if they are empty"
             )
         _check_channels(terms, motion)
+        torques.append(motion.tau)
     for j, joint in enumerate(motions[0].joints):
-        values = {float(x) for m in motions for x in (m.tau[:, j].min(), m.tau[:, j].max())}
+        values = {float(x) for tau in torques for x in (tau[:, j].min(), tau[:, j].max())}
         if len(values) == 1:
             raise InputError(
                 f"{motions[0].source}: the torque of {joint} is {values.pop():g} in every sample: the "
@@ -56,8 +58,8 @@ def _check_channels(terms: Sequence[Term], motion: Motion) -> None:
     for term in terms:
         for name in term.law.requires:
             channel = motion.channels.get(name)
-            if channel is None or not np.isfinite(channel[:, term.joint]).all():
+            if channel is None or not np.isfinite(channel[:, term.index]).all():
                 raise InputError(
                     f"{motion.source}: {term.label(motion.joints)} needs the channel "
-                    f"{name}_{motion.joints[term.joint]}; log it, or leave {term.effect} out"
+                    f"{name}_{motion.joints[term.index]}; log it, or leave {term.effect} out"
                 )

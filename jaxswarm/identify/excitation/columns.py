@@ -18,6 +18,9 @@ from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.robot import inverse_dynamics, regressor
 from jaxswarm.robot.model import Robot
 
+# Position, velocity and acceleration along a period, each (n, K).
+_Signal = jax.Array | np.ndarray
+Planned = tuple[_Signal, _Signal, _Signal]
 _WIDTH = 0.01  # of the smooth sign, as a share of the velocity limit
 
 
@@ -25,7 +28,8 @@ def plannable(term: Term, joints: tuple[str, ...], load_known: bool = False) -> 
     """Whether the columns of a term follow from the motion, or from it and the load where that is known."""
     if not isinstance(term.law, TorqueLaw):
         return False
-    columns = _law_columns(term, *np.ones((4, len(joints), 2)), 1.0, None)
+    t, q, dq, ddq = np.ones((4, len(joints), 2))
+    columns = _law_columns(term, t, q, dq, ddq, 1.0, None)
     return not np.isnan(columns).any() and (load_known or not term.law.uses_load)
 
 
@@ -77,7 +81,7 @@ def condition(columns: np.ndarray) -> float:
     return float(np.linalg.cond(columns / np.maximum(size, 1e-300)))
 
 
-def planned(x: jax.Array, limits: Limits, fundamental: float, samples: int) -> tuple:
+def planned(x: jax.Array, limits: Limits, fundamental: float, samples: int) -> Planned:
     """Motion of one period, each (n, samples)."""
     offset, sine, cosine = within_limits(x, limits, fundamental, samples)
     order = np.arange(1, limits.harmonics + 1)
@@ -117,10 +121,10 @@ def planned_columns(
         load = jnp.tensordot(pi, rigid, 1), jnp.tensordot(pi, still, 1)
     t = jnp.broadcast_to(np.arange(samples) * period / samples, q.shape)
     for term in terms:
-        width = _WIDTH * limits.velocity[term.joint]
+        width = _WIDTH * limits.velocity[term.index]
         own = _law_columns(term, t, q, dq, ddq, width, load, tangents)
         block = jnp.zeros((own.shape[1], n, samples), q.dtype)
-        parts.append(block.at[:, term.joint].set(own.T))
+        parts.append(block.at[:, term.index].set(own.T))
     return jnp.concatenate(parts).reshape(-1, n * samples)
 
 
@@ -133,16 +137,16 @@ def planned_torque(
     t = jnp.broadcast_to(np.arange(q.shape[1]) * period / q.shape[1], q.shape)
     torque = rigid
     for term in terms:
-        width = _WIDTH * limits.velocity[term.joint]
+        width = _WIDTH * limits.velocity[term.index]
         own = _law_columns(term, t, q, dq, ddq, width, (rigid, still))
         linear = np.array([term.values[p.name] for p in term.law.linear])
-        torque = torque.at[term.joint].add(own @ linear)
+        torque = torque.at[term.index].add(own @ linear)
     return torque
 
 
 def _law_columns(term: Term, t, q, dq, ddq, width, load, tangents=False) -> jax.Array:
     """Columns (K, k) of one term's linear parameters on its own joint; then of its nonlinear ones."""
-    j = term.joint
+    law, j = term.law_of(TorqueLaw), term.index
     other = j if term.other is None else term.other
     zero = jnp.zeros_like(q[j])
     sample = Sample(
@@ -156,11 +160,11 @@ def _law_columns(term: Term, t, q, dq, ddq, width, load, tangents=False) -> jax.
     )  # fmt: skip
     known = {**term.law.nominal(), **term.values}
     nonlinear = {p.name: jnp.asarray(known[p.name], q.dtype) for p in term.law.nonlinear}
-    columns = law_columns(term.law, nonlinear, sample)
+    columns = law_columns(law, nonlinear, sample)
     free = {p.name: nonlinear[p.name] for p in term.law.free(known)}
     if not (tangents and free):
         return columns
     # The usual linear values: those of a fit may be zero, and then nothing bends.
     usual = {p.name: jnp.asarray(p.nominal, q.dtype) for p in term.law.linear}
-    bent = jax.jacfwd(lambda p: law_torque(term.law, {**usual, **nonlinear, **p}, sample))(free)
+    bent = jax.jacfwd(lambda p: law_torque(law, {**usual, **nonlinear, **p}, sample))(free)
     return jnp.concatenate([columns, jnp.stack(list(bent.values()), axis=1)], axis=1)

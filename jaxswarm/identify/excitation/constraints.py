@@ -14,9 +14,10 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
-from jaxswarm.identify.excitation.columns import planned_torque
+from jaxswarm.identify.excitation.columns import Planned, planned_torque
 from jaxswarm.identify.excitation.fourier import Fourier
 from jaxswarm.identify.excitation.limits import Limits
+from jaxswarm.identify.forward.columns import Moved
 from jaxswarm.robot.capsules import BASE, Capsules, distances
 from jaxswarm.robot.model import Robot
 
@@ -50,7 +51,7 @@ class Constraints:
     pairs: np.ndarray | None = None
     distance: float = 0.0
 
-    def torques(self, limits: Limits, motion: tuple, period: float) -> jax.Array:
+    def torques(self, limits: Limits, motion: Planned, period: float) -> jax.Array:
         """Torque or force of every joint along a motion of arrays (n, K), (n, K)."""
         return planned_torque(self.robot, self.terms, limits, *motion, period)
 
@@ -111,12 +112,12 @@ def kept(trajectory: Fourier, constraints: Constraints | None, limits: Limits) -
     return trajectory.smaller(low)
 
 
-def dense(trajectory: Fourier, limits: Limits) -> tuple[tuple[np.ndarray, ...], float]:
+def dense(trajectory: Fourier, limits: Limits) -> tuple[Moved, float]:
     """One period of a motion, each (n, K), on the samples that are written at least; its length [s]."""
     period = 1.0 / trajectory.fundamental
     samples = max(_DENSE * limits.harmonics, int(np.ceil(period * limits.rate)))
-    motion = trajectory.motion(np.arange(samples) * period / samples)
-    return tuple(x.T for x in motion), period
+    q, dq, ddq = trajectory.motion(np.arange(samples) * period / samples)
+    return (q.T, dq.T, ddq.T), period
 
 
 def excess_of(constraints: Constraints, limits: Limits) -> Callable[[Fourier], float]:

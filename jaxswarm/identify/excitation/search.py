@@ -26,6 +26,7 @@ import numpy as np
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.excitation.columns import (
+    Planned,
     condition,
     log_condition,
     planned,
@@ -110,7 +111,7 @@ def excite(
     build = partial(planned, limits=limits, fundamental=fundamental)
 
     @jax.jit
-    def along(motion: tuple) -> jax.Array:
+    def along(motion: Planned) -> jax.Array:
         return planned_columns(arm, terms, limits, *motion, period, pi)
 
     starts = np.random.default_rng(seed).uniform(-1.0, 1.0, (_RANDOM, size))

@@ -1,6 +1,5 @@
 """The rigid body of a model along a log: in which gravity its links move, and how."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +10,7 @@ from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import (
     Load,
+    Moved,
     Rigid,
     is_kept,
     load_along,
@@ -36,6 +36,7 @@ def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
 
 @program("law")
 def _gravity(law: BodyChange, values: dict, gravity: jax.Array) -> jax.Array:
+    assert law.gravity is not None
     return law.gravity(values, gravity)
 
 
@@ -57,7 +58,7 @@ class Body:
     """
 
     arm: Robot
-    moved: Sequence[np.ndarray]
+    moved: Moved
     motion: Motion
     pi: np.ndarray
     rigid: Rigid | None
@@ -111,7 +112,9 @@ def body_along(
 
 def carried(term: Term, motion: Motion) -> np.ndarray:
     """How much of a term's body is carried along a log, (T,)."""
-    return np.asarray(term.law.weight(term.values, filled(motion.t)))[: len(motion.t)]
+    return np.asarray(term.law_of(BodyChange).weight(term.values, filled(motion.t)))[
+        : len(motion.t)
+    ]
 
 
 def body_basis(law: BodyChange) -> np.ndarray:
@@ -123,4 +126,5 @@ def body_basis(law: BodyChange) -> np.ndarray:
 
 @program("law")
 def _added(law: BodyChange, values: dict) -> jax.Array:
+    assert law.body is not None
     return law.body(values)

@@ -25,6 +25,9 @@ from jaxswarm.robot import standard_parameter_names
 from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
+# Position, velocity and acceleration along a log, each (T, n).
+Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
+
 # Samples whose columns stand in memory at a time where only what follows from them is kept.
 _BLOCK = 16_384
 # Numbers that the columns of a log and their derivatives by all joints may hold together: a gigabyte, half a
@@ -141,7 +144,7 @@ class Rigid:
         if law.uses_load:
             return make()
         bent = tuple(term.values[p.name] for p in law.nonlinear)
-        place = (term.place, term.formula, bent, width[term.joint] if law.uses_direction else None)
+        place = (term.place, term.formula, bent, width[term.index] if law.uses_direction else None)
         if place not in self.laws:
             own = make()
             while self.laws and own.size + sum(x.size for x in self.laws.values()) > _OF_LAWS:
@@ -170,7 +173,7 @@ class Load(NamedTuple):
     whole: np.ndarray | None = None
 
 
-def load_along(arm: Robot, moved: Sequence[np.ndarray], pi: np.ndarray) -> Load:
+def load_along(arm: Robot, moved: Moved, pi: np.ndarray) -> Load:
     """Load torque along a motion (q, dq, ddq) of the links, for rigid parameters (10 n,)."""
     q, dq, ddq = moved
     rest = torque_of(arm, q, dq, np.zeros_like(ddq), pi)
@@ -188,7 +191,7 @@ def joint_series(
     load: Load | None,
     joint: int,
     other: int | None = None,
-) -> Sample:
+) -> Sample[np.ndarray]:
     """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) NumPy arrays.
 
     ``width`` is that of every joint's smooth sign, (n,); a sum of velocities takes the joint's own.
@@ -196,7 +199,7 @@ def joint_series(
     zero = np.zeros(len(motion.t))
     temperature = motion.channels.get("temperature")
     dq = motion.dq[:, joint]
-    partner = None if other is None else motion.dq[:, other]
+    partner = zero if other is None else motion.dq[:, other]
     return Sample(
         t=motion.t,
         q=motion.q[:, joint],
@@ -206,7 +209,7 @@ def joint_series(
         load=zero if load is None else load.full[:, joint],
         static_load=zero if load is None else load.static[:, joint],
         temperature=zero + np.nan if temperature is None else temperature[:, joint],
-        dq_other=zero if other is None else partner,
+        dq_other=partner,
         ddq_other=zero if other is None else motion.ddq[:, other],
         direction_sum=zero if other is None else direction(dq + partner, width[joint]),
         state=zero,
@@ -218,7 +221,7 @@ def term_columns(
     term: Term, motion: Motion, width: Sequence[float], load: Load | None = None
 ) -> np.ndarray:
     """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
-    series = joint_series(motion, width, load, term.joint, term.other)
+    series = joint_series(motion, width, load, term.index, term.other)
     return columns_along(term, filled(series))[: len(motion.t)]
 
 

@@ -51,5 +51,7 @@ def compliance_columns(
     moment = smooth(moment, motion.rate, motion.torque_cutoff)
     along = np.stack([moment, *derivatives(moment, motion.rate, 2)], axis=1)
     none = {p.name: 0.0 for p in law.linear}
-    sways = [-along * np.asarray(law.compliance({**none, p.name: 1.0})) for p in law.linear]
+    turns = law.compliance
+    assert turns is not None
+    sways = [-along * np.asarray(turns({**none, p.name: 1.0})) for p in law.linear]
     return np.stack([_felt(robot, sway, moved) for sway in sways], axis=2)

@@ -19,7 +19,7 @@ from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.misreading import misreading
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.columns import Moved, Rigid
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.logs.motion import Motion
@@ -29,7 +29,7 @@ from jaxswarm.robot.model import Robot
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
     """Lag of a link behind its motor along a log: e, de, dde, each (T,)."""
-    torque, by_q, by_dq, by_ddq = (x[:, term.joint] for x in sensed)
+    torque, by_q, by_dq, by_ddq = (x[:, term.index] for x in sensed)
     driven = filled((by_ddq, by_dq, by_q, torque))
     lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate)
     lag = (np.asarray(x)[: len(motion.t)] for x in lag)
@@ -62,7 +62,7 @@ def flank_compression(
     if not isinstance(term.law, TransmissionLaw) or term.law.gap is None:
         return 0.0
     torque, _, _, inertia = (
-        x[:, term.joint] for x in sensitivity_of(robot, motion, term.joint, rigid).at(pi)
+        x[:, term.index] for x in sensitivity_of(robot, motion, term.index, rigid).at(pi)
     )
     return float(np.median(np.abs(torque)) / _transmission(term, inertia)[0])
 
@@ -70,7 +70,7 @@ def flank_compression(
 def _transmission(term: Term, inertia: np.ndarray) -> tuple[jax.Array, ...]:
     """Stiffness, damping, gap and hardening of a joint whose link has this inertia (T,)."""
     values = {n: np.float64(x) for n, x in _values(term).items()}
-    return term.law.gear(values, np.asarray(inertia))
+    return term.law_of(TransmissionLaw).gear(values, np.asarray(inertia))
 
 
 def link_motion(
@@ -79,11 +79,11 @@ def link_motion(
     motion: Motion,
     pi: np.ndarray,
     rigid: Rigid | None = None,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> Moved:
     """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
     for term in of_kind(terms, TransmissionLaw):
-        lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.joint, rigid).at(pi))
+        lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.index, rigid).at(pi))
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
@@ -109,7 +109,7 @@ def excess_of(term: Term, motion: Motion, values: Mapping) -> tuple[np.ndarray, 
 
 def read_motion(term: Term, motion: Motion) -> tuple[np.ndarray, ...]:
     """q, dq, ddq (T, 2) of what an encoder's error follows: its joint, and its partner or the joint again."""
-    places = [term.joint, term.joint if term.other is None else term.other]
+    places = [term.index, term.index if term.other is None else term.other]
     return tuple(x[:, places] for x in (motion.q, motion.dq, motion.ddq))
 
 
@@ -126,7 +126,7 @@ def lag_slopes(
     """
     total = np.zeros((*motion.q.shape, len(pi)))
     for term in slope_terms(terms):
-        j = term.joint
+        j = term.index
         sensed = sensitivity_of(robot, motion, j, rigid)
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)

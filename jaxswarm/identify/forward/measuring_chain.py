@@ -68,6 +68,7 @@ def assemble(
         values = [
             np.array([t.values.get(n, 0.0) for n in t.linear_names(motion.joints)]) for t in terms
         ]
+        assert load is not None  # whatever distorts a torque asks for the load
         load = load._replace(whole=true_torque(terms, values, body, width, load))
     if decimate and not of_kind(terms, MeasurementLaw):
         parts = [body.low]
@@ -137,11 +138,11 @@ def _block(
         return low(report(terms, motion, _supplied(term, body, width, load)))
 
     def own() -> np.ndarray:
-        return low(report_own(terms, motion, term_columns(term, motion, width, load), term.joint))
+        return low(report_own(terms, motion, term_columns(term, motion, width, load), term.index))
 
     known = None if low is np.asarray or of_kind(terms, MeasurementLaw) else body.rigid
     made = own() if known is None else known.law(term, width, own)
-    return placed(made, term.joint, motion.q.shape[1])
+    return placed(made, term.index, motion.q.shape[1])
 
 
 def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
@@ -155,7 +156,7 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
     law = term.law
     if isinstance(law, BodyChange) and law.placement is not None:
-        return placement_columns(law, term.joint, body.arm, body.moved, body.pi)
+        return placement_columns(law, term.index, body.arm, body.moved, body.pi)
     if isinstance(law, BodyChange) and law.compliance is not None:
         return compliance_columns(law, body.arm, body.moved, body.pi, body.motion)
     if isinstance(law, BodyChange) and law.window:
@@ -225,7 +226,7 @@ def lateness(terms: tuple[Term, ...]) -> float:
     return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
 
 
-def late(series: Sample, seconds: float, motion: Motion) -> Sample:
+def late(series: Sample[np.ndarray], seconds: float, motion: Motion) -> Sample[np.ndarray]:
     """What a law sees, so much later: its torque is then what a late clock reports of it."""
     if not seconds:
         return series

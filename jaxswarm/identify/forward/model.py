@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -60,7 +61,8 @@ def linear_values(model: Model) -> np.ndarray:
     """The parameters the columns of :func:`assemble` multiply, shape (p,)."""
     parts = [np.asarray(model.robot.parameters).ravel()]
     for term in model.terms:
-        parts.append([term.values[name] for name in term.linear_names(model.robot.joints)])
+        names = term.linear_names(model.robot.joints)
+        parts.append(np.array([term.values[name] for name in names]))
     return np.concatenate(parts)
 
 
@@ -182,7 +184,9 @@ def _from_json(content: dict) -> Model:
         "gravity": (3,),
         "parameters": (n, 10),
     }
-    arrays = {k: jnp.asarray(np.asarray(part[k], float).reshape(s)) for k, s in shapes.items()}
+    arrays: dict[str, Any] = {
+        k: jnp.asarray(np.asarray(part[k], float).reshape(s)) for k, s in shapes.items()
+    }
     gains = [np.nan if g is None else float(g) for g in part["drive_gain"]]
     robot = Robot(
         name=part["name"],

@@ -25,9 +25,11 @@ def placement_columns(
     """
     arm = arm.replace(parameters=np.asarray(pi, float).reshape(-1, 10), name="", notes=())
     neutral, own = {p.name: 0.0 for p in law.linear}, own_moves(arm, joint)
+    placement = law.placement
+    assert placement is not None
 
     def torque(name, step):
-        moves = own * np.asarray(law.placement({**neutral, name: step}))
+        moves = own * np.asarray(placement({**neutral, name: step}))
         return rigid_torque(moved_joint(arm, joint, moves), *moved)
 
     columns = [(torque(p.name, _STEP) - torque(p.name, -_STEP)) / (2 * _STEP) for p in law.linear]

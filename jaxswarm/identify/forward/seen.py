@@ -30,7 +30,7 @@ def beyond_seen(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
             share = float(((x < low) | (x > high)).mean())
             if share > _TOLD:
                 told.append(
-                    f"The law found on {joints[term.joint]} is a guess in {100 * share:.0f} % of the samples: "
+                    f"The law found on {joints[term.index]} is a guess in {100 * share:.0f} % of the samples: "
                     f"it was seen for {kind}_{joints[place]} from {low:.3g} to {high:.3g} only."
                 )
     return tuple(told)

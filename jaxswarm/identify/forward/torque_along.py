@@ -39,6 +39,7 @@ def torque_along(
     values = np.split(theta[k:], ends[:-1] - k) if terms else []
     torque = true_torque(terms, values, body, width, load)
     if distorted(terms):
+        assert load is not None  # whatever distorts a torque asks for the load
         load = load._replace(whole=torque)
         beside = [
             own_columns(term, motion, width, load) @ own

@@ -142,7 +142,9 @@ def _residual(problem: OutputProblem, values: dict, experiments, motions) -> np.
 
 def _experiment(motion: Motion) -> Experiment:
     # The simulation holds a torque from sample to sample: that of the middle, or it would be late.
-    held = np.concatenate([0.5 * (motion.tau[1:] + motion.tau[:-1]), motion.tau[-1:]])
+    logged = motion.tau
+    assert logged is not None  # without torques nothing is fitted
+    held = np.concatenate([0.5 * (logged[1:] + logged[:-1]), logged[-1:]])
     q, dq, ddq, tau = map(jnp.asarray, (motion.q, motion.dq, motion.ddq, held))
     return Experiment(Reference(q, dq, ddq, tau), q, q[0], dq[0])
 

@@ -53,7 +53,8 @@ def output_fitness(problem: OutputProblem) -> Callable[[dict, tuple[Experiment, 
         plant, shifts = _candidate(problem, lanes, len(experiments))
         shape = lanes[0].shape
         parts = zip(experiments, shifts, strict=True)
-        return sum(_squared_error(problem, plant, e, shift, shape) for e, shift in parts)
+        errors = (_squared_error(problem, plant, e, shift, shape) for e, shift in parts)
+        return sum(errors, jnp.zeros(shape))
 
     def fitness(params: dict, experiments: tuple[Experiment, ...]) -> jax.Array:
         names = problem.free + start_names(problem, len(experiments))
@@ -75,12 +76,17 @@ def _candidate(problem: OutputProblem, values: Sequence[Any], num_experiments: i
 
 
 def _loop(problem: OutputProblem, e: Experiment, lanes: tuple[int, ...]) -> Loop:
-    options = {"dt": problem.dt, "substeps": problem.substeps, "external": e.external}
+    dt, steps, external = problem.dt, problem.substeps, e.external
     if problem.controller is None:
-        return open_loop(e.drive, hold=problem.hold, **options)
-    reference = Reference(*e.drive)
+        return open_loop(e.drive, hold=problem.hold, dt=dt, substeps=steps, external=external)
     return closed_loop(
-        problem.controller, reference, lanes=lanes, control_dt=problem.control_dt, **options
+        problem.controller,
+        Reference(*e.drive),
+        lanes=lanes,
+        control_dt=problem.control_dt,
+        dt=dt,
+        substeps=steps,
+        external=external,
     )
 
 

@@ -10,6 +10,19 @@ from jaxswarm.studies.rx60.search import Search
 
 COLORS = {"gpso": plots.RESIDUAL, "aelspso": plots.MODEL}
 
+# What they show, for those who do not see them.
+WORDS = {
+    "convergence": "Fitness over the steps without and with noise: median and quartiles of the runs of both "
+    "schemes, the paper's values dotted, least squares dashed.",
+    "null_space": "Scatter of the runs: five parameters that the data cannot see, with the paper's values, and "
+    "the combinations that it can see, on a logarithmic scale.",
+    "cause": "Median noise-free fitness of every variant of AELSPSO for both accelerations; GPSO dashed.",
+    "sensitivity": "Median noise-free fitness over the acceleration for several widths of the bounds, 24 "
+    "particles and 200 steps; the paper's value dotted.",
+    "loop": "Error on unseen motion by joint: GPSO, AELSPSO, the declared model and the model after the loop, "
+    "for every effect that was not declared.",
+}
+
 
 def torque(measured: Experiment, theta: np.ndarray, title: str) -> Figure:
     """The paper's torque comparison: validation torque, and the estimate's."""

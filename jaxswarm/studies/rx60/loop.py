@@ -24,6 +24,7 @@ from jaxswarm.robot.placements import body_parameters
 from jaxswarm.studies import page
 from jaxswarm.studies.rx60 import paper
 from jaxswarm.studies.rx60.data import Experiment, compress
+from jaxswarm.studies.rx60.figures import WORDS
 from jaxswarm.studies.rx60.search import base_of, scheme, search, view
 
 PAYLOAD = 2.0  # kg, 0.3 m out on link 3
@@ -190,6 +191,6 @@ def section(result: dict, images: dict[str, bytes]) -> list[str]:
             "on a motion that was not fitted."
         ),
         page.table(["", "joint 1", "joint 2", "joint 3", "found"], errors),
-        page.picture("loop.png", images["loop.png"]),
+        page.picture("loop.png", images["loop.png"], WORDS["loop"]),
         *reports,
     ]

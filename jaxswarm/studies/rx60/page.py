@@ -3,6 +3,7 @@
 from jaxswarm.studies import page
 from jaxswarm.studies.page import number
 from jaxswarm.studies.rx60 import paper
+from jaxswarm.studies.rx60.figures import WORDS
 from jaxswarm.studies.rx60.loop import section as loop_section
 
 
@@ -38,8 +39,8 @@ def verdict_lines(result: dict) -> list[str]:
 def render(result: dict, images: dict[str, bytes]) -> str:
     """The page for the content of ``rx60.json`` and its pictures."""
 
-    def show(name):
-        return page.picture(name, images[name])
+    def show(name, words=""):
+        return page.picture(f"{name}.png", images[f"{name}.png"], words or WORDS[name])
 
     parts = [
         page.verdicts(result["findings"]),
@@ -62,9 +63,9 @@ def render(result: dict, images: dict[str, bytes]) -> str:
             f"{', '.join(number(s) for s in result['identifiability']['singular_values'])}."
         ),
         page.table(["row", *result["identifiability"]["base"]], _base(result)),
-        show("null_space.png"),
+        show("null_space"),
         page.heading("Convergence: median and quartiles of ten runs"),
-        show("convergence.png"),
+        show("convergence"),
         page.heading("Why AELSPSO lost in the paper"),
         page.reconstructions(
             [
@@ -110,15 +111,21 @@ def render(result: dict, images: dict[str, bytes]) -> str:
                 for r in result["cause"]["ablation"]
             ],
         ),
-        show("cause.png"),
+        show("cause"),
         *_sensitivity(result),
-        show("sensitivity.png"),
+        show("sensitivity"),
         *_readings(result),
         *_physics(result),
         *_optimizers(result),
         *loop_section(result, images),
         page.heading("Torque on the validation trajectory: the paper's four figures"),
-        *(show(f"torque_{name}_{case}.png") for name, case in paper.CASES),
+        *(
+            show(
+                f"torque_{name}_{case}",
+                f"Torque of every joint, true and as {name.upper()} predicts, {case}.",
+            )
+            for name, case in paper.CASES
+        ),
     ]
     return page.page("RX60: GPSO, AELSPSO and what the data can tell", parts)
 

@@ -17,6 +17,12 @@ _STYLES = {
     OURS: ("k", "-"),
 }
 
+# What the picture shows, for those who do not see it.
+WORDS = (
+    "Output error over the evaluations, median and quartiles of the runs: the paper's contestants, and beside "
+    "them other optimizers where they were asked."
+)
+
 
 def convergence(found: dict[str, Runs], title: str) -> Figure:
     """Best cost over evaluations, median and quartile band: the paper's contestants, the yardsticks."""

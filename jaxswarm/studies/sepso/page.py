@@ -2,6 +2,7 @@
 
 from jaxswarm.studies import page
 from jaxswarm.studies.sepso.claims import sentences
+from jaxswarm.studies.sepso.figures import WORDS
 from jaxswarm.studies.sepso.search import OURS
 
 
@@ -96,7 +97,7 @@ def render(result: dict, images: dict[str, bytes]) -> str:
                 f"{polish['at_the_best']} reach the best, {polish['cost_best']:.2g}, with accuracy "
                 f"{polish['accuracy_best']:.2g}."
             ),
-            page.picture(picture, images[picture]),
+            page.picture(picture, images[picture], WORDS),
             _comparisons(s["comparisons"]),
         ]
     for t in result["torque_error"]:
