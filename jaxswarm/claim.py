@@ -16,20 +16,26 @@ except ImportError:  # Windows has other locks; two commands in one folder are n
 
 
 @contextmanager
-def claim(out: Path, inputs: Sequence[Path | None], names: Sequence[str] = ()) -> Iterator[None]:
+def claim(
+    out: Path,
+    inputs: Sequence[Path | None],
+    names: Sequence[str] = (),
+    beside: Sequence[Path] = (),
+) -> Iterator[None]:
     """Hold an output place for as long as a command works.
 
     Args:
         out: Folder or file that will be written.
         inputs: Files the command reads; None and names that are no file are passed over.
         names: Files it writes into the folder ``out``; empty: ``out`` is itself the file.
+        beside: Further files it may write.
 
     Raises:
         InputError: If an output is one of the inputs, by whatever way to it, or another command
             of this machine works in the same place.
     """
     out = Path(out)
-    for target in [out / name for name in names] or [out]:
+    for target in [*([out / name for name in names] or [out]), *beside]:
         for given in inputs:
             if given is not None and _same(target, Path(given)):
                 raise InputError(

@@ -49,6 +49,50 @@ def test_predict_never_writes_over_what_it_reads(identified, tmp_path, monkeypat
     assert target.read_bytes() == before
 
 
+URDF = """<robot name="r"><link name="a"/><link name="b"/><joint name="slide" type="prismatic">
+<parent link="a"/><child link="b"/><axis xyz="1 0 0"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("victim", "words"),
+    [
+        # The file beside the robot, which holds what a URDF cannot, would have the model's name.
+        ("m.json", ("export", "m.json", "--format", "urdf", "--out", "m")),
+        ("c.toml", ("predict", "m.json", "log.csv", "--columns", "c.toml", "--out", "c.toml")),
+        ("arm.urdf", ("robots", "show", "arm.urdf", "--out", "arm.urdf")),
+    ],
+)
+def test_no_command_writes_over_what_it_reads(identified, tmp_path, monkeypatch, victim, words):
+    (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
+    (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
+    (tmp_path / "c.toml").write_text('[columns]\nt = { unit = "s" }\n')
+    (tmp_path / "arm.urdf").write_text(URDF)
+    monkeypatch.chdir(tmp_path)
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    assert_refused(run(*words), victim, "overwrite")
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("predict", "m.json", "log.csv", "--out", "own.csv"),
+        ("simulate", "m.json", "--reference", "log.csv", "--out", "own.csv"),
+        ("export", "m.json", "--format", "yaml", "--out", "own.csv"),
+        ("robots", "show", "arm.urdf", "--out", "own.csv"),
+    ],
+)
+def test_what_is_overwritten_is_told_once(identified, tmp_path, monkeypatch, words):
+    (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
+    (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
+    (tmp_path / "arm.urdf").write_text(URDF)
+    (tmp_path / "own.csv").write_text("hours of work")
+    monkeypatch.chdir(tmp_path)
+    found = [run(*words) for _ in range(2)]
+    assert [code for code, _, _ in found] == [0, 0], found
+    assert [err.count("overwritten: own.csv") for _, _, err in found] == [1, 0]
+
+
 @pytest.mark.parametrize("name", ["x" * 300 + ".csv", "y/" * 2500 + "log.csv"])
 def test_a_name_that_no_file_system_takes_is_no_failure_of_printing(tmp_path, name):
     result = identify(name, tmp_path / "out")

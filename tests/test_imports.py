@@ -13,7 +13,8 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "unfinished": set(),
-    "outputs": {"unfinished"},
+    "manifest": set(),
+    "outputs": {"unfinished", "manifest"},
     "provenance": set(),
     "claim": set(),
     "terminal": set(),
