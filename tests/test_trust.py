@@ -15,7 +15,8 @@ from jaxswarm.errors import InputError  # noqa: E402
 from jaxswarm.logs import Log  # noqa: E402
 
 # Inputs that once ended in another way than by a refusal: rows of a result without values, lists nested too
-# deep, a velocity of another motion than the position, matrices without a row.
+# deep, a velocity of another motion than the position, matrices without a row, a stretch of few samples
+# whose stamps are close.
 FELL = (
     (346, "compare"),
     (1222, "compare"),
@@ -25,6 +26,7 @@ FELL = (
     (6889, "NPZ"),
     (20930, "MAT"),
     (22082, "MAT"),
+    (25273, "Parquet"),
 )
 
 
