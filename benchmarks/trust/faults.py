@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.trust.jobs import JOBS, content, finish, prepare, start
-from benchmarks.trust.killed import COPIED, KILLS, Copies, chain
+from benchmarks.trust.jobs import content, finish, prepare, start
+from benchmarks.trust.killed import KILLS, Copies, chain, job_of
 from benchmarks.trust.oracle import LONGEST
 from benchmarks.trust.reference import KEPT, Reference, names, same
 from benchmarks.trust.rows import add_row, read_rows
@@ -19,11 +19,9 @@ from benchmarks.trust.surroundings import OTHERS
 # Before this time [s] Python itself is still starting, and no program of ours can answer a signal.
 _STARTED = 1.5
 _CODES = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
-# Commands that write one set of results, which is left whole or not at all; what answers signals; and what is
-# many processes or takes minutes, killed as a process of its own one time in so many chains.
+# Commands that write one set of results, which is left whole or not at all, and what answers signals.
 _COMMANDS = ("identify", "diagnose", "diagnose --model")
-_ANSWERING = (*_COMMANDS, "fleet")
-_LONG, _SELDOM = ("fleet", "study"), 10
+_ANSWERING = (*_COMMANDS, "fleet", "study")
 
 
 def faults(kills: int) -> None:
@@ -34,17 +32,10 @@ def faults(kills: int) -> None:
         wanted: dict[str, Callable[[Path], str]] = {}
         copies = Copies(Path(place))
         for k in range(-(-kills // KILLS)):
-            job = COPIED[k % len(COPIED)]
+            job = job_of(k)
             wanted[f"kills {k} of {job}"] = _bound(chain, copies, job, k)
-            if k % _SELDOM == _SELDOM - 1:
-                job = _LONG[k // _SELDOM % len(_LONG)]
-                wanted[f"kill {k} of {job}"] = _bound(
-                    _ended_early, reference, job, signal.SIGKILL, k
-                )
-        for job in JOBS:
+        for job in _ANSWERING:
             for number in _CODES:
-                if job not in _ANSWERING:
-                    continue
                 name = f"{number.name} of {job}"
                 wanted[name] = _bound(_ended_early, reference, job, number, len(wanted))
         for name, try_it in OTHERS.items():
