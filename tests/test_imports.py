@@ -51,7 +51,7 @@ ALLOWED = {
     "runtime": {"terminal"},
     "cli": {"commands", "console", "work"},
     "__main__": {"cli"},
-    "reference": {"effects", "swarm", "cli"},
+    "reference": {"effects", "swarm", "cli", "work"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
