@@ -139,6 +139,38 @@ def test_a_place_is_free_again_after_the_work(tmp_path):
                 pass
 
 
+def test_no_lock_is_left_and_one_that_was_is_no_hindrance(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
+    with claim(tmp_path / "out", ()):
+        (lock,) = (tmp_path / "temporary").iterdir()
+    assert not lock.exists()
+    lock.touch()  # as a killed command leaves it
+    with claim(tmp_path / "out", ()):
+        pass
+    assert not lock.exists()
+
+
+def test_of_many_at_once_one_works_at_a_time(tmp_path):
+    """Locks are removed while others ask for them: never do two commands hold one place."""
+    code = (
+        "import os, sys; from pathlib import Path; from jaxswarm.claim import claim\n"
+        "from jaxswarm.errors import InputError\n"
+        "held = 0\n"
+        "while held < 200:\n"
+        "    try:\n"
+        "        with claim(Path(sys.argv[1]), ()):\n"
+        "            os.close(os.open(sys.argv[2], os.O_CREAT | os.O_EXCL))\n"
+        "            os.unlink(sys.argv[2]); held += 1\n"
+        "    except InputError:\n"
+        "        pass\n"
+    )
+    words = [sys.executable, "-c", code, str(tmp_path / "out"), str(tmp_path / "held")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    every = [subprocess.Popen(words, env=environment) for _ in range(3)]
+    assert [one.wait(timeout=60) for one in every] == [0, 0, 0]
+
+
 @pytest.mark.parametrize(
     "error",
     [
