@@ -93,6 +93,29 @@ def test_what_is_overwritten_is_told_once(identified, tmp_path, monkeypatch, wor
     assert [err.count("overwritten: own.csv") for _, _, err in found] == [1, 0]
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in this file system")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("predict", "m.json", "log.csv", "--out", "pipe"),
+        ("export", "m.json", "--format", "urdf", "--out", "pipe"),
+        ("robots", "show", "arm.urdf", "--out", "pipe"),
+        ("identify", "log.csv", "--robot", "arm.urdf", "--effects", "none", "--out", "out"),
+    ],
+)
+def test_no_file_takes_the_place_of_a_device_or_a_pipe(identified, tmp_path, monkeypatch, words):
+    (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
+    (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
+    (tmp_path / "arm.urdf").write_text(URDF)
+    (tmp_path / "out").mkdir()
+    for name in ("pipe", "out/model.json"):
+        os.mkfifo(tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    assert_refused(run(*words), "is a device or a pipe")
+    assert (tmp_path / "pipe").is_fifo() and (tmp_path / "out" / "model.json").is_fifo()
+    assert len(list((tmp_path / "out").iterdir())) == 1
+
+
 @pytest.mark.parametrize("name", ["x" * 300 + ".csv", "y/" * 2500 + "log.csv"])
 def test_a_name_that_no_file_system_takes_is_no_failure_of_printing(tmp_path, name):
     result = identify(name, tmp_path / "out")
