@@ -4,6 +4,7 @@ They are copies of one process that has loaded everything, so that the moments f
 """
 
 import shutil
+import signal
 import time
 from pathlib import Path
 
@@ -28,6 +29,9 @@ _CHAINS = {
 _ROUND = sum(_CHAINS.values())
 # Jobs that keep what they have done where their results will be.
 _KEEPING = ("minimize_resumable", "fleet")
+# What a command that is asked to end answers: its exit code, and a word.
+_CODES = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
+ASKED = tuple(_CODES)
 # A copy that ended before its moment was no kill: the next one is tried sooner by this factor.
 _SOONER = 0.8
 
@@ -83,6 +87,30 @@ def chain(folder: Path, copies: Copies, job: str, number: int) -> str:
             return f"at {moment:.1f} s: a part of the results was left: {sorted(visible)}"
     told = f"after kills at {np.round(moments, 1)} s"
     return same(whole, folder, *_ended(_begun(job, folder)), told)
+
+
+def ended_early(folder: Path, copies: Copies, job: str, sent: signal.Signals, number: int) -> str:
+    """Ask a job to end at a random moment; what is wrong with what it said, left and makes of it later."""
+    seconds, whole = copies.of(job)
+    moment = float(np.random.default_rng([number, 9]).uniform(0.05, 1.0)) * seconds
+    copy = _begun(job, folder)
+    code = copy.ended(moment)
+    while code is not None:  # it was done before its moment
+        shutil.rmtree(folder)
+        prepare(folder)
+        moment *= _SOONER
+        copy = _begun(job, folder)
+        code = copy.ended(moment)
+    copy.tell(sent)
+    code, told = _ended(copy)
+    left = {n for n in content(folder) if not n.startswith(".") and n not in KEPT}
+    expected, word = _CODES[sent]
+    done = code == 0 and left == names(whole)  # nothing was left to do
+    if not done and (code != expected or "Traceback" in told or word not in told):
+        return f"at {moment:.1f} s of {seconds:.1f} s: code {code}: {told}"
+    if left and job not in _KEEPING and left != names(whole):
+        return f"at {moment:.1f} s: a part of the results was left: {sorted(left)}"
+    return same(whole, folder, *_ended(_begun(job, folder)), f"after {sent.name} at {moment:.1f} s")
 
 
 def _begun(job: str, folder: Path) -> Copy:
