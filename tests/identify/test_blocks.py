@@ -34,10 +34,8 @@ def whole(log):
 
 
 def in_parts(monkeypatch):
-    covariance = importlib.import_module("jaxswarm.identify.estimation.covariance")
     monkeypatch.setattr(columns, "_BLOCK", 333)
     monkeypatch.setattr(columns, "_KEPT", 0)
-    monkeypatch.setattr(covariance, "_ROWS", 50)
     monkeypatch.setattr(lost, "_ROWS", 100)
 
 

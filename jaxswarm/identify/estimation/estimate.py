@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
 from jaxswarm.identify.estimation.events import with_event_torques
@@ -32,6 +33,10 @@ from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
+
+# Clocks that nobody delayed are apart by a part of a sample, by filters and by how long a drive holds a torque:
+# evenly within half a sample on either side, which no log tells from a delay.
+_CLOCKS_APART = 12.0**-0.5
 
 
 @dataclass(frozen=True)
@@ -146,6 +151,9 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
         if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
+        if isinstance(term.law, MeasurementLaw) and term.law.clock:
+            apart = _CLOCKS_APART * min(m.interval for m in problem.motions)
+            own.update({p: float(np.hypot(value, apart)) for p, value in own.items()})
     if any(t.law.recurring for t in terms):
         model, errors = with_event_torques(
             model, here.solution, here.regression, problem.motions, problem.rigids, errors

@@ -3,7 +3,7 @@ r"""Weighted least squares on base parameters, by orthogonal factors only, with 
 Rows of joint j are divided by its residual standard deviation, estimated from the residual and iterated.
 The data are compressed once to the triangular factor R and z of ``[W | tau]``; everything after works
 on those. Residuals of real robots are strongly autocorrelated, so the covariance of the estimate is the
-Newey-West sandwich
+larger of two sandwiches, one by frequencies (:mod:`jaxswarm.identify.estimation.covariance`), and Newey-West's
 
 .. math:: R^{-1} \Big(\sum_{|l| \le L} (1 - |l|/(L+1)) \sum_t u_t u_{t-l}^T\Big) R^{-T},
    \qquad u_t = Q_t^T e_t / (1 - h_t),
@@ -162,8 +162,8 @@ def fit(
     size, triangle = found.base.size, found.triangle
     factor, target = triangle[:size, :size], triangle[:size, size]
     error = found.residual / found.sigma
-    u = scored(factor, regression.columns, found.base.kept, found.sigma, error)
-    covariance, effective = sandwich(factor, u, error, regression.log)
+    scores = scored(factor, regression.columns, found.base.kept, found.sigma, error, regression.log)
+    covariance, effective = sandwich(factor, scores, error, regression.log)
     covariance[found.at_bound, :] = 0.0
     covariance[:, found.at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
