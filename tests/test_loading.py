@@ -43,8 +43,8 @@ def test_threads_that_are_set_outside_change_no_digit():
     code = (
         "from jaxswarm.runtime import start; start()\n"
         "import hashlib, numpy as np\n"
-        "x = np.random.default_rng(0).normal(size=(3000, 70))\n"
-        "print(hashlib.sha256(np.linalg.qr(x)[1].tobytes() + (x.T @ x).tobytes()).hexdigest())"
+        "x = np.random.default_rng(0).normal(size=200_000)\n"
+        "print(hashlib.sha256((x @ x).tobytes()).hexdigest())"
     )
     found = set()
     for threads in ("1", "2", "4"):
