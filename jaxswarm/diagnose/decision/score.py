@@ -181,7 +181,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     windows = len(residual) / max(int(inside.sum()), 1)
     blocks = np.bincount(crossfit.block, fall.sum(axis=1))
     chance = scipy.special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
-    dense = shares[joint] * windows >= DENSE
+    dense = _stands_out(float(shares[joint]), 1.0 / windows)
     return Score(
         candidate=candidate,
         gain=gain,
@@ -193,8 +193,19 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
         p_value=float(min(1.0, chance)),
         repeats=1.0,
         coefficients=a,
-        allowed=bool(dense),
+        allowed=dense,
     )
+
+
+def _stands_out(share: float, time: float) -> bool:
+    """Whether a share of the squared error in a share of the time is an event: much in little, or nearly all.
+
+    Of a long window in a short log no share is many times its time; there little may be left beside it.
+
+    >>> _stands_out(0.5, 0.1), _stands_out(0.5, 0.2), _stands_out(0.9, 0.4), _stands_out(0.9, 0.7)
+    (True, False, True, False)
+    """
+    return share >= DENSE * time or 1.0 - share <= (1.0 - time) / DENSE
 
 
 def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:

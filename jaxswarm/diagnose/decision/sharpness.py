@@ -5,6 +5,9 @@ at every reversal: it looks like friction at low speed, like a coupling to whate
 is held out repeats it too. A law that acts elsewhere as well stays when such rows count by their noise
 (:func:`jaxswarm.diagnose.folds.noise.row_noise`); what stood for the reversals alone goes.
 
+The clock of each joint is free in that question, too (:mod:`jaxswarm.diagnose.folds.clocks`): friction and
+springs must not be read out of when, in a sample, a drive's torque was read.
+
 On a clean joint of a world with 50 samples a second, Stribeck friction took half of the squared error at
 p = 1e-9, and an eighth with these weights. Of eight false candidates that passed on that log six go; of
 the laws that are true of it and of six practice logs none.
@@ -18,10 +21,11 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import NEAR, Rules
 from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.folds.clocks import clock_slopes
 from jaxswarm.diagnose.folds.noise import noise_of, row_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -41,12 +45,14 @@ def only_sharp(
         rules: Thresholds.
     """
     near = found.fit.sigma <= NEAR * noise_of(found)
-    asking = [s for s in passed if near[s.joint] and not _is_sharp(s.candidate.term.law)]
+    asking = [s for s in passed if near[s.joint] and not _is_told(s.candidate.term.law)]
     if not asking:
         return []
     softer = cross_fit(found, doubt_of=row_noise)
     # By these weights a torque counts against the noise of its rows, not against that of all.
     softer = replace(softer, noise=row_noise(found).min(axis=0))
+    clocks = softer.weigh(clock_slopes(found))
+    softer = softer.with_columns((clocks,) * len(softer.folds), known=True)
     known = crossfit.weight > 0
     ratio = np.divide(softer.weight, crossfit.weight, out=np.zeros_like(softer.weight), where=known)
     interval = max(m.interval for m in found.motions)
@@ -54,9 +60,10 @@ def only_sharp(
     return [s for s, other in again if not passes(other, asked, rules)]
 
 
-def _is_sharp(law: Effect) -> bool:
-    """Whether what a law does is as sharp as can be: the impact in a gear, the edge of an event."""
-    return law.recurring or (isinstance(law, TransmissionLaw) and law.gap is not None)
+def _is_told(law: Effect) -> bool:
+    """Whether a law is sharp or late itself: the impact in a gear, the edge of an event, a clock, a lag."""
+    late = isinstance(law, MeasurementLaw) and (law.clock or law.late is not None)
+    return late or law.recurring or (isinstance(law, TransmissionLaw) and law.gap is not None)
 
 
 def _weighted(candidate: Candidate, ratio: np.ndarray) -> Candidate:

@@ -68,9 +68,12 @@ class Fold:
         """The same model fitted to other rows, (T,), at the same weights."""
         return _fold(self.project, self.residual, rows, self.project.shape[2])
 
-    def with_columns(self, columns: np.ndarray) -> "Fold":
-        """The same rows fitted by a model that has further weighted columns (T, n, k)."""
-        more = _fold(self.free_part(columns), self.residual, self.train, columns.shape[2])
+    def with_columns(self, columns: np.ndarray, known: bool = False) -> "Fold":
+        """The same rows fitted by a model that has further weighted columns (T, n, k).
+
+        ``known``: their coefficients are known to be zero within one, standard deviation.
+        """
+        more = _fold(self.free_part(columns), self.residual, self.train, columns.shape[2], known)
         return Fold(
             self.train,
             np.concatenate([self.project, more.project], axis=2),
@@ -111,9 +114,13 @@ class CrossFit:
         """Whole, then the two halves."""
         return (self.whole, *self.halves)
 
-    def with_columns(self, columns: tuple[np.ndarray, ...]) -> "CrossFit":
-        """The folds of a model that has further weighted columns, given for every fold."""
-        whole, *halves = (f.with_columns(c) for f, c in zip(self.folds, columns, strict=True))
+    def with_columns(self, columns: tuple[np.ndarray, ...], known: bool = False) -> "CrossFit":
+        """The folds of a model that has further weighted columns, given for every fold.
+
+        ``known``: their coefficients are known to be zero within one, standard deviation.
+        """
+        more = zip(self.folds, columns, strict=True)
+        whole, *halves = (fold.with_columns(c, known) for fold, c in more)
         return replace(self, whole=whole, halves=tuple(halves), structure={})
 
     def weigh(self, columns: np.ndarray) -> np.ndarray:
@@ -204,12 +211,23 @@ def robust_weight(residual: np.ndarray) -> np.ndarray:
     return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
 
 
-def _fold(columns: np.ndarray, torque: np.ndarray, train: np.ndarray, parameters: int) -> Fold:
-    """A fold of weighted columns (T, n, k) of so many base parameters; k is zero if those are held."""
+def _fold(
+    columns: np.ndarray,
+    torque: np.ndarray,
+    train: np.ndarray,
+    parameters: int,
+    known: bool = False,
+) -> Fold:
+    """A fold of weighted columns (T, n, k) of so many base parameters; k is zero if those are held.
+
+    ``known``: each coefficient has been seen once, as zero with a standard deviation of one.
+    """
     joints, size = columns.shape[1:]
     if size == 0:
         return Fold(train, columns, columns, torque, np.zeros((parameters, 0)))
     rows = columns[train].reshape(-1, size)
+    if known:
+        rows = np.concatenate([rows, np.eye(size)])
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     # Nobody asks for Q, which costs as much again in time and memory.
     _, r, order = scipy.linalg.qr(

@@ -41,7 +41,7 @@ def clock_skew(found: Estimate) -> tuple[float, float]:
     """
     solution = found.fit
     regression, residual = _in_the_middle(found.regression, solution.residual)
-    slope = -_change(regression.torque - residual, regression.t, regression.log)
+    slope = -change_by_time(regression.torque - residual, regression.t, regression.log)
     if regression.used is not None:
         slope[~regression.used] = 0.0
     if not slope.any():
@@ -129,7 +129,7 @@ def _in_the_middle(regression: Regression, residual: np.ndarray) -> tuple[Regres
     return regression.rows(asked), residual[asked]
 
 
-def _change(torque: np.ndarray, t: np.ndarray, log: np.ndarray) -> np.ndarray:
+def change_by_time(torque: np.ndarray, t: np.ndarray, log: np.ndarray) -> np.ndarray:
     """Derivative by time of decimated torques (T, n), log by log."""
     slope = np.zeros_like(torque)
     for k in np.unique(log):

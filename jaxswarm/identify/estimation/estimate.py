@@ -35,8 +35,8 @@ from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
 # Clocks that nobody delayed are apart by a part of a sample, by filters and by how long a drive holds a torque:
-# evenly within half a sample on either side, which no log tells from a delay.
-_CLOCKS_APART = 12.0**-0.5
+# evenly within half a sample on either side, which no log tells from a delay. Standard deviation, in samples.
+CLOCKS_APART = 12.0**-0.5
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
         if isinstance(term.law, MeasurementLaw) and term.law.clock:
-            apart = _CLOCKS_APART * min(m.interval for m in problem.motions)
+            apart = CLOCKS_APART * min(m.interval for m in problem.motions)
             own.update({p: float(np.hypot(value, apart)) for p, value in own.items()})
     if any(t.law.recurring for t in terms):
         model, errors = with_event_torques(
