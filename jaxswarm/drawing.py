@@ -8,6 +8,7 @@ other before the end. What the other process cannot do is drawn here.
 import importlib
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -38,7 +39,7 @@ class Drawing:
         if _cores() > 1:  # on a single one it would only stand in the way
             try:
                 self._folder = tempfile.TemporaryDirectory(prefix="jaxswarm-")
-                self._process = _start()
+                self._process = _start(self._folder.name)
             except OSError:
                 self._process = None
         return self
@@ -101,11 +102,15 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _start() -> subprocess.Popen:
-    """A process of the same Python with the same modules, which an interrupt of the terminal spares."""
+def _start(folder: str) -> subprocess.Popen:
+    """A process of the same Python with the same modules, which an interrupt of the terminal spares.
+
+    Args:
+        folder: Where orders and pictures are.
+    """
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     return subprocess.Popen(
-        [sys.executable, "-P", "-c", _CHILD],
+        [sys.executable, "-P", "-c", _CHILD, folder, str(os.getpid())],
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -115,7 +120,19 @@ def _start() -> subprocess.Popen:
 
 
 def serve() -> None:
-    """Draw what the lines of stdin name, until they end; what fails is left to who asked for it."""
+    """Draw what the lines of stdin name, until they end; what fails is left to who asked for it.
+
+    Whoever was killed cannot remove the folder of the orders any more: then it is removed here.
+    """
+    try:
+        _serve()
+    finally:
+        folder, parent = sys.argv[1:]
+        if hasattr(os, "fork") and os.getppid() != int(parent):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _serve() -> None:
     importlib.import_module("jaxswarm.plots")
     for line in sys.stdin.buffer:
         place = Path(line.decode().rstrip("\n"))

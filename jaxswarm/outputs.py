@@ -6,22 +6,21 @@ shares a name with them replaces all of them, so that no picture of an earlier r
 numbers of this one. Files that nobody here wrote, or that were changed since, are never deleted.
 """
 
-import hashlib
 import json
 import os
 import platform
 import re
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from jaxswarm import unfinished
 from jaxswarm.errors import InputError, Notice, printable
+from jaxswarm.manifest import MANIFEST, as_written, digest_of, read_sets
 
-MANIFEST = ".jaxswarm.json"
 # What neither a shell nor any file system takes as it is: separators, wild cards, quotes, control characters.
 _UNSAFE = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|$\[\]]')
 
@@ -31,23 +30,26 @@ _LONGEST_NAME = 60
 Content = str | bytes | Callable[[Path], object]
 
 
-def check_folder(folder: Path) -> Path:
+def check_folder(folder: Path, named: Path | None = None) -> Path:
     """Refuse an output folder that could not be written, before any work is done; create nothing.
+
+    Args:
+        folder: It.
+        named: What the user named, where that is a file in it.
 
     Raises:
         InputError: If the path or the nearest existing parent is no writable folder.
     """
     folder = Path(folder)
+    named = folder if named is None else named
     try:
         parent = _nearest(folder)
         if not parent.is_dir():
-            raise InputError(
-                f"--out {folder}: {parent} is not a folder; choose another output folder"
-            )
+            raise InputError(f"--out {named}: {parent} is not a folder; choose another place")
         with tempfile.TemporaryFile(dir=parent):
             pass
     except OSError as error:
-        raise _refusal(folder, error) from None
+        raise _refusal(named, error) from None
     return folder
 
 
@@ -58,14 +60,21 @@ def check_file(path: Path) -> Path:
         InputError: If it is a folder, or its folder or its name cannot be used.
     """
     path = Path(path)
-    check_folder(path.parent)
+    check_folder(path.parent, path)
     try:
         _nearest(path)
     except OSError as error:
         raise _refusal(path, error) from None
     if path.is_dir():
         raise InputError(f"--out {path}: is a folder; name a file such as {path / 'pred.csv'}")
+    _refuse_device(path, path)
     return path
+
+
+def _refuse_device(path: Path, named: Path) -> None:
+    """Refuse to put a file in the place of a device or a pipe, which others need."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise InputError(f"--out {named}: {path.name} is a device or a pipe; name a file")
 
 
 def write_results(folder: Path, files: Mapping[str, Content]) -> list[Path]:
@@ -81,22 +90,36 @@ def write_results(folder: Path, files: Mapping[str, Content]) -> list[Path]:
     """
     folder = Path(folder)
     files = dict(zip(_distinct([file_name(name) for name in files]), files.values(), strict=True))
-    sets = _manifest(folder)
+    sets = read_sets(folder)
     stale = [known for known in sets if known.keys() & files.keys()]
     ours = {name: digest for known in stale for name, digest in known.items()}
-    replaced = [n for n in files if (folder / n).exists() and not _is(folder / n, ours.get(n))]
+    replaced = [
+        n for n in files if (folder / n).exists() and not as_written(folder / n, ours.get(n))
+    ]
     done = write_files(folder, files)
-    if replaced:
-        # Told afterwards: whatever is told before could still fail.
-        told = ", ".join(printable(name) for name in replaced)
-        warnings.warn(f"{folder}: overwritten, not made by an earlier run: {told}", Notice, 2)
+    _tell_overwritten(folder, replaced, ", not made by an earlier run")
     for name, digest in ours.items():
-        if name not in files and _is(folder / name, digest):
+        if name not in files and as_written(folder / name, digest):
             (folder / name).unlink(missing_ok=True)
     kept = [known for known in sets if known not in stale]
-    written = {path.name: _digest(path) for path in done}
+    written = {path.name: digest_of(path) for path in done}
     write_files(folder, {MANIFEST: to_json({"sets": [*kept, written]})})
     return done
+
+
+def write_told(folder: Path, files: Mapping[str, Content]) -> list[Path]:
+    """Write files of their own, see :func:`write_files`; what they take the place of is told."""
+    before = {n: digest_of(folder / n) for n in files if (folder / n).is_file()}
+    done = write_files(folder, dict(files))
+    _tell_overwritten(folder, [n for n, d in before.items() if not as_written(folder / n, d)])
+    return done
+
+
+def _tell_overwritten(folder: Path, names: Sequence[str], more: str = "") -> None:
+    """Told afterwards: whatever is told before could still fail."""
+    if names:
+        told = ", ".join(printable(name) for name in names)
+        warnings.warn(f"{folder}: overwritten{more}: {told}", Notice, 3)
 
 
 def write_files(folder: Path, files: dict[str, Content]) -> list[Path]:
@@ -126,6 +149,7 @@ def write_files(folder: Path, files: dict[str, Content]) -> list[Path]:
             target = folder / name
             if target.is_dir():
                 raise InputError(f"--out {folder}: {target} is a folder; move it away")
+            _refuse_device(target, target)
             handle, temporary = tempfile.mkstemp(
                 dir=folder, prefix=unfinished.mark(_machine()), suffix=target.suffix
             )
@@ -200,26 +224,8 @@ def _nearest(path: Path) -> Path:
 
 def _refusal(folder: Path, error: OSError) -> InputError:
     return InputError(
-        f"--out {folder}: cannot write there ({error.strerror}); choose another output folder"
+        f"--out {folder}: cannot write there ({error.strerror}); choose another place"
     )
-
-
-def _manifest(folder: Path) -> list[dict[str, str]]:
-    """The sets written into a folder: name to digest; whatever cannot be read counts as nothing."""
-    try:
-        sets = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sets"]
-        # A name with a separator could lead out of the folder.
-        return [{n: str(d) for n, d in one.items() if n == Path(n).name} for one in sets]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return []
-
-
-def _is(path: Path, digest: str | None) -> bool:
-    return digest is not None and path.is_file() and _digest(path) == digest
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _machine() -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import jaxswarm
 from jaxswarm.effects import REGISTRY, Effect
 from jaxswarm.swarm import OPTIMIZERS
+from jaxswarm.work import run
 
 _HOW_TO = (
     "jaxswarm.howto.your_robot",
@@ -159,4 +160,4 @@ def _row(*cells: str) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -10,8 +10,9 @@ from jaxswarm import terminal
 def start() -> None:
     """Double precision, one thread for small matrices, and compiled code kept on disk between commands."""
     # Threads of OpenBLAS wait for each other by spinning: on a busy machine the QR of 500 x 70 numbers
-    # takes a hundred times longer than with one. Read when numpy is first imported, hence here.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # takes a hundred times longer than with one. Read when numpy is first imported, hence here. Sums are
+    # rounded by how they are shared out, so that whatever is set outside, results have the same bytes.
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
     # Imports and tracing make many objects that stay: to look for garbage among them after every 700
     # takes a tenth of a short run.
     gc.set_threshold(100_000, 20, 20)

@@ -11,6 +11,8 @@ from jaxswarm import console, terminal
 from jaxswarm.claim import claim
 from jaxswarm.errors import InputError, shown_message
 
+# Files that options of this command have read, beside what it is about.
+_READ: ContextVar[tuple[Path, ...]] = ContextVar("read", default=())
 # Where this command has finished its files; None: it writes none, or not yet.
 _FINISHED: ContextVar[Path | None] = ContextVar("finished", default=None)
 
@@ -25,6 +27,7 @@ def run(command: Callable[[], None]) -> None:
     terminal.prepare_streams()
     terminal.show_notices(console.note)
     _FINISHED.set(None)
+    _READ.set(())
     try:
         with terminal.catch_termination():
             try:
@@ -82,9 +85,18 @@ def _say_unprinted(error: OSError) -> int:
     return 2
 
 
+def has_read(path: Path) -> None:
+    """Remember a file that an option of this command has read: it may not be overwritten either."""
+    _READ.set((*_READ.get(), path))
+
+
 @contextmanager
 def work(
-    out: Path, inputs: Sequence[Path | None], names: Sequence[str] = (), resumable: bool = False
+    out: Path,
+    inputs: Sequence[Path | None],
+    names: Sequence[str] = (),
+    resumable: bool = False,
+    beside: Sequence[Path] = (),
 ) -> Iterator[Callable[[str], None]]:
     """Hold the output place, show the stage, and end with a message on an interrupt or bad numbers.
 
@@ -93,11 +105,13 @@ def work(
         inputs: Files that are read; None is passed over.
         names: Files written into ``out``; empty: ``out`` is itself the file.
         resumable: Whether the same command goes on where this one was interrupted.
+        beside: Further files to be written.
     """
     try:
         # A name that no file system takes is no file here; whoever reads it says so.
         files = [path for path in inputs if path is not None and os.path.isfile(path)]
-        with claim(out, inputs, names), console.working(files) as progress:
+        every = (*inputs, *_READ.get())
+        with claim(out, every, names, beside), console.working(files) as progress:
             yield progress
         _FINISHED.set(out)
     except KeyboardInterrupt:

@@ -49,6 +49,73 @@ def test_predict_never_writes_over_what_it_reads(identified, tmp_path, monkeypat
     assert target.read_bytes() == before
 
 
+URDF = """<robot name="r"><link name="a"/><link name="b"/><joint name="slide" type="prismatic">
+<parent link="a"/><child link="b"/><axis xyz="1 0 0"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("victim", "words"),
+    [
+        # The file beside the robot, which holds what a URDF cannot, would have the model's name.
+        ("m.json", ("export", "m.json", "--format", "urdf", "--out", "m")),
+        ("c.toml", ("predict", "m.json", "log.csv", "--columns", "c.toml", "--out", "c.toml")),
+        ("arm.urdf", ("robots", "show", "arm.urdf", "--out", "arm.urdf")),
+    ],
+)
+def test_no_command_writes_over_what_it_reads(identified, tmp_path, monkeypatch, victim, words):
+    (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
+    (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
+    (tmp_path / "c.toml").write_text('[columns]\nt = { unit = "s" }\n')
+    (tmp_path / "arm.urdf").write_text(URDF)
+    monkeypatch.chdir(tmp_path)
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    assert_refused(run(*words), victim, "overwrite")
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("predict", "m.json", "log.csv", "--out", "own.csv"),
+        ("simulate", "m.json", "--reference", "log.csv", "--out", "own.csv"),
+        ("export", "m.json", "--format", "yaml", "--out", "own.csv"),
+        ("robots", "show", "arm.urdf", "--out", "own.csv"),
+    ],
+)
+def test_what_is_overwritten_is_told_once(identified, tmp_path, monkeypatch, words):
+    (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
+    (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
+    (tmp_path / "arm.urdf").write_text(URDF)
+    (tmp_path / "own.csv").write_text("hours of work")
+    monkeypatch.chdir(tmp_path)
+    found = [run(*words) for _ in range(2)]
+    assert [code for code, _, _ in found] == [0, 0], found
+    assert [err.count("overwritten: own.csv") for _, _, err in found] == [1, 0]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in this file system")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("predict", "m.json", "log.csv", "--out", "pipe"),
+        ("export", "m.json", "--format", "urdf", "--out", "pipe"),
+        ("robots", "show", "arm.urdf", "--out", "pipe"),
+        ("identify", "log.csv", "--robot", "arm.urdf", "--effects", "none", "--out", "out"),
+    ],
+)
+def test_no_file_takes_the_place_of_a_device_or_a_pipe(identified, tmp_path, monkeypatch, words):
+    (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
+    (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
+    (tmp_path / "arm.urdf").write_text(URDF)
+    (tmp_path / "out").mkdir()
+    for name in ("pipe", "out/model.json"):
+        os.mkfifo(tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    assert_refused(run(*words), "is a device or a pipe")
+    assert (tmp_path / "pipe").is_fifo() and (tmp_path / "out" / "model.json").is_fifo()
+    assert len(list((tmp_path / "out").iterdir())) == 1
+
+
 @pytest.mark.parametrize("name", ["x" * 300 + ".csv", "y/" * 2500 + "log.csv"])
 def test_a_name_that_no_file_system_takes_is_no_failure_of_printing(tmp_path, name):
     result = identify(name, tmp_path / "out")
@@ -93,6 +160,38 @@ def test_a_place_is_free_again_after_the_work(tmp_path):
         with claim(tmp_path / "out", ()):
             with pytest.raises(InputError, match="another command"), claim(tmp_path / "out", ()):
                 pass
+
+
+def test_no_lock_is_left_and_one_that_was_is_no_hindrance(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
+    with claim(tmp_path / "out", ()):
+        (lock,) = (tmp_path / "temporary").iterdir()
+    assert not lock.exists()
+    lock.touch()  # as a killed command leaves it
+    with claim(tmp_path / "out", ()):
+        pass
+    assert not lock.exists()
+
+
+def test_of_many_at_once_one_works_at_a_time(tmp_path):
+    """Locks are removed while others ask for them: never do two commands hold one place."""
+    code = (
+        "import os, sys; from pathlib import Path; from jaxswarm.claim import claim\n"
+        "from jaxswarm.errors import InputError\n"
+        "held = 0\n"
+        "while held < 200:\n"
+        "    try:\n"
+        "        with claim(Path(sys.argv[1]), ()):\n"
+        "            os.close(os.open(sys.argv[2], os.O_CREAT | os.O_EXCL))\n"
+        "            os.unlink(sys.argv[2]); held += 1\n"
+        "    except InputError:\n"
+        "        pass\n"
+    )
+    words = [sys.executable, "-c", code, str(tmp_path / "out"), str(tmp_path / "held")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    every = [subprocess.Popen(words, env=environment) for _ in range(3)]
+    assert [one.wait(timeout=60) for one in every] == [0, 0, 0]
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,9 @@
 """Pictures on order: the other process draws what this one would, and what it cannot is drawn here."""
 
+import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -52,6 +54,26 @@ def test_nothing_stays_behind():
         own.ask("one.png", *ORDER)
     if process is not None:
         assert process.poll() is not None and not drawing.Path(folder.name).exists()
+
+
+def test_what_a_killed_command_ordered_is_removed(tmp_path):
+    code = (
+        "import time; from jaxswarm import drawing\n"
+        "with drawing.Drawing() as own:\n"
+        "    own.ask('one.png', 'convergence', {}, 1.0)\n"
+        "    print(own._folder.name if own._process else '', flush=True); time.sleep(60)"
+    )
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    words = [sys.executable, "-c", code]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment) as command:
+        folder = command.stdout.readline().strip()
+        if folder:
+            assert drawing.Path(folder).parent == tmp_path
+        command.kill()
+    end = time.monotonic() + 30.0
+    while folder and drawing.Path(folder).exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not folder or not drawing.Path(folder).exists()
 
 
 def test_drawing_needs_no_jax():

@@ -13,7 +13,8 @@ PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
     "unfinished": set(),
-    "outputs": {"unfinished"},
+    "manifest": set(),
+    "outputs": {"unfinished", "manifest"},
     "provenance": set(),
     "claim": set(),
     "terminal": set(),
@@ -50,7 +51,7 @@ ALLOWED = {
     "runtime": {"terminal"},
     "cli": {"commands", "console", "work"},
     "__main__": {"cli"},
-    "reference": {"effects", "swarm", "cli"},
+    "reference": {"effects", "swarm", "cli", "work"},
 }  # fmt: skip
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {

@@ -1,5 +1,6 @@
 """What is loaded for what: help needs no numbers, numbers no pictures, a forecast no swarm."""
 
+import os
 import subprocess
 import sys
 
@@ -36,3 +37,19 @@ def test_identification_loads_no_library_for_pictures_statistics_or_simulation(c
 
 def test_a_diagnosis_loads_no_library_for_pictures():
     assert loaded("import jaxswarm.diagnose.run", "jax", "matplotlib") == {"jax"}
+
+
+def test_threads_that_are_set_outside_change_no_digit():
+    code = (
+        "from jaxswarm.runtime import start; start()\n"
+        "import hashlib, numpy as np\n"
+        "x = np.random.default_rng(0).normal(size=200_000)\n"
+        "print(hashlib.sha256((x @ x).tobytes()).hexdigest())"
+    )
+    found = set()
+    for threads in ("1", "2", "4"):
+        environment = {**os.environ, "OPENBLAS_NUM_THREADS": threads}
+        words = [sys.executable, "-c", code]
+        done = subprocess.run(words, env=environment, capture_output=True, text=True, check=True)
+        found.add(done.stdout)
+    assert len(found) == 1

@@ -7,7 +7,8 @@ from jaxswarm.diagnose.candidates.journal import FILE, Journal
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.limits import read_limits
 from jaxswarm.identify.forward.model import load_model
-from jaxswarm.outputs import MANIFEST, write_results
+from jaxswarm.manifest import MANIFEST
+from jaxswarm.outputs import write_results
 
 DEEP = "[" * 20_000
 

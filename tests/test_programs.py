@@ -167,3 +167,55 @@ def test_the_oldest_programs_make_room(kept, monkeypatch):
     monkeypatch.setattr(program_files, "MOST", sum(p.stat().st_size for p in rest))
     program_files.make_room(kept)
     assert sorted(kept.iterdir()) == sorted(rest)
+
+
+def test_a_program_under_the_name_of_another_is_not_run(kept):
+    fresh()(LAW, VALUES, series(8))
+    fresh()(LAW, VALUES, series(16))
+    one, two = sorted(kept.iterdir())
+    content = one.read_bytes()
+    one.write_bytes(two.read_bytes())
+    two.write_bytes(content)
+    assert program_files.read(one) is None and program_files.read(two) is None
+    assert fresh()(LAW, VALUES, series(16)).shape == (16, 1)
+
+
+def test_what_others_put_among_the_programs_stays(kept, monkeypatch):
+    fresh()(LAW, VALUES, series())
+    (one,) = kept.iterdir()
+    (kept / "thesis.tex").write_text("years of work")
+    (kept / ("a" * 64)).symlink_to(kept / "thesis.tex")
+    (kept / ("b" * 64)).mkdir()
+    monkeypatch.setattr(program_files, "MOST", 0)
+    program_files.make_room(kept)
+    left = {p.name for p in kept.iterdir()}
+    assert left == {"thesis.tex", "a" * 64, "b" * 64} and one.name not in left
+
+
+def test_nothing_is_written_or_changed_where_a_link_leads(tmp_path, monkeypatch):
+    goal = tmp_path / "goal"
+    goal.mkdir()
+    goal.chmod(0o775)
+    (tmp_path / "link").symlink_to(goal)
+    monkeypatch.setattr(programs, "_folder", lambda: tmp_path / "link")
+    assert np.asarray(fresh()(LAW, VALUES, series())).shape == (8, 1)
+    assert list(goal.iterdir()) == [] and goal.stat().st_mode & 0o777 == 0o775
+
+
+def test_what_stands_where_programs_belong_is_no_error(tmp_path, monkeypatch):
+    monkeypatch.setattr(programs, "_folder", lambda: tmp_path / "gone")
+    (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
+    assert np.asarray(fresh()(LAW, VALUES, series())).shape == (8, 1)
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_many_processes_may_write_at_once(tmp_path):
+    environment = {**os.environ, "JAX_COMPILATION_CACHE_DIR": str(tmp_path)}
+    words = [sys.executable, "-c", SCRIPT]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    every = [subprocess.Popen(words, env=environment, **pipes) for _ in range(3)]
+    told = [one.communicate() for one in every]
+    assert [one.returncode for one in every] == [0, 0, 0], told
+    assert all(json.loads(out)[1] == plain(LAW, series()).tolist() for out, _ in told)
+    (kept,) = (tmp_path / "jaxswarm-programs").iterdir()
+    assert program_files.read(kept) is not None

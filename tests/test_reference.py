@@ -1,6 +1,8 @@
 """The reference printed by ``python -m jaxswarm.reference`` names everything there is."""
 
 import re
+import subprocess
+import sys
 
 import pytest
 import typer
@@ -66,3 +68,13 @@ def test_it_is_the_same_every_time_and_its_tables_are_whole(text, capsys):
     for block in re.findall(r"(?:^\|.*\n)+", text + "\n", re.MULTILINE):
         counts = {len(re.findall(r"(?<!\\)\|", line)) for line in block.splitlines()}
         assert len(counts) == 1, block[:200]
+
+
+def test_a_reader_that_leaves_and_a_full_disk_end_in_no_traceback():
+    words = [sys.executable, "-m", "jaxswarm.reference"]
+    pipe = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    pipe.stdout.close()
+    assert pipe.stderr.read() == "" and pipe.wait() != 0
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2 and done.stderr.startswith("error: cannot print")

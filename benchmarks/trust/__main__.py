@@ -1,6 +1,6 @@
 """Is nothing crashed, silent or lost by hostile inputs, by faults, and by logs that are spoiled or say nothing?
 
-    python -m benchmarks.trust fuzz|faults|spoiled|null [--table] [--inputs N] [--commands M] [--kills N]
+    python -m benchmarks.trust fuzz|faults|spoiled|null|determinism [--table] [--inputs N] ...
 
 ``fuzz``: files and options spoiled by structure, read in process (``--inputs``), and whole commands
 (``--commands``): nothing but success or a clear refusal, in time, in bounded memory, with nothing written.
@@ -8,6 +8,8 @@
 ``spoiled``: logs of clean arms and of arms that lack a law, spoiled in one way: is it said before a fit
 (``--arms``), else by a diagnosis without a wrong effect (``--judged``)?
 ``null``: clean logs, and torques permuted over time or joints: is nothing added (``--arms``)?
+``determinism``: the same commands in other folders, with other hash seeds, threads, cores, devices and caches:
+the same bytes?
 Rows go to ``benchmarks/results/trust_*.jsonl``; what is there is not done again. ``--table`` shows all of them.
 """
 
@@ -27,7 +29,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("part", choices=("fuzz", "faults", "spoiled", "null"), nargs="?")
+    parser.add_argument(
+        "part", choices=("fuzz", "faults", "spoiled", "null", "determinism"), nargs="?"
+    )
     parser.add_argument("--inputs", type=int, default=10_000, help="fuzz: inputs in process")
     parser.add_argument("--commands", type=int, default=50, help="fuzz: whole commands")
     parser.add_argument("--kills", type=int, default=30, help="faults: kill -9 at random moments")
@@ -57,6 +61,10 @@ def main() -> None:
         from benchmarks.trust.null import null
 
         null(options.arms)
+    if options.part == "determinism":
+        from benchmarks.trust.determinism import determinism
+
+        determinism()
     if options.table or options.part is None:
         from benchmarks.trust.table import table
 

@@ -6,15 +6,12 @@ import numpy as np
 
 from benchmarks.trust import good, targets
 
-# Share of files that are spoiled.
-_SPOILED = 0.5
-
 
 class Files:
-    """Right and spoiled files of one command in a folder."""
+    """Right and spoiled files of one command in a folder; ``spoiled`` is the share of these."""
 
-    def __init__(self, rng: np.random.Generator, folder: Path):
-        self.rng, self.folder, self.count = rng, folder, 0
+    def __init__(self, rng: np.random.Generator, folder: Path, spoiled: float):
+        self.rng, self.folder, self.spoiled, self.count = rng, folder, spoiled, 0
 
     def _spoiled(self, names: tuple[str, ...]) -> Path:
         self.count += 1
@@ -31,21 +28,30 @@ class Files:
         return path
 
     def log(self) -> Path:
-        if self.rng.random() < _SPOILED:
-            return self._spoiled(("CSV", "NPZ", "MAT", "Parquet", "MCAP"))
+        if self.rng.random() < self.spoiled:
+            return self._spoiled(("CSV", "NPZ", "MAT", "Parquet", "MCAP", "HDF5"))
         return good.write_csv(self.folder / "right.csv", good.columns())
 
     def robot(self) -> Path:
-        if self.rng.random() < 0.3:
-            return self._spoiled(("URDF", "MJCF", "TOML"))
+        if self.rng.random() < 0.6 * self.spoiled:
+            return self._spoiled(("URDF", "MJCF", "SDF", "TOML"))
         return self._right("arm.toml", good.TOML)
 
     def model(self) -> Path:
-        if self.rng.random() < _SPOILED:
+        if self.rng.random() < self.spoiled:
             return self._spoiled(("model.json",))
         return self._right("model.json", good.model_json())
 
     def limits(self) -> Path:
-        if self.rng.random() < _SPOILED:
+        if self.rng.random() < self.spoiled:
             return self._spoiled(("limits",))
         return self._right("limits.toml", good.LIMITS)
+
+    def logs(self) -> Path:
+        """A folder with the logs of two arms."""
+        place = self.folder / "logs"
+        for arm in ("a1", "a2"):
+            (place / arm).mkdir(parents=True)
+            log = self.log()
+            (place / arm / f"2026-01-05{log.suffix}").write_bytes(log.read_bytes())
+        return place

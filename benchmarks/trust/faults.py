@@ -1,29 +1,20 @@
 """Commands killed, interrupted, starved of disk, disturbed: nothing is lost, and the rest is the same bytes."""
 
 import shutil
-import signal
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
-from benchmarks.trust.jobs import JOBS, content, finish, prepare, start
-from benchmarks.trust.killed import COPIED, KILLS, Copies, chain
+from benchmarks.trust.jobs import prepare
+from benchmarks.trust.killed import ASKED, KILLS, Copies, chain, ended_early, job_of
 from benchmarks.trust.oracle import LONGEST
-from benchmarks.trust.reference import KEPT, Reference, names, same
+from benchmarks.trust.reference import Reference
 from benchmarks.trust.rows import add_row, read_rows
 from benchmarks.trust.surroundings import OTHERS
 
-# Before this time [s] Python itself is still starting, and no program of ours can answer a signal.
-_STARTED = 1.5
-_CODES = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
-# Commands that write one set of results, which is left whole or not at all; what answers signals; and what is
-# many processes or takes minutes, killed as a process of its own one time in so many chains.
+# Commands that write one set of results, which is left whole or not at all, and what answers signals.
 _COMMANDS = ("identify", "diagnose", "diagnose --model")
-_ANSWERING = (*_COMMANDS, "fleet")
-_LONG, _SELDOM = ("fleet", "study"), 10
+_ANSWERING = (*_COMMANDS, "fleet", "study")
 
 
 def faults(kills: int) -> None:
@@ -34,21 +25,14 @@ def faults(kills: int) -> None:
         wanted: dict[str, Callable[[Path], str]] = {}
         copies = Copies(Path(place))
         for k in range(-(-kills // KILLS)):
-            job = COPIED[k % len(COPIED)]
+            job = job_of(k)
             wanted[f"kills {k} of {job}"] = _bound(chain, copies, job, k)
-            if k % _SELDOM == _SELDOM - 1:
-                job = _LONG[k // _SELDOM % len(_LONG)]
-                wanted[f"kill {k} of {job}"] = _bound(
-                    _ended_early, reference, job, signal.SIGKILL, k
-                )
-        for job in JOBS:
-            for number in _CODES:
-                if job not in _ANSWERING:
-                    continue
+        for job in _ANSWERING:
+            for number in ASKED:
                 name = f"{number.name} of {job}"
-                wanted[name] = _bound(_ended_early, reference, job, number, len(wanted))
-        for name, try_it in OTHERS.items():
-            for job in _COMMANDS:
+                wanted[name] = _bound(ended_early, copies, job, number, len(wanted))
+        for job in _COMMANDS:
+            for name, try_it in OTHERS.items():
                 wanted[f"{name}: {job}"] = _bound(try_it, reference, job)
         for name, try_it in wanted.items():
             if name not in done:
@@ -62,25 +46,3 @@ def faults(kills: int) -> None:
 
 def _bound(try_it: Callable, *arguments) -> Callable[[Path], str]:
     return lambda folder: try_it(folder, *arguments)
-
-
-def _ended_early(
-    folder: Path, reference: Reference, job: str, number: signal.Signals, k: int
-) -> str:
-    """End a job at a random moment; what is wrong with what it left, said, and makes of it afterwards."""
-    seconds, whole = reference.of(job)
-    moment = float(np.random.default_rng([k, 9]).uniform(_STARTED, max(seconds, _STARTED + 0.5)))
-    process = start(job, folder)
-    time.sleep(moment)
-    process.send_signal(number)
-    code, told = finish(process)
-    left = content(folder)
-    visible = {name for name in left if not name.startswith(".") and name not in KEPT}
-    if code != 0 and number != signal.SIGKILL:
-        expected, word = _CODES[number]
-        if code != expected or "Traceback" in told or word not in told:
-            return f"at {moment:.1f} s of {seconds:.1f} s: code {code}: {told}"
-    if visible and job in _COMMANDS and visible != names(whole):
-        return f"at {moment:.1f} s: a part of the results was left: {sorted(visible)}"
-    code, told = finish(start(job, folder))
-    return same(whole, folder, code, told, f"after {number.name} at {moment:.1f} s")

@@ -66,6 +66,10 @@ class Copy:
         os.kill(self._process, signal.SIGKILL)
         os.waitpid(self._process, 0)
 
+    def tell(self, number: signal.Signals) -> None:
+        """Send it a signal."""
+        os.kill(self._process, number)
+
     def said(self) -> tuple[bytes, bytes]:
         """What went to stdout and stderr."""
         texts = []

@@ -44,9 +44,9 @@ def _chunk(first: int, end: int, folder: Path) -> dict:
     }
 
 
-def one(number: int, folder: Path) -> tuple[str, Outcome]:
+def one(number: int, folder: Path, of: str = "") -> tuple[str, Outcome]:
     """Make one input, read it, and see that reading wrote nothing where it was refused."""
-    name, call = targets.make(number, folder)
+    name, call = targets.make(number, folder, of)
     before = _content(folder)
     outcome = watched(call)
     if outcome.kind == "refused" and _content(folder) != before:

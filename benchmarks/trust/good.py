@@ -82,6 +82,19 @@ MJCF = """<mujoco model="arm"><compiler angle="degree" eulerseq="zyx" autolimits
 <inertial pos="0 0.1 0" mass="0.2" fullinertia="0.02 0.03 0.04 0.001 0.002 0.003"/></body></body></body>
 </worldbody></mujoco>"""
 
+SDF = """<sdf version="1.9"><world name="w"><gravity>0 0 -9.8</gravity><model name="arm">
+<pose>0 0 0.1 0 0 0.2</pose><frame name="mark"><pose>0.1 0 0 0 0.3 0</pose></frame>
+<link name="base"/><link name="upper"><pose relative_to="mark">0 0 0.3 0.1 0 0</pose>
+<inertial><pose>0 0 0.1 0 0.2 0</pose><mass>2</mass><inertia><ixx>0.1</ixx><ixy>0</ixy><ixz>0</ixz>
+<iyy>0.1</iyy><iyz>0</iyz><izz>0.05</izz></inertia></inertial></link>
+<link name="lower"><pose degrees="true" relative_to="upper">0.3 0 0 0 20 0</pose>
+<inertial><mass>1</mass></inertial></link><link name="hand"/>
+<joint name="joint1" type="revolute"><parent>base</parent><child>upper</child><axis><xyz>0 0 1</xyz>
+<limit><lower>-2</lower><upper>2</upper><effort>80</effort></limit></axis></joint>
+<joint name="joint2" type="prismatic"><pose>0 0 0.1 0 0 0</pose><parent>upper</parent><child>lower</child>
+<axis><xyz expressed_in="mark">0 1 1</xyz><dynamics><damping>2</damping></dynamics></axis></joint>
+<joint name="flange" type="fixed"><parent>lower</parent><child>hand</child></joint></model></world></sdf>"""
+
 
 @cache
 def arm():

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.trust import good
-from jaxswarm.outputs import MANIFEST
+from jaxswarm.manifest import MANIFEST
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = "out"

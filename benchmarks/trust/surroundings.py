@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.trust.jobs import OUT, ROOT, finish, start
+from benchmarks.trust.jobs import OUT, ROOT, finish, prepare, start
 from benchmarks.trust.reference import KEPT, Reference, refused, same
-from jaxswarm.outputs import MANIFEST
+from jaxswarm.manifest import MANIFEST
+from jaxswarm.programs import FOLDER
 
 # A time [s] that no clock shows yet, and a module that sets the clock back a day after every reading.
 _FUTURE = 4e9
@@ -108,6 +109,54 @@ def _no_cache(folder: Path, reference: Reference, job: str) -> str:
     return same(whole, folder, *ended, "without a cache")
 
 
+def _exchanged(folder: Path, reference: Reference, job: str) -> str:
+    """Kept programs stand under each other's names: none is taken for another."""
+    _, whole = reference.of(job)
+    cache = {"JAX_COMPILATION_CACHE_DIR": str(folder / "cache")}
+    for other in {job, "diagnose"}:  # of programs of one kind there is nothing to exchange
+        finish(start(other, folder, **cache))
+        shutil.rmtree(folder / OUT)
+    kept = sorted((folder / "cache" / FOLDER).iterdir())
+    contents = [path.read_bytes() for path in kept]
+    for path, content in zip(kept, contents[1:] + contents[:1], strict=True):
+        path.write_bytes(content)
+    return same(whole, folder, *finish(start(job, folder, **cache)), "with exchanged programs")
+
+
+def _full_cache(folder: Path, reference: Reference, job: str) -> str:
+    """The disk of the cache is full, and nobody is troubled by it."""
+    _, whole = reference.of(job)
+    (folder / "cache").mkdir()
+    with _mounted(folder / "cache", "-t", "tmpfs", "-o", "size=64k", "tmpfs"):
+        ended = finish(start(job, folder, JAX_COMPILATION_CACHE_DIR=str(folder / "cache")))
+    return same(whole, folder, *ended, "with a full cache")
+
+
+def _linked_cache(folder: Path, reference: Reference, job: str) -> str:
+    """Where programs are kept there is a link to somebody's folder: nothing is changed in it."""
+    _, whole = reference.of(job)
+    (folder / "cache").mkdir()
+    (folder / "precious").mkdir()
+    (folder / "precious" / "thesis").write_text("years of work")
+    (folder / "cache" / FOLDER).symlink_to(folder / "precious")
+    ended = finish(start(job, folder, JAX_COMPILATION_CACHE_DIR=str(folder / "cache")))
+    left = sorted(path.name for path in (folder / "precious").iterdir())
+    return f"left {left}" if left != ["thesis"] else same(whole, folder, *ended, "beside a link")
+
+
+def _one_cache(folder: Path, reference: Reference, job: str) -> str:
+    """Two commands fill one empty cache at the same time, and a third one finds it."""
+    _, whole = reference.of(job)
+    cache = {"JAX_COMPILATION_CACHE_DIR": str(folder / "cache")}
+    places = [prepare(folder / name) for name in ("one", "two")]
+    begun = [start(job, place, **cache) for place in places]
+    ends = [finish(one) for one in begun]
+    places.append(prepare(folder / "three"))
+    ends.append(finish(start(job, places[-1], **cache)))
+    told = (same(whole, place, *end, place.name) for place, end in zip(places, ends, strict=True))
+    return "; ".join(filter(None, told))
+
+
 def _other_version(folder: Path, reference: Reference, job: str) -> str:
     """What another version left to go on from, its list of results, and its compiled code."""
     _, whole = reference.of(job)
@@ -145,6 +194,10 @@ OTHERS: dict[str, Callable[[Path, Reference, str], str]] = {
     "folder vanished": _vanished,
     "cache damaged": _spoiled_cache,
     "no place for the cache": _no_cache,
+    "programs exchanged": _exchanged,
+    "cache full": _full_cache,
+    "a link for the programs": _linked_cache,
+    "two fill one cache": _one_cache,
     "left by another version": _other_version,
     "clock set back": _clock_back,
     "two in one folder": _two_at_once,

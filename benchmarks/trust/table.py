@@ -16,6 +16,7 @@ def table() -> str:
         *_faults(),
         *_spoiled(),
         *_null(),
+        *_same(),
     ]
     return "\n".join(rows)
 
@@ -93,4 +94,17 @@ def _null() -> list[str]:
         kinds.setdefault(row["kind"], []).append(bool(row["added"]))
     return [
         f"| {kind} | {len(all_)} | {sum(all_)} with an addition |" for kind, all_ in kinds.items()
+    ]
+
+
+def _same() -> list[str]:
+    rows = read_rows("determinism")
+    if not rows:
+        return []
+    ways, fell = len({row["way"] for row in rows}), [row for row in rows if not row["same"]]
+    told = ", ".join(f"{row['job']} with {row['way']}" for row in fell)
+    jobs = len({row["job"] for row in rows})
+    return [
+        f"| {jobs} jobs in {ways} other surroundings | {len(rows)} | {len(rows) - len(fell)} the same bytes"
+        f"{'; not ' * bool(fell)}{told} |"
     ]

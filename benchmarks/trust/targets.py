@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.trust import good
+from benchmarks.trust import good, targets_more
 from benchmarks.trust.mutate_bytes import spoil_bytes
 from benchmarks.trust.mutate_numbers import INTEGERS, number, word
 from benchmarks.trust.mutate_tree import spoil_json, spoil_toml, spoil_xml
@@ -133,20 +133,30 @@ def _options(rng, folder):
 TARGETS: dict[str, Target] = {
     **{name: _log_target(write) for name, write in LOGS.items()},
     "URDF": _robot_target("arm.urdf", (good.URDF,), spoil_xml),
+    "HDF5": _log_target(targets_more.spoiled_hdf5),
+    "rosbag": _log_target(targets_more.spoiled_bag),
+    "episodes": _log_target(targets_more.spoiled_episodes),
+    "SDF": _robot_target("arm.sdf", (good.SDF,), spoil_xml),
     "MJCF": _robot_target("arm.xml", (good.MJCF,), spoil_xml),
     "TOML": _robot_target("arm.toml", (good.TOML, good.TREE), spoil_toml),
     "limits": _limits,
     "model.json": _model,
     "compare": _result,
     "options": _options,
+    "columns": targets_more.columns,
+    "interrupted diagnosis": targets_more.kept,
+    "checkpoint": targets_more.checkpoint,
 }
 ORDER = tuple(TARGETS)
 
 
-def make(number: int, folder: Path) -> tuple[str, Callable[[], object]]:
-    """The input of a number, the same at any time: its files in a folder, and what reads them."""
+def make(number: int, folder: Path, name: str = "") -> tuple[str, Callable[[], object]]:
+    """The input of a number, the same at any time: its files in a folder, and what reads them.
+
+    ``name`` is the way in that an input of that number takes; empty: the ways take turns.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    name = ORDER[number % len(ORDER)]
+    name = name or ORDER[number % len(ORDER)]
     rng = np.random.default_rng([number, 18])
     return name, TARGETS[name](rng, folder)

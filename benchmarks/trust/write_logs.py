@@ -35,10 +35,10 @@ def spoiled_csv(rng: np.random.Generator, folder: Path) -> Path:
         lines[0] = ",".join(f'"{name}"' for name in lines[0].split(","))
     text = str(rng.choice(["\n", "\n", "\r\n", "\r"])).join(lines)
     path.write_bytes(text.encode(str(rng.choice(_ENCODINGS)), "replace"))
-    return _spoil_some(rng, path)
+    return spoil_some(rng, path)
 
 
-def _arrays(rng: np.random.Generator) -> Table:
+def arrays(rng: np.random.Generator) -> Table:
     """The log as arrays (T, n), or as columns; sometimes of other kinds."""
     table = spoil_table(rng, columns())
     if rng.random() < 0.5:
@@ -62,12 +62,12 @@ def spoiled_npz(rng: np.random.Generator, folder: Path) -> Path:
     """An archive, compressed or not."""
     path = folder / "log.npz"
     save = np.savez_compressed if rng.random() < 0.7 else np.savez
-    arrays = {_safe(k): _plain(v, allow=True) for k, v in _arrays(rng).items()}
+    named = {_safe(k): storable(v, allow=True) for k, v in arrays(rng).items()}
     save(
         path,
-        **{k: v for k, v in arrays.items() if k not in ("file", "args", "kwds", "allow_pickle")},
+        **{k: v for k, v in named.items() if k not in ("file", "args", "kwds", "allow_pickle")},
     )
-    return _spoil_some(rng, path)
+    return spoil_some(rng, path)
 
 
 def spoiled_mat(rng: np.random.Generator, folder: Path) -> Path:
@@ -75,11 +75,11 @@ def spoiled_mat(rng: np.random.Generator, folder: Path) -> Path:
     from scipy import io as matlab
 
     path = folder / "log.mat"
-    arrays = {_safe(k)[:31]: _plain(v) for k, v in _arrays(rng).items()}
-    kept = {k: v for k, v in arrays.items() if k and k[0].isalpha() and k.isascii()}
+    named = {_safe(k)[:31]: storable(v) for k, v in arrays(rng).items()}
+    kept = {k: v for k, v in named.items() if k and k[0].isalpha() and k.isascii()}
     kept = {k: v for k, v in kept.items() if v.dtype.kind in "fiubcUS" and v.dtype != np.float16}
     matlab.savemat(path, kept, do_compression=bool(rng.integers(2)))
-    return _spoil_some(rng, path)
+    return spoil_some(rng, path)
 
 
 def spoiled_parquet(rng: np.random.Generator, folder: Path) -> Path:
@@ -103,10 +103,15 @@ def spoiled_parquet(rng: np.random.Generator, folder: Path) -> Path:
     path = folder / "log.parquet"
     rows = pa.Table.from_arrays([pa.array(v) for v in kept], names=names)
     parquet.write_table(rows, path, compression=compression)
-    return _spoil_some(rng, path)
+    return spoil_some(rng, path)
 
 
 def spoiled_mcap(rng: np.random.Generator, folder: Path) -> Path:
+    """A recording in one file."""
+    return spoiled_states(rng, folder / "bag", "MCAP", ".mcap")
+
+
+def spoiled_states(rng: np.random.Generator, bag: Path, storage: str, ending: str) -> Path:
     """A recording of joint states whose names, lengths and stamps may be wrong."""
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
@@ -114,8 +119,7 @@ def spoiled_mcap(rng: np.random.Generator, folder: Path) -> Path:
     store = get_typestore(Stores.ROS2_HUMBLE)
     table = columns()
     q, dq, tau = (np.stack([table[f"{k}_{j}"] for j in JOINTS], axis=1) for k in ("q", "dq", "tau"))
-    bag = folder / "bag"
-    with Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+    with Writer(bag, version=9, storage_plugin=StoragePlugin[storage]) as writer:
         link = writer.add_connection("/joint_states", STATE, typestore=store)
         names, odd = list(JOINTS), rng.random(8) < 0.15
         for k in range(int(rng.choice([1, 3, 40, 120, 120]))):
@@ -137,11 +141,11 @@ def spoiled_mcap(rng: np.random.Generator, folder: Path) -> Path:
             header = store.types["std_msgs/msg/Header"](time, "")
             raw = store.serialize_cdr(store.types[STATE](header, names, *rows), STATE)
             writer.write(link, 1_700_000_000 * 10**9 + k * 10**7, raw)
-    (path,) = bag.glob("*.mcap")
-    return _spoil_some(rng, path)
+    (path,) = bag.glob(f"*{ending}")
+    return spoil_some(rng, path)
 
 
-def _spoil_some(rng: np.random.Generator, path: Path) -> Path:
+def spoil_some(rng: np.random.Generator, path: Path) -> Path:
     if rng.random() < _BYTES:
         path.write_bytes(spoil_bytes(rng, path.read_bytes()))
     return path
@@ -152,7 +156,7 @@ def _safe(name: str) -> str:
     return name.encode("utf-8", "replace").decode().replace("/", "_").replace("\x00", "_") or "_"
 
 
-def _plain(values: np.ndarray, allow: bool = False) -> np.ndarray:
+def storable(values: np.ndarray, allow: bool = False) -> np.ndarray:
     """Objects as text, except where pickles are to be tried."""
     values = np.asarray(values)
     if values.dtype == object and not allow:

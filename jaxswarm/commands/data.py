@@ -49,7 +49,7 @@ def register(app: typer.Typer) -> None:
 
                 pictures = {name: plots.png(figure) for name, figure in result.plots().items()}
                 report = {"inspection.json": outputs.to_json(result.content)}
-                outputs.write_files(out, {**report, **pictures})
+                outputs.write_results(out, {**report, **pictures})
                 more.append(f"written to {out}")
         show(result, json, *more)
 

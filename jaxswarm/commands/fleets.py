@@ -27,8 +27,11 @@ ArmPattern = Annotated[
         help="Regular expression with groups arm and date, searched in the path of a log."
     ),
 ]
+# Processes of one machine; each takes half a gigabyte.
+_MOST_WORKERS = 1000
 Workers = Annotated[
-    int | None, typer.Option(min=1, help="Processes of this machine; default its cores.")
+    int | None,
+    typer.Option(min=1, max=_MOST_WORKERS, help="Processes of this machine; default its cores."),
 ]
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a Dask scheduler that exists: tcp://host:8786.")

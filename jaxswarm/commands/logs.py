@@ -13,6 +13,7 @@ import typer
 
 from jaxswarm.commands.options import widened
 from jaxswarm.runtime import start
+from jaxswarm.work import has_read
 
 _OPTIONS = {
     "columns": Annotated[
@@ -52,6 +53,8 @@ def with_log_options(*parameters: str) -> Callable[[Callable[..., Any]], Callabl
                 from jaxswarm.logs import LogChoice, parse_reading
 
                 reading = parse_reading(**texts)
+                if texts["columns"] is not None:
+                    has_read(Path(texts["columns"]))
                 for name in parameters:
                     paths = arguments[name]
                     if isinstance(paths, str | Path):

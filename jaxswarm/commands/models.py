@@ -52,7 +52,8 @@ def register(app: typer.Typer) -> None:
 
         weight = {} if prior_weight is None else {"prior_weight": prior_weight}
         bodies = None if prior is None else Path(prior)
-        with work(out, (model, log, bodies, effects_from)) as status:
+        side = (out.with_name(f"{out.name}.json"),)
+        with work(out, (model, log, bodies, effects_from), beside=side) as status:
             if effects_from:
                 register_from(effects_from)
             result = tasks.export(
@@ -105,7 +106,7 @@ def register(app: typer.Typer) -> None:
                 model, reference, **gains, feedforward=feedforward, playback=playback, rate=rate,
                 progress=status,
             )  # fmt: skip
-        outputs.write_files(out.parent, {out.name: lambda part: write_log(result.log, part)})
+            outputs.write_told(out.parent, {out.name: lambda part: write_log(result.log, part)})
         result.content["out"] = str(out)
         show(result, json, f"written to {out}")
 

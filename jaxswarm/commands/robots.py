@@ -16,6 +16,7 @@ from jaxswarm.commands.options import Json, widened
 from jaxswarm.commands.options import show as show_result
 from jaxswarm.errors import InputError
 from jaxswarm.runtime import start
+from jaxswarm.work import work
 
 if TYPE_CHECKING:
     from jaxswarm.tables import Result
@@ -98,6 +99,7 @@ def register(app: typer.Typer) -> None:
     @with_robot_options
     def show(robot: RobotArgument, out: Picture = None, json: Json = False) -> None:
         """Print what was read of a robot, and draw it."""
+        from jaxswarm import outputs
         from jaxswarm.effects.advice import with_effects
         from jaxswarm.robot import RobotChoice
         from jaxswarm.robot.show import draw, summary
@@ -106,7 +108,9 @@ def register(app: typer.Typer) -> None:
         result = summary(choice)
         result["notes"] = with_effects(result["notes"])
         if out is not None:
-            draw(choice, out)
+            outputs.check_file(out)
+            with work(out, (Path(choice),)):
+                outputs.write_told(out.parent, {out.name: lambda part: draw(choice, part)})
         show_result(_shown(result), json)
 
     app.add_typer(commands, name="robots", epilog="Example: jaxswarm robots --json")

@@ -127,7 +127,7 @@ def _imported(path: Path):
     kept, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a file that ends the program would end it in silence
         raise InputError(
             f"--effects-from {path}: cannot be run ({type(error).__name__}: {error}); mend the file"
         ) from None

@@ -37,7 +37,7 @@ def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
     def write(path: Path) -> None:
         write_table(path, header, table, "%.10g")
 
-    outputs.write_files(out.parent, {out.name: write})
+    outputs.write_told(out.parent, {out.name: write})
     result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": list(noted.notes)}
     if log.tau is not None:
         result["error"] = log_errors(model, *motions)

@@ -85,6 +85,8 @@ def _episodes(
         episode = table.columns.get(_EPISODE)
         if episode is None or episode.ndim != 1 or not episode.size:
             raise InputError(f"{file}: no column {_EPISODE}: is {path} a LeRobot data set?")
+        if not np.isfinite(episode).all():
+            raise InputError(f"{file}: {_EPISODE} lacks numbers: every row belongs to an episode")
         yield table, episode
 
 

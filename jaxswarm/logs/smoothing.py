@@ -40,8 +40,8 @@ _TRIED, _LEAST, _BLOCK, _BLOCKS = 20, 0.008, 8000, 3
 # Weight of the velocity beside the position at most, where both are per sample: beyond, the system loses its
 # digits. Encoders and velocity channels of arms make a hundred.
 _STRONGEST = 1e9
-# Above this rate [Hz] samples are averaged before cutoffs are looked for.
-_ENOUGH = 300.0
+# Above this rate [Hz] samples are averaged before cutoffs are looked for, so many left of a short stretch.
+_ENOUGH, _FEWEST = 300.0, 50
 
 
 class Cutoffs(NamedTuple):
@@ -110,7 +110,7 @@ def find_cutoffs(
     >>> bool(1.0 < found.cutoff[0] < 10.0), round(float(found.noise[0]), 4)
     (True, 0.001)
     """
-    group = max(1, int(rate / _ENOUGH))
+    group = max(1, min(int(rate / _ENOUGH), len(q) // _FEWEST))
     whole = WHOLE_BAND * rate
     if group > 1:
         q, rate = _averaged(q, group), rate / group

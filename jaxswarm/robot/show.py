@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from jaxswarm.errors import InputError
 from jaxswarm.robot.joints import Limits
 from jaxswarm.robot.load import describe_robot, load_robot
 from jaxswarm.robot.model import Robot
@@ -76,11 +75,7 @@ def _limits(choice: RobotChoice) -> dict[str, Limits]:
 
 
 def draw(choice: RobotChoice, path: Path) -> None:
-    """Draw the skeleton at q = 0, or the nearest position within the limits, as PNG.
-
-    Raises:
-        InputError: If the picture cannot be written.
-    """
+    """Draw the skeleton at q = 0, or the nearest position within the limits, as PNG."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -110,13 +105,7 @@ def draw(choice: RobotChoice, path: Path) -> None:
     axes.view_init(elev=18, azim=-55)
     figure.suptitle(_plain(robot.name), x=0.03, ha="left", fontsize=12)
     _legend(figure, robot, q, bool(heavy.any()))
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, format="png")
-    except OSError as error:
-        raise InputError(
-            f"--out {path}: cannot write ({error.strerror}): choose another."
-        ) from None
+    figure.savefig(path, format="png")
 
 
 def _skeleton(axes, robot: Robot, rotation: np.ndarray, origin: np.ndarray, length: float) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,7 @@ def export(
         raise InputError(f"--out {path}: is a folder; name a file such as {path / 'arm.urdf'}")
     if not 0.0 < prior_weight < np.inf:
         raise InputError(f"prior weight {prior_weight}: give a number above zero")
-    outputs.check_folder(path.parent)
+    outputs.check_file(path)
     found = None
     if form.bodies and (prior is not None or not are_bodies(model.robot)):
         progress("finding the nearest rigid bodies")
@@ -130,9 +131,13 @@ def export(
         found = physical_model(model, columns, where, prior=start, pull=prior_weight)
         model = found.model
     progress("writing")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    form.write(model, path)
-    return _result(model, path, found, form)
+    with TemporaryDirectory() as place:
+        form.write(model, Path(place) / path.name)
+        files: dict[str, outputs.Content] = {
+            part.name: part.read_bytes() for part in sorted(Path(place).iterdir())
+        }
+    outputs.write_told(path.parent, files)
+    return _result(model, path, found, form, len(files) > 1)
 
 
 def _format(path: Path, name: str | None) -> Format:
@@ -181,13 +186,15 @@ def _by_effect(terms: Sequence[Term], joints: tuple[str, ...]) -> str:
     return "; ".join(f"{name} on {on}" if on else name for name, on in told)
 
 
-def _result(model: Model, path: Path, found: PhysicalModel | None, form: Format) -> Result:
+def _result(
+    model: Model, path: Path, found: PhysicalModel | None, form: Format, has_side: bool
+) -> Result:
     robot = model.robot
     side = path.with_name(path.name + ".json")
     content: dict[str, Any] = {"robot": robot.name, "out": str(path), "moved": None}
-    if side.exists():
+    if has_side:
         content["side_file"] = str(side)
-    lines = [f"written to {path}" + (f", what it cannot hold to {side.name}" * side.exists())]
+    lines = [f"written to {path}" + (f", what it cannot hold to {side.name}" * has_side)]
     content["not_in_file"], notes = _notes(model, form)
     content["notes"] = notes
     if found is None:

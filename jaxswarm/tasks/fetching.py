@@ -142,7 +142,7 @@ def fetch(
             _get(pooch, address, Path(place), own, known.get(own))
         found = {own: pooch.file_hash(str(Path(place) / own)) for own in names}
         content = {own: (Path(place) / own).read_bytes() for own in names}
-    outputs.write_files(target, {**content, CHECKSUMS: outputs.to_json(found)})
+    outputs.write_told(target, {**content, CHECKSUMS: outputs.to_json(found)})
     return _told(name, source, target, found, [own for own in names if own not in known])
 
 

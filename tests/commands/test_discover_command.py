@@ -112,6 +112,7 @@ BAD = {
     "empty.py": ("x = 1\n", "holds no effect"),
     "broken.py": ("def f(:\n", "SyntaxError"),
     "raises.py": ("1 / 0\n", "ZeroDivisionError"),
+    "ends.py": ("raise SystemExit(0)\n", "SystemExit"),
     "taken.py": (
         "from jaxswarm.effects import REGISTRY\nfrom dataclasses import replace\n"
         "law = replace(REGISTRY['viscous_friction'], summary='mine')\n",

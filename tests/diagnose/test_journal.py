@@ -37,6 +37,21 @@ def test_another_diagnosis_or_a_broken_file_is_not_gone_on_from(tmp_path, conten
     assert Journal(tmp_path, "a" if content else "b").recall(0, TERM) is None
 
 
+@pytest.mark.parametrize("change", ["another value", "a list", "digits lost"])
+def test_what_was_changed_since_it_was_written_is_not_gone_on_from(tmp_path, change):
+    Journal(tmp_path, "a").keep(0, FOUND)
+    text = (tmp_path / FILE).read_text()
+    listed = json.dumps({**json.loads(text), "rounds": [json.loads(text)["rounds"]]})
+    spoiled = {
+        "another value": text.replace('"vs": 0.3', '"vs": 0.8'),
+        "a list": listed,
+        "digits lost": text.replace("0004", ""),
+    }
+    (tmp_path / FILE).write_text(spoiled[change])
+    assert (tmp_path / FILE).read_text() != text
+    assert Journal(tmp_path, "a").recall(0, TERM) is None
+
+
 def test_fingerprint_knows_logs_and_options():
     arm, declared, _ = demo_case(rx60(), 3)
     band = Filtering(20.0, 10.0)

@@ -206,6 +206,13 @@ def test_the_found_cutoff_is_near_the_one_that_estimates_acceleration_best():
         assert error(found.cutoff[j], j) < 1.3 * best
 
 
+@pytest.mark.parametrize("length", [9, 40, 400])
+def test_a_cutoff_is_found_of_few_samples_at_a_high_rate(length):
+    position = np.sin(np.linspace(0.0, 3.0, length))[:, None]
+    slow, fast = (find_cutoffs(position, rate) for rate in (100.0, 2e5))
+    np.testing.assert_allclose(fast.cutoff, 2e3 * slow.cutoff, rtol=1e-6 if length < 100 else 0.5)
+
+
 @pytest.mark.parametrize("length", [200, 257, 900])
 def test_power_density_is_the_one_of_scipy(length):
     x = np.cumsum(np.random.default_rng(1).normal(size=(900, 2)), axis=0)

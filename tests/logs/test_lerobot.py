@@ -67,3 +67,13 @@ def test_a_file_of_one_episode_needs_no_number(tmp_path):
     folder = data_set(tmp_path / "set", "v2.1", None)
     log = read(folder / "data" / "chunk-000" / "episode_000001.parquet")
     np.testing.assert_allclose(log.q, LOG.q + 1, atol=1e-6)
+
+
+def test_a_row_without_its_episode_is_told(tmp_path):
+    folder = data_set(tmp_path / "set", "v3.0", list(JOINTS))
+    path = folder / "data" / "chunk-000" / "file-000.parquet"
+    table = parquet.read_table(path).to_pydict()
+    table["episode_index"][5] = None
+    parquet.write_table(pa.table(table), path)
+    with pytest.raises(InputError, match="every row belongs to an episode"):
+        read(folder)

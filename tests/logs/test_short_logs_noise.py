@@ -13,7 +13,8 @@ SIGMA, RATE, CUTOFF = 0.1, 50.0, 2.0
 def test_noise_is_that_of_the_compared_torque(seconds):
     t = np.arange(0.0, seconds, 1.0 / RATE)
     rng = np.random.default_rng(0)
-    log = Log("short", ("a",), t, np.sin(t)[:, None], SIGMA * rng.normal(size=(len(t), 1)))
+    tau = SIGMA * rng.normal(size=(len(t), 1))
+    log = Log("short", ("a",), t, np.sin(t)[:, None], tau=tau)
     motion = prepare(log, Filtering(4.0, CUTOFF))
     assert (len(motion.decimator.taps) == 1) == (seconds < 10.0)
     left = motion.low_torque.std()

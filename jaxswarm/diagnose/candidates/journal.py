@@ -28,7 +28,8 @@ class Journal:
 
     Args:
         folder: Where the report will be.
-        fingerprint: Of the inputs, see :func:`fingerprint`; a file with another one is not used.
+        fingerprint: Of the inputs, see :func:`fingerprint`; a file with another one, or one that was
+            changed since it was written, is not used.
     """
 
     def __init__(self, folder: Path, fingerprint: str):
@@ -36,7 +37,8 @@ class Journal:
         self.rounds: dict[str, dict[str, list[dict[str, float]]]] = {}
         try:
             content = json.loads((self.folder / FILE).read_text(encoding="utf-8"))
-            if content["fingerprint"] == fingerprint:
+            told = content["fingerprint"], content["digest"]
+            if told == (fingerprint, _digest(content["rounds"])):
                 self.rounds = content["rounds"]
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             pass  # no earlier attempt, or one that cannot be read: start anew
@@ -51,8 +53,8 @@ class Journal:
             _name(t): [{k: float(v) for k, v in fold.items()} for fold in values]
             for t, values in found.items()
         }
-        text = json.dumps({"fingerprint": self.fingerprint, "rounds": self.rounds})
-        outputs.write_files(self.folder, {FILE: text})
+        known = {"fingerprint": self.fingerprint, "digest": _digest(self.rounds)}
+        outputs.write_files(self.folder, {FILE: json.dumps({**known, "rounds": self.rounds})})
 
     def close(self, done: bool = True) -> None:
         """The report is written; of a search that is done nothing is left to go on from."""
@@ -79,6 +81,10 @@ def fingerprint(robot: Robot, motions: Sequence[Motion], *options) -> str:
     for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
+
+
+def _digest(rounds: object) -> str:
+    return hashlib.sha256(json.dumps(rounds, sort_keys=True).encode()).hexdigest()
 
 
 def _name(term: Term) -> str:

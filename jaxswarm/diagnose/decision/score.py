@@ -23,6 +23,7 @@ import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, SELECTED, WEIGHTY, Rules
+from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 
 
@@ -212,32 +213,6 @@ def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
     """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
     before = np.maximum((residual**2).sum(axis=0), 1e-300)
     return float(max(0.0, (1.0 - ((residual - predicted) ** 2).sum(axis=0) / before).max()))
-
-
-def certainty(p_value: float) -> float:
-    """Standard errors that a one-sided p-value is worth; below zero where it is above a half."""
-    return float(-scipy.special.ndtri(max(p_value, 1e-300)))
-
-
-def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
-    """One-sided p-value of a positive slope from sums over blocks, by the jackknife.
-
-    Args:
-        inner: Sum of prediction times residual of every block, (B,).
-        square: Sum of squared predictions of every block, (B,).
-
-    >>> slope_p_value(np.array([1.0, 1.1, 0.9, 1.0]), np.ones(4)) < 1e-3
-    True
-    >>> slope_p_value(np.array([4.0, 0.0, 0.0, 0.0]), np.array([4.0, 0.1, 0.1, 0.1])) > 0.1
-    True
-    """
-    count, total = len(inner), square.sum()
-    rest = total - square
-    if total <= 0 or (rest <= 1e-9 * total).any():
-        return 1.0
-    slopes = (inner.sum() - inner) / rest
-    spread = np.sqrt((count - 1) / count * ((slopes - slopes.mean()) ** 2).sum())
-    return float(scipy.special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
-from jaxswarm.diagnose.decision.score import slope_p_value
+from jaxswarm.diagnose.decision.significance import slope_p_value
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.identify.estimation.estimate import Estimate

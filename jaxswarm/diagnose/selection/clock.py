@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import certainty
+from jaxswarm.diagnose.decision.significance import certainty
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
