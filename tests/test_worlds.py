@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -15,6 +16,7 @@ from benchmarks.worlds.bodies import across, askew, carried, loaded
 from benchmarks.worlds.control import Control
 from benchmarks.worlds.families import draw_arm, joint_scales
 from benchmarks.worlds.files import write_world
+from benchmarks.worlds.intervals import true_values
 from benchmarks.worlds.laws import IN_BODY, INSIDE, LAWS, OUTSIDE, STRUCTURAL, Effect, torque_of
 from benchmarks.worlds.motion import FAMILIES, Motion, reference
 from benchmarks.worlds.place import place_effect
@@ -315,3 +317,10 @@ def test_dry_friction_that_a_law_takes_from_is_told_where_nothing_is_declared():
     drift = next(e for e in world.effects if e.kind == "thermal_drift")
     dry = [e for e in world.effects if (e.kind, e.joint) == ("coulomb_friction", drift.joint)]
     assert len(dry) == 1 and dry[0].params["fc"] > drift.params["fc"]
+
+
+def test_true_dry_friction_is_all_there_is_on_the_joint():
+    """A law that takes of it needs some: what the arm has besides the effect is told together with it."""
+    world = SimpleNamespace(arm=SimpleNamespace(coulomb=np.array([0.0, 2.5])))
+    effect = Effect("coulomb_friction", 1, params={"fc": 0.5})
+    assert true_values(effect, world) == {"fc": 3.0}

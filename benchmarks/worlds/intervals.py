@@ -12,6 +12,8 @@ def true_values(effect: Effect, world: World) -> dict[str, float]:
     if effect.kind == "asymmetric_friction":
         fc, b = world.arm.coulomb[effect.joint], world.arm.viscous[effect.joint]
         return {"fc_pos": fc + p["fc_more"], "fc_neg": fc, "b_pos": b + p["b_more"], "b_neg": b}
+    if effect.kind == "coulomb_friction":  # with what a law that takes of it needs there
+        return {"fc": p["fc"] + world.arm.coulomb[effect.joint]}
     if effect.kind == "contact":
         return {"start": p["start"], "end": p["end"]}
     if effect.kind == "time_delay":  # with what the filter adds and the hold of a tick takes off
