@@ -15,7 +15,7 @@ from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
 from jaxswarm.logs.encoder import between_counts
 from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
-from jaxswarm.logs.resampling import resample, stride_for, thin, uniform_clock
+from jaxswarm.logs.resampling import bridged_samples, resample, stride_for, thin, uniform_clock
 from jaxswarm.logs.smoothing import smooth
 
 
@@ -66,6 +66,7 @@ class Motion:
             (T', n) [N m or N]; None: not known yet.
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
         step_noise: What the times of jumps, unknown between samples, make of the residual, likewise.
+        bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
     """
 
     source: str
@@ -89,6 +90,7 @@ class Motion:
     model_noise: np.ndarray | None = None
     sharp_noise: np.ndarray | None = None
     step_noise: np.ndarray | None = None
+    bridged: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:
@@ -169,6 +171,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         # Thinning keeps the density of the noise, not its variance.
         position_noise=band.noise / np.sqrt(stride),
         velocity_ratio=band.ratio,
+        bridged=bridged_samples(log.t, clock, 1.0 / rate),
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
 
@@ -227,5 +230,6 @@ def stretch(motion: Motion, first: int, last: int) -> Motion:
         dq=motion.dq[rows],
         ddq=motion.ddq[rows],
         tau=cut(motion.tau),
+        bridged=cut(motion.bridged),
         channels={name: x[rows] for name, x in motion.channels.items()},
     )

@@ -18,6 +18,8 @@ _LEAST_SAMPLES = 20
 _LEAST_WORKING = 10
 # The low-pass before thinning looks three filter lengths beyond either end.
 _LEAST_THINNED = 28
+# Samples are missing between two that are so many intervals apart: jitter alone leaves none out.
+_MISSING = 2.5
 
 
 class TooShort(InputError):
@@ -40,6 +42,23 @@ def uniform_clock(log: Log) -> tuple[Log, np.ndarray, float]:
     count = int(round((log.t[-1] - log.t[0]) / step)) + 1
     rate = (count - 1) / (log.t[-1] - log.t[0])
     return log, log.t[0] + np.arange(count) / rate, rate
+
+
+def bridged_samples(t: np.ndarray, clock: np.ndarray, interval: float) -> np.ndarray | None:
+    """Whether a clock (T',) ticks where samples at times (T,) are missing, (T',); None where none are.
+
+    >>> bridged_samples(np.array([0.0, 1.0, 2.0, 6.0, 7.0]), np.arange(8.0), 1.0).astype(int)
+    array([0, 0, 0, 1, 1, 1, 0, 0])
+    """
+    missing = np.flatnonzero(np.diff(t) > _MISSING * interval)
+    if not len(missing):
+        return None
+    before = np.searchsorted(clock, t[missing] + 0.5 * interval)
+    after = np.searchsorted(clock, t[missing + 1] - 0.5 * interval)
+    bridged = np.zeros(len(clock) + 1, int)
+    np.add.at(bridged, before, 1)
+    np.add.at(bridged, after, -1)
+    return np.cumsum(bridged[:-1]) > 0
 
 
 def resample(t: np.ndarray, x: np.ndarray, clock: np.ndarray, cubic: bool) -> np.ndarray:

@@ -33,6 +33,9 @@ _DRAWS, _ROWS = 2, 7
 # Where the band begins that tells what is sharp, over the torque's cutoff; and the time [s] over which its
 # power is averaged, in any case a period of the cutoff.
 _ABOVE, _WINDOW = 1.5, 0.25
+# Decimated rows that missing samples have this share in are unknown to events: where 0.08 s were missing, a
+# line across them was told as a push. Their noise over the largest residual: none of them counts.
+_TOUCHED, _UNKNOWN = 0.02, 1e3
 # Without this share of the working rate above the band, it tells nothing.
 _LEAST_SHARE = 0.05
 
@@ -108,7 +111,11 @@ def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
     tell to a part of a sample, nothing is in doubt.
     """
     lasting = max(3, round(motion.rate / motion.torque_cutoff))
-    return step_noise(left, motion.interval * motion.rate, motion.decimator, lasting)
+    doubt = step_noise(left, motion.interval * motion.rate, motion.decimator, lasting)
+    if motion.bridged is None:
+        return doubt
+    touched = motion.decimator.apply(motion.bridged.astype(float)[:, None])[:, 0] > _TOUCHED
+    return np.where(touched[:, None], _UNKNOWN * np.abs(left).max(axis=0), doubt)
 
 
 def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
