@@ -35,7 +35,7 @@ _DRAWS, _ROWS = 2, 7
 _ABOVE, _WINDOW = 1.5, 0.25
 # Decimated rows that missing samples have this share in are unknown to events: where 0.08 s were missing, a
 # line across them was told as a push. Their noise over the largest residual: none of them counts.
-_TOUCHED, _UNKNOWN = 0.02, 1e3
+_ACROSS, _UNKNOWN = 0.02, 1e3
 # Without this share of the working rate above the band, it tells nothing.
 _LEAST_SHARE = 0.05
 
@@ -114,8 +114,8 @@ def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
     doubt = step_noise(left, motion.interval * motion.rate, motion.decimator, lasting)
     if motion.bridged is None:
         return doubt
-    touched = motion.decimator.apply(motion.bridged.astype(float)[:, None])[:, 0] > _TOUCHED
-    return np.where(touched[:, None], _UNKNOWN * np.abs(left).max(axis=0), doubt)
+    across = motion.decimator.apply(motion.bridged.astype(float)[:, None])[:, 0] > _ACROSS
+    return np.where(across[:, None], _UNKNOWN * np.abs(left).max(axis=0), doubt)
 
 
 def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
