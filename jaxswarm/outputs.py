@@ -67,14 +67,14 @@ def check_file(path: Path) -> Path:
         raise _refusal(path, error) from None
     if path.is_dir():
         raise InputError(f"--out {path}: is a folder; name a file such as {path / 'pred.csv'}")
-    _refuse_device(path, path)
+    _refuse_device(path)
     return path
 
 
-def _refuse_device(path: Path, named: Path) -> None:
+def _refuse_device(path: Path) -> None:
     """Refuse to put a file in the place of a device or a pipe, which others need."""
     if path.exists() and not path.is_file() and not path.is_dir():
-        raise InputError(f"--out {named}: {path.name} is a device or a pipe; name a file")
+        raise InputError(f"--out {path}: {path.name} is a device or a pipe; name a file")
 
 
 def write_results(folder: Path, files: Mapping[str, Content]) -> list[Path]:
@@ -149,7 +149,7 @@ def write_files(folder: Path, files: dict[str, Content]) -> list[Path]:
             target = folder / name
             if target.is_dir():
                 raise InputError(f"--out {folder}: {target} is a folder; move it away")
-            _refuse_device(target, target)
+            _refuse_device(target)
             handle, temporary = tempfile.mkstemp(
                 dir=folder, prefix=unfinished.mark(_machine()), suffix=target.suffix
             )
