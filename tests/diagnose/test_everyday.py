@@ -1,11 +1,21 @@
 """Friction that nobody declared is found on all joints together, also in a log too short to show each alone."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from planted import BAND, NOISE, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.everyday import _more_than_clocks
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.synthetic import synthetic_log
+from jaxswarm.identify import estimate
+from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.identify.synthetic import Noise, synthetic_log
 from jaxswarm.logs.motion import prepare
 
 FRICTION = {(e, j) for e in ("viscous_friction", "coulomb_friction") for j in range(2)}
@@ -31,3 +41,25 @@ def test_friction_that_a_falling_one_outweighs_is_kept_until_that_is_found():
 def test_an_arm_without_friction_gets_none():
     log = synthetic_log(small_arm(), (), 3, noise=NOISE, duration=6.0, rate=125.0, motion_seed=7)
     assert not diagnose(small_arm(), (), [prepare(log, BAND)]).kept
+
+
+def test_a_weight_told_late_is_no_friction():
+    """A controller holds the weight of one joint: read half a sample early, it changes as friction does."""
+    log = synthetic_log(
+        small_arm(), (), 3, noise=Noise(2e-5, 0.02), duration=12.0, rate=125.0, motion_seed=7
+    )
+    motion = prepare(log, BAND)
+    found = estimate(small_arm(), (), [motion])
+    weight = model_torque(found.model, replace(motion, dq=0 * motion.dq, ddq=0 * motion.ddq))[:, 0]
+    ahead = 0.5 * motion.interval
+    change = np.interp(log.t + ahead, motion.t, weight) - np.interp(log.t, motion.t, weight)
+    early = prepare(replace(log, tau=log.tau + change[:, None] * [1.0, 0.0]), BAND)
+    told = with_motion_noise(estimate(small_arm(), (), [early]))
+    folds = cross_fit(told)
+    asked = [Term(effect, 0) for effect in ("viscous_friction", "coulomb_friction")]
+    scores = score_terms(Linearization(told, folds), asked, 0)
+    assert any(s.gain > 0 for s in scores)
+    assert _more_than_clocks(scores, told, folds) == [s for s in scores if s.gain <= 0]
+    assert not {"viscous_friction", "coulomb_friction"} & {
+        s.added.effect for s in diagnose(small_arm(), (), [early]).kept
+    }

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
 
-from jaxswarm.diagnose.selection.refit import can_be
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import can_be, refit_with
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -73,3 +76,21 @@ def test_a_law_of_two_directions_may_be_below_its_bound_in_one_by_chance(backwar
 def test_a_law_of_one_number_is_within_its_bound():
     drag = Term("quadratic_drag", 1, values={"c": -0.01})
     assert not can_be(drag, {"c": 0.02})
+
+
+@pytest.mark.parametrize(
+    ("values", "stays"), [((-0.1, 0.1, 0.2, -0.2), False), ((0.1, 0.4, 0.2, 0.0), True)]
+)
+def test_a_law_stands_within_its_bounds(values, stays):
+    """What drives in one direction and brakes in the other is no friction, though chance may have done it."""
+    planted = dict(zip(("fc_pos", "fc_neg", "b_pos", "b_neg"), values, strict=True))
+    other = tuple(t for t in DECLARED if t.joint == 0)
+    terms = (*other, Term("asymmetric_friction", 1, values=planted))
+    log = synthetic_log(
+        small_arm(), terms, 1, noise=Noise(2e-5, 0.4), duration=12.0, rate=125.0, motion_seed=7
+    )
+    found = estimate(small_arm(), blank(other), [prepare(log, BAND)], bounded=False)
+    asked = [Term("asymmetric_friction", 1)]
+    (one,) = score_terms(Linearization(found, cross_fit(found)), asked, 0)
+    assert one.share > 0.2
+    assert (refit_with(found, one) is not None) is stays

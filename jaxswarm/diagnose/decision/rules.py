@@ -95,6 +95,9 @@ EVERYDAY_CERTAIN, EVERYDAY_MATERIAL = 4.0, 0.3
 # What is beyond its physical bound by more standard errors than this contradicts it: it stays, and is told. On
 # a 9 s log of a clean world, friction that drove by chance tripled the error of unseen motion.
 BEYOND_CHANCE = 4.0
+# Held at its bounds in the end, a law keeps this part of what it took off unbounded: on a clean joint of a
+# world, friction that drove in one direction and braked in the other kept 0.6; chance costs it far less.
+WITHIN_BOUNDS = 0.8
 # A law that was chosen anew may leave this much more of a joint's squared error.
 PRICE = 1.02
 # A simpler model may leave more by the square of two standard errors for each parameter it saves.

@@ -32,10 +32,10 @@ from jaxswarm.identify.estimation.estimate import Estimate
 def only_sharp(
     passed: Sequence[Score], found: Estimate, crossfit: CrossFit, asked: int, rules: Rules
 ) -> list[Score]:
-    """Those that pass no more where rows count by all their noise, what is sharp included.
+    """Those that pass no more where rows count by all their noise, sharp or not, and clocks are free.
 
-    Asked are joints that are near that noise as they are: what is left of others is more than sharpness leaves.
-    What is sharp by itself, an impact in a gear or the edge of a contact, is not asked.
+    Asked are joints that are near that noise but for their clocks: what is left of others is more than
+    sharpness leaves. What is sharp by itself, an impact in a gear or the edge of a contact, is not asked.
 
     Args:
         passed: Scores of candidates that passed.
@@ -44,8 +44,19 @@ def only_sharp(
         asked: Candidates asked, for the level of the tests.
         rules: Thresholds.
     """
-    near = found.fit.sigma <= NEAR * noise_of(found)
-    asking = [s for s in passed if near[s.joint] and not _is_told(s.candidate.term.law)]
+    asking = [s for s in passed if not _is_told(s.candidate.term.law)]
+    again = score_softly(asking, found, crossfit)
+    pairs = zip(asking, again, strict=True)
+    return [s for s, other in pairs if other is not None and not passes(other, asked, rules)]
+
+
+def score_softly(
+    asking: Sequence[Score], found: Estimate, crossfit: CrossFit
+) -> list[Score | None]:
+    """Candidates scored with every row counted by all its noise and the clock of each joint free.
+
+    None for those on joints that so, too, are left far from their noise.
+    """
     if not asking:
         return []
     softer = cross_fit(found, doubt_of=row_noise)
@@ -53,11 +64,17 @@ def only_sharp(
     softer = replace(softer, noise=row_noise(found).min(axis=0))
     clocks = softer.weigh(clock_slopes(found))
     softer = softer.with_columns((clocks,) * len(softer.folds), known=True)
+    counted = softer.weight > 0
+    left = np.divide(softer.whole.residual, softer.weight, out=0.0 * softer.weight, where=counted)
+    near = np.sqrt((left**2).mean(axis=0)) <= NEAR * noise_of(found)
+    near |= found.fit.sigma <= NEAR * noise_of(found)
     known = crossfit.weight > 0
     ratio = np.divide(softer.weight, crossfit.weight, out=np.zeros_like(softer.weight), where=known)
     interval = max(m.interval for m in found.motions)
-    again = [(s, score(_weighted(s.candidate, ratio), softer, interval)) for s in asking]
-    return [s for s, other in again if not passes(other, asked, rules)]
+    return [
+        score(_weighted(s.candidate, ratio), softer, interval) if near[s.joint] else None
+        for s in asking
+    ]
 
 
 def _is_told(law: Effect) -> bool:

@@ -4,9 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE, CERTAIN, IN_PLACE, MOST_DAMPING, NEEDED
+from jaxswarm.diagnose.decision.rules import (
+    BEYOND_CHANCE,
+    CERTAIN,
+    IN_PLACE,
+    MOST_DAMPING,
+    NEEDED,
+    WITHIN_BOUNDS,
+)
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
+from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term, number_of
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -61,7 +69,11 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
             break
     if after is None:
         return None
-    return after if _holds(after, term, 1.0 - cost(after) / cost(current)) else None
+    fall = 1.0 - cost(after) / cost(current)
+    if not _holds(after, term, fall):
+        return None
+    within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
+    return after if within >= WITHIN_BOUNDS * fall else None
 
 
 def _holds(after: Estimate, term: Term, fall: float) -> bool:
@@ -73,6 +85,13 @@ def _holds(after: Estimate, term: Term, fall: float) -> bool:
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     return physical and fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
+
+
+def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
+    """The fit with all values held at their bounds, where chance has driven the term's own beyond them."""
+    fitted = after.model.terms[number_of(term, after.model.terms)]
+    beyond = any(fitted.values[p.name] < p.lower for p in fitted.law.linear)
+    return within_bounds(after) if beyond else after
 
 
 def _starts(term: Term) -> list[Term]:
