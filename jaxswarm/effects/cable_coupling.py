@@ -33,6 +33,7 @@ register(
         derived=lambda p: (
             {"c": (p["kc"] / p["k"], "1"), "q0": (-p["tau0"] / p["k"], "rad")} if p["k"] else {}
         ),
+        mutual=True,
         contains=("joint_spring", "torque_offset"),
         shown_against="position",
     )
