@@ -111,10 +111,26 @@ class Known:
         left[1] = self.left
         return Tried(left, np.ones(6)), np.ones(6)
 
+    def halves(self):
+        return self, self
+
     def lateness(self, sigma):
         seconds, gain = np.array([1.0, 18.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
         gain[1] = self.gain
         return Lateness(1e-3 * seconds, gain)
+
+
+class Late(Known):
+    """Half a log, whose second joint is late by so many milliseconds."""
+
+    def __init__(self, milliseconds):
+        super().__init__(0.02, -0.4)
+        self.milliseconds = milliseconds
+
+    def lateness(self, sigma):
+        return Lateness(
+            1e-3 * np.array([1.0, self.milliseconds, -1.0, 0.0, 1.0, -1.0]), np.zeros(6)
+        )
 
 
 @pytest.mark.parametrize(
@@ -128,10 +144,22 @@ def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, told):
     assert not told or "joint2 is 18 ms late" in found.what
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "told"), [(15, 22, True), (22, 5, False), (40, -9, False)]
+)
+def test_a_delay_is_one_that_both_halves_of_a_log_tell(arm, first, second, told):
+    """A wrong drive gain left 15 ms on a joint of a world, and 11 and 23 ms of the other sign in its halves."""
+    rough = Known(0.02, -0.4)
+    rough.halves = lambda: tuple(Late(seconds) for seconds in (first, second))
+    found = late_torque(arm, rough)
+    assert (found is not None) == told
+
+
 def test_the_other_joint_of_two_is_the_clock():
     """The middle of both would halve what they are apart."""
     both = Tried(np.full(2, 0.04), np.ones(2)), np.ones(2)
     late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
+    pair.halves = lambda: (pair, pair)
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair)
     assert found is not None and "b is 12 ms late" in found.what

@@ -1,7 +1,7 @@
 """A rough model of a log: rigid body, and rotor, friction and spring of every joint, to try guesses on."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import scipy
@@ -115,7 +115,7 @@ class Rough:
     """
 
     def __init__(self, robot: Robot, samples: Samples):
-        self.samples = samples
+        self.samples, self._robot = samples, robot
         self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
         self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
         rigid = rigid_columns(robot, samples.q, samples.dq, samples.ddq)
@@ -137,6 +137,15 @@ class Rough:
             missing = block.shape[1] - len(factor)
             self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
         self._rows = len(laws)
+
+    def halves(self) -> "tuple[Rough, Rough]":
+        """The same of either half of the log."""
+        middle = len(self.samples.q) // 2
+        first, second = (
+            Samples(*(getattr(self.samples, f.name)[rows] for f in fields(Samples)))
+            for rows in (slice(0, middle), slice(middle, None))
+        )
+        return Rough(self._robot, first), Rough(self._robot, second)
 
     @property
     def rows_per_parameter(self) -> float:
