@@ -2,6 +2,7 @@
 
 import importlib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -87,3 +88,28 @@ def test_a_delay_of_samples_is_no_matter_of_clocks(arm):
     assert told["filtering"]["clock_skew_s"] == 0.0
     delay = next(e for e in told["effects"] if e["effect"] == "time_delay")
     assert delay["parameters"]["seconds"]["value"] == pytest.approx(-3.0 / _RATE, rel=0.05)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.8e-3, 1.5e-3])
+def test_clocks_end_where_they_fit_best_wherever_they_began(monkeypatch, start):
+    """A step within its own doubt is a step towards the best place, too."""
+    module = importlib.import_module("jaxswarm.identify.estimation.clock_skew")
+    best, doubt = 1e-3, 1.5e-4
+
+    def at(skew):
+        motion = SimpleNamespace(skew=skew, interval=0.01)
+        return SimpleNamespace(model=SimpleNamespace(terms=()), motions=(motion,))
+
+    monkeypatch.setattr(module, "clock_skew", lambda one: (best - one.motions[0].skew, doubt))
+    monkeypatch.setattr(
+        module, "with_skew", lambda one, late, bounded=False: at(one.motions[0].skew + late)
+    )
+    assert module.with_clocks(at(start)).motions[0].skew == pytest.approx(best, abs=0.5 * doubt)
+
+
+def test_no_skew_is_told_that_is_within_its_doubt(monkeypatch):
+    module = importlib.import_module("jaxswarm.identify.estimation.clock_skew")
+    motion = SimpleNamespace(skew=0.0, interval=0.01)
+    found = SimpleNamespace(model=SimpleNamespace(terms=()), motions=(motion,))
+    monkeypatch.setattr(module, "clock_skew", lambda one: (4e-4, 1.5e-4))
+    assert module.with_clocks(found) is found

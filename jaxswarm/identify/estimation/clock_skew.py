@@ -107,13 +107,17 @@ def with_clocks(found: Estimate, bounded: bool = False) -> Estimate:
     most = min(m.interval for m in found.motions)
     moved = found
     for _ in range(_STEPS):
-        late, doubt = clock_skew(moved)
-        if abs(late) <= (_CERTAIN if moved is found else _SMALL) * doubt:
+        step, doubt = clock_skew(moved)
+        known = moved.motions[0].skew
+        if not known and abs(step) <= _CERTAIN * doubt:
             break
-        late *= (
-            1.0 - (doubt / late) ** 2
-        )  # W. James, C. Stein (1961): nothing where there is nothing
-        if abs(moved.motions[0].skew + late) > most:
+        whole = known + step
+        # W. James, C. Stein (1961): nothing where there is nothing
+        whole *= max(0.0, 1.0 - (doubt / whole) ** 2) if whole else 0.0
+        late = whole - known
+        if known and abs(late) <= _SMALL * doubt:
+            break
+        if abs(whole) > most:
             return found
         moved = with_skew(moved, late, bounded)
     return moved
