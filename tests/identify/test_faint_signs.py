@@ -155,6 +155,20 @@ def test_a_delay_is_one_that_both_halves_of_a_log_tell(arm, first, second, told)
     assert (found is not None) == told
 
 
+def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
+    """All torques are 16 ms late; one joint is 40 ms early as far as its error goes, which hardly changes."""
+    seconds = 1e-3 * np.array([-40.0, 14.0, 17.0])
+    gain = np.array([-0.005, -0.2, -0.7])
+    rough = SimpleNamespace(
+        strictness=1.0,
+        as_logged=lambda: (Tried(np.full(3, 0.03), np.ones(3)), np.ones(3)),
+        lateness=lambda sigma: Lateness(seconds, gain),
+    )
+    rough.halves = lambda: (rough, rough)
+    robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
+    assert late_torque(robot, rough) is None
+
+
 def test_the_other_joint_of_two_is_the_clock():
     """The middle of both would halve what they are apart."""
     both = Tried(np.full(2, 0.04), np.ones(2)), np.ones(2)

@@ -31,6 +31,19 @@ def test_joints_of_clearly_different_widths_have_their_own():
     np.testing.assert_allclose(width, (0.15, 0.5), rtol=0.1)
 
 
+@pytest.mark.parametrize("widths", [(0.05, 0.3), (0.03, 0.5)])
+def test_widths_stay_where_a_fit_left_them(widths):
+    """Else an effect of another joint moves them, and is blamed for what that does to other motion."""
+    motion = make_motion(planar_arm(), friction(widths), length=1500, noise=0.3)
+    first = estimate(planar_arm(), LAWS, [motion], bounded=False)
+    start = np.asarray(first.model.robot.parameters).ravel()
+    again = estimate(
+        planar_arm(), LAWS, [motion],
+        width=first.model.width, refine_width=True, bounded=False, start=start,
+    )  # fmt: skip
+    np.testing.assert_allclose(again.model.width, first.model.width, rtol=0.01)
+
+
 def test_a_single_joint_apart_frees_those_that_are_known_well_enough():
     x, error = np.array([0.9, -0.5, 0.1, 0.6]), np.array([0.02, 0.03, 0.02, 1.5])
     assert apart(x, error).tolist() == [0, 1, 2]

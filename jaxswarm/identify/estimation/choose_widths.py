@@ -23,6 +23,9 @@ from jaxswarm.logs.motion import Motion
 
 # What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
 _HARDLY_TOLD = 4.0
+# Which widths are a joint's own is told to first order, from where the others are: a second pass moved one of a
+# world by 8 %, and with it the error of point-to-point motion by 16 %.
+_PASSES, _SETTLED = 3, 0.02
 
 
 def choose_widths(
@@ -36,6 +39,18 @@ def choose_widths(
         moving: What is free there.
         groups: Joints of a kind with directed friction.
     """
+    for _ in range(_PASSES):
+        before = here.place.width
+        here, moving = _chosen(problem, here, moving, groups)
+        if not groups or np.abs(np.log(np.divide(here.place.width, before))).max() < _SETTLED:
+            break
+    return here, moving
+
+
+def _chosen(
+    problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
+) -> tuple[Settled, list[FreeParameter]]:
+    """The same, from what the log tells to first order about the widths of a fit."""
     own = _own_widths(problem, here, groups)
     freed = _freed(groups, own, here.place.width)
     rest = [tuple(j for j in group if j not in freed) for group in groups]
