@@ -14,7 +14,7 @@ from jaxswarm.identify import estimate, load_model, model_torque, save_model
 from jaxswarm.identify.estimation.events import edge_error
 from jaxswarm.identify.forward.regression import event_rows
 from jaxswarm.identify.report.summary import linear_units
-from jaxswarm.logs.motion import prepare
+from jaxswarm.logs.motion import Filtering, prepare
 
 CONTACTS = [(2.5, 2.8, 6.0, -4.0), (6.0, 6.7, 0.0, 5.0), (9.2, 9.6, -7.0, 0.0)]
 
@@ -51,6 +51,21 @@ def test_several_short_contacts_are_found_with_their_torques_and_nothing_else(fo
             # Begin and end are known to a decimated sample, which is a share of a short contact.
             assert abs(row["value"] - true) < 3.0 * row["std_error"]
             assert row["std_error"] < 0.06 * abs(true) + 0.3
+
+
+@pytest.mark.parametrize("duration", [11.0, 20.0])
+@pytest.mark.parametrize("size", [1.0, 3.0])
+def test_a_push_is_told_in_slow_motion(duration, size):
+    """The tails of the low-pass are no part of it, and it is no memory of the noise that it is told against."""
+    log = pushed(log_with(duration=duration), [(2.5, 2.8, size, -0.6 * size)])
+    told = diagnose(small_arm(), blank(), [prepare(log, Filtering(12.0, 6.0))])
+    assert [s.added.effect for s in told.kept] == ["contact"]
+
+
+def test_an_event_that_takes_most_of_a_log_is_not_told():
+    log = pushed(log_with(duration=6.0), [(2.5, 2.8, 3.0, -1.8)])
+    told = diagnose(small_arm(), blank(), [prepare(log, Filtering(6.0, 3.0))])
+    assert not told.kept
 
 
 def test_a_known_contact_leaves_the_parameters_as_they_are_without_it():

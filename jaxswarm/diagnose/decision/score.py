@@ -22,9 +22,18 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, SELECTED, WEIGHTY, Rules
+from jaxswarm.diagnose.decision.rules import (
+    CERTAIN,
+    DENSE,
+    MOST_TAKEN,
+    SELECTED,
+    TAIL,
+    WEIGHTY,
+    Rules,
+)
 from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
+from jaxswarm.identify.estimation.covariance import correlation_length
 
 
 @dataclass(frozen=True)
@@ -167,7 +176,8 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     what the bounds are made against.
     """
     whole, weight = crossfit.whole, crossfit.weight
-    inside = candidate.columns[0].any(axis=(1, 2))
+    size = np.square(candidate.columns[0]).sum(axis=(1, 2))
+    inside = size > TAIL * size.max()
     timing = crossfit.timing
     free, residual = whole.free_part(candidate.columns[0]), whole.residual * timing
     free = free * timing[:, :, None]
@@ -178,11 +188,14 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     shares = (fall * raw).sum(axis=0) / np.maximum((residual**2 * raw).sum(axis=0), 1e-300)
     joint, per_joint = int(np.argmax(shares)), fall.sum(axis=0)
     gain = float(per_joint.sum())
-    memory = residual.size / crossfit.effective
+    # The event itself is no memory of the noise that it is told against.
+    memory = correlation_length(residual - predicted, np.zeros(len(residual)))
     windows = len(residual) / max(int(inside.sum()), 1)
     blocks = np.bincount(crossfit.block, fall.sum(axis=1))
     chance = scipy.special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
     dense = _stands_out(float(shares[joint]), 1.0 / windows)
+    # Rows that the low-pass spreads it over are used for nothing else.
+    taken = float((size > 0).mean())
     return Score(
         candidate=candidate,
         gain=gain,
@@ -194,7 +207,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
         p_value=float(min(1.0, chance)),
         repeats=1.0,
         coefficients=a,
-        allowed=dense,
+        allowed=dense and taken <= MOST_TAKEN,
     )
 
 
