@@ -16,12 +16,13 @@ from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
-from jaxswarm.diagnose.discovery.front import Point, front
+from jaxswarm.diagnose.discovery.front import Point, front, point, region_folds, strict
 from jaxswarm.diagnose.discovery.grammar import programs
 from jaxswarm.diagnose.discovery.partner import without_joint
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
+from jaxswarm.diagnose.discovery.sums import polished, without_term
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
@@ -32,6 +33,8 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
+# A formula that was proved: its term, its score, and the model with it.
+Proved = tuple[Term, Score, Estimate]
 # Formulas of one joint that are put to the proof.
 _PROVED = 5
 
@@ -99,7 +102,7 @@ def search_joint(
         if isinstance(outcome, str):
             why = why if one is not ranked[0][1] else outcome
             continue
-        term, item, after = outcome
+        one, (term, item, after) = _needed(diagnosis, left, problem, one, tried, other, outcome)
         return Discovery(
             find_term(after, term),
             item,
@@ -139,7 +142,7 @@ def _prove(
     one: Point,
     tried: int,
     other: Sequence[Motion],
-) -> tuple[Term, Score, Estimate] | str:
+) -> Proved | str:
     """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
     final = diagnosis.final
     if one.error > MOST_LEFT:
@@ -159,6 +162,34 @@ def _prove(
         harm = harmful(final, [Step(term, item, (), (), final, after, ())], after, other)
         why = harm and harm[1]
     return f"the best formula {why}" if why else (term, item, after)
+
+
+def _needed(
+    diagnosis: Diagnosis,
+    left: Open,
+    problem: Joint,
+    one: Point,
+    tried: int,
+    other: Sequence[Motion],
+    outcome: Proved,
+) -> tuple[Point, Proved]:
+    """A formula that was proved, without the terms that are not needed once all of the model is refitted.
+
+    The load, the widths of signs and the parameters of the arm that a formula is searched with are those of a
+    model that lacks it; what they are off by looks like a term more. Beside dq^3 tanh(load/s) that was a
+    product of three variables, and with all refitted the law alone left as little.
+    """
+    label = regions(diagnosis.final)
+    assert label is not None  # it was when the formula was found
+    folds = region_folds(problem.lin.crossfit.whole, label)
+    for k in range(len(one.formula.pieces) if len(one.formula.pieces) > 1 else 0):
+        formula = polished(problem, without_term(one.formula, k), problem.lin.crossfit.whole)
+        less = strict(problem, point(problem, formula, folds), folds)
+        shorter = _prove(diagnosis, left, problem, less, tried, other)
+        if isinstance(shorter, str) or clearly_better(shorter[2], outcome[2], left.joint, other):
+            continue
+        return _needed(diagnosis, left, problem, less, tried, other, shorter)
+    return one, outcome
 
 
 def _known_shapes(one: Point) -> tuple[str, ...]:
