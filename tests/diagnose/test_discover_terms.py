@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.discovery import joint_search
 from jaxswarm.diagnose.discovery.candidates import _exchanged
 from jaxswarm.diagnose.discovery.front import point, region_folds
-from jaxswarm.diagnose.discovery.joint_search import Open
+from jaxswarm.diagnose.discovery.joint_search import NoFormula, Open
 from jaxswarm.diagnose.discovery.pieces import Piece, Range, numbered, scale
 from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.sums import Sum, without_term
@@ -83,3 +84,31 @@ def test_a_term_stays_only_where_the_refitted_model_needs_it(monkeypatch, needed
     one, outcome = joint_search._needed(diagnosis, Open(1, (), 0.5), *rest)
     assert len(one.formula.pieces) == left and outcome[2] is one
     assert len(proved) == (2 if needed else 1)
+
+
+@pytest.mark.parametrize(
+    ("depends_on", "found_alone", "asked"),
+    [
+        ((), False, [None, 0]),
+        ((), True, [None]),
+        (("q_joint1",), False, [0]),
+        (("q_joint2",), False, [None]),
+    ],
+)
+def test_neighbors_are_asked_where_nothing_was_named(monkeypatch, depends_on, found_alone, asked):
+    found = fit()[0]
+    partners = []
+
+    def search(diagnosis, left, variables, *rest):
+        partners.extend(partner for partner, _ in variables)
+        alone = variables[0][0] is None and found_alone
+        return hit if alone else NoFormula(1, 5, None, "nothing")
+
+    hit = SimpleNamespace(after=None, tried=5)
+    monkeypatch.setattr(joint_search, "Discovery", SimpleNamespace)
+    monkeypatch.setattr(joint_search, "_search", search)
+    monkeypatch.setattr(joint_search, "remainders", lambda fit: [SimpleNamespace(near=True)] * 3)
+    diagnosis = SimpleNamespace(final=found)
+    outcome = joint_search.search_joint(diagnosis, Open(1, depends_on, 0.5), (), 0)
+    assert partners == asked
+    assert (outcome is hit) == found_alone

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, MOST_LEFT, OF_SMOOTH
@@ -18,7 +20,12 @@ from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
 from jaxswarm.diagnose.discovery.front import Point, front, point, region_folds, strict
 from jaxswarm.diagnose.discovery.grammar import programs
-from jaxswarm.diagnose.discovery.partner import without_joint
+from jaxswarm.diagnose.discovery.partner import (
+    Variables,
+    named_partners,
+    neighbors,
+    without_joint,
+)
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
@@ -87,9 +94,33 @@ def search_joint(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
+    named = named_partners(j, left.depends_on, final.model.robot.joints)
+    outcome = _search(diagnosis, left, named, label, other, seed)
+    beside = neighbors(j, named, final.model.robot.num_joints)
+    near = isinstance(outcome, Discovery) and remainders(outcome.after)[j].near
+    if left.named or left.depends_on or near or not beside:
+        return outcome
+    again = _search(diagnosis, left, beside, label, other, seed, outcome.tried)
+    if isinstance(again, NoFormula):
+        return replace(outcome, tried=again.tried)
+    if isinstance(outcome, NoFormula) or clearly_better(outcome.after, again.after, j, other):
+        return again
+    return outcome
+
+
+def _search(
+    diagnosis: Diagnosis,
+    left: Open,
+    variables: Sequence[Variables],
+    label: np.ndarray,
+    other: Sequence[Motion],
+    seed: int,
+    tried: int = 0,
+) -> Discovery | NoFormula:
+    """Search one joint with each of the given partners and further fields, after ``tried`` programs."""
+    final, j = diagnosis.final, left.joint
     ranked: list[tuple[Joint, Point]] = []
-    tried = 0
-    for partner, wanted in _variables(left, final.model.robot.joints):
+    for partner, wanted in variables:
         problem = _problem(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
@@ -124,15 +155,6 @@ def _problem(diagnosis: Diagnosis, joint: int, partner: int | None, wanted: list
         return joint_problem(Linearization(final, both), joint, partner, wanted)
     lin = Linearization(final, without_joint(both, partner))
     return replace(joint_problem(lin, joint, partner, wanted), both=both)
-
-
-def _variables(left: Open, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
-    """Partner joint and further fields, as the residual's dependence names them: one search each."""
-    own = joints[left.joint]
-    named = [name.split("_", 1) if "_" in name else [name, own] for name in left.depends_on]
-    wanted = [quantity for quantity, _ in named if quantity in ("t", "temperature")]
-    partners = dict.fromkeys(joints.index(joint) for _, joint in named if joint != own)
-    return [(partner, wanted) for partner in partners] or [(None, wanted)]
 
 
 def _prove(
