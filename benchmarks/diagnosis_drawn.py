@@ -59,9 +59,6 @@ LATER = {
     "lugre_friction": Drawn(
         "fc", {"x0": _log(0.02, 0.1), "rise": _uniform(0.4, 1.0), "vs": _log(0.08, 0.25)}
     ),
-    "maxwell_slip": Drawn(
-        "fc1", {"fc2": _uniform(2.0, 20.0), "x1": _log(0.06, 0.3), "part": _log(0.08, 0.4)}
-    ),
     "gravity_compensator": Drawn(
         "a", {"b": _uniform(0.3, 0.8), "q0": _uniform(-0.5, 0.5)}, most=2000.0
     ),
@@ -76,6 +73,9 @@ LATER = {
     "torque_lag": Drawn("tc", {"seconds": _zero}, 0.002, 0.05),
     "link_geometry": Drawn("x", {"y": _zero, "turn_x": _zero, "turn_y": _zero}, 0.005, 0.15),
     "base_compliance": Drawn("cx", {"cy": _zero}, 1e-5, 5e-3),
+    "maxwell_slip": Drawn(
+        "fc1", {"fc2": _uniform(2.0, 20.0), "x1": _log(0.06, 0.3), "part": _log(0.08, 0.4)}
+    ),
 }
 KNOWN = DRAWN | LATER
 # Effects of the whole arm, and those between a joint and the next one.
