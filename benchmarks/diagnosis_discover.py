@@ -4,6 +4,11 @@ Each case draws an arm, a motion, a joint, and a law of one or two terms whose p
 cannot imitate is so many times the torque's noise; every fifth case has none. The found model is scored on
 another motion against the model that is told the true law. The rival chooses columns of the library of
 :mod:`benchmarks.worlds.library` by BIC, and is refitted and scored alike.
+
+Of the 32 cases 1, 4, 7 to 94, from which nothing had been learned, 25 hide a law: a formula of the right class
+on 20, the unseen error within 1.5 times that of the true law on 17 (with laws of the catalog alone on 1, the
+rival on none); of 17 laws of one term on 15 and 14. On 7 clean logs nothing was added (the rival: on 5). A
+search takes 7 s of one core in the median, 21 at most.
 """
 
 import json

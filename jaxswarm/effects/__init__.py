@@ -16,6 +16,7 @@ from jaxswarm.effects import hardening_elasticity as hardening_elasticity
 from jaxswarm.effects import lagging_temperature as lagging_temperature
 from jaxswarm.effects import link_geometry as link_geometry
 from jaxswarm.effects import lugre_friction as lugre_friction
+from jaxswarm.effects import maxwell_slip as maxwell_slip
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
 from jaxswarm.effects import payload_change as payload_change

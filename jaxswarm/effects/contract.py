@@ -22,7 +22,7 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.effects.misreading import misreading
-from jaxswarm.effects.series import law_columns, law_torque, states
+from jaxswarm.effects.series import law_columns, law_torque, remembered, states
 
 __all__ = ["check_effect", "check_unit", "draw_parameters", "draw_series"]
 
@@ -65,6 +65,7 @@ def check_kind(law: Effect, rng: np.random.Generator, num_draws: int) -> None:
 def _(law: TorqueLaw, rng, num_draws):
     _require(bool(law.linear), law, "has no linear parameter: nothing says how large it is")
     series = draw_series(rng)
+    series = series._replace(state=remembered(law, series.state))
     torque = jax.jit(partial(law_torque, law))
     columns = jax.jit(partial(law_columns, law))
     for draw in range(num_draws):
@@ -224,10 +225,12 @@ def _check_gradients(law, values, series):
 
 def _check_memory(law, rng, series):
     values = draw_parameters(law, rng)
-    path = states(law, values, series)
+    path = jnp.stack(jax.tree.leaves(states(law, values, series)))
+    _require(len(path) == law.memories, law, f"has {len(path)} memories, not {law.memories}")
     _require(bool(jnp.isfinite(path).all()), law, "has a memory that does not stay finite")
     other = {**values, **{p.name: values[p.name] + 1.0 for p in law.linear}}
-    same = bool((path == states(law, other, series)).all())
+    again = jnp.stack(jax.tree.leaves(states(law, other, series)))
+    same = bool((path == again).all())
     _require(same, law, "has a memory that depends on its linear parameters")
 
 

@@ -8,6 +8,7 @@ Identification, diagnosis and simulation dispatch on these classes.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -28,6 +29,9 @@ class TorqueLaw(Effect):
         torque: ``torque(p, sample) -> scalar`` [N m or N] for one :class:`Sample` of scalars and a
             dictionary of parameters; friction has the sign of the velocity.
         rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
+        memories: How many scalars it remembers; of several, each with a rate of its own, ``sample.state`` and
+            ``rate`` are tuples.
+        most: Size beyond which no memory goes: an element that slips stays as far as it can be bent.
         start: ``start(p, sample) -> state`` at the begin of a log; None: zero.
         forgets: Parameter over whose travel [rad or m] the state forgets what it was before the log.
         tone: Nonlinear parameter that is a frequency of time [Hz]: it is read off a spectrum, not searched.
@@ -36,7 +40,9 @@ class TorqueLaw(Effect):
     """
 
     torque: Callable[[dict, Sample], jax.Array] | None = None
-    rate: Callable[[dict, Sample], jax.Array] | None = None
+    rate: Callable[[dict, Sample], Any] | None = None
+    memories: int = 1
+    most: float = np.inf
     start: Callable[[dict, Sample], jax.Array] | None = None
     forgets: str = ""
     tone: str = ""
@@ -60,6 +66,10 @@ class TorqueLaw(Effect):
         if self.tone and not {self.tone, "log"} <= {p.name for p in self.nonlinear}:
             raise ValueError(
                 f"effect {self.name!r} has a tone: it needs nonlinear parameters {self.tone!r} and 'log'"
+            )
+        if self.memories > 1 and (self.rate is None or self.start is not None):
+            raise ValueError(
+                f"effect {self.name!r} has {self.memories} memories: it needs a rate, and they start at zero"
             )
         if self.scope == "global":
             raise ValueError(f"effect {self.name!r} is a torque: its scope is 'joint' or 'pair'")

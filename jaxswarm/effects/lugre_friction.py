@@ -7,13 +7,6 @@ asked beside that one alone: what the rise at creeping speed adds has to be wort
 Told from ``hysteresis`` with ``stribeck_friction``, whose rise jumps with the sign of the velocity before a
 bristle has bent. Micro-damping is left out: the filter of a log takes it away.
 
-Many elements that stick and slip each by itself (generalized Maxwell slip) are no effect of their own: their
-loops are those of ``hysteresis`` but for the bend of its flank and for small loops inside of large ones. On
-motion of a radian, six elements that let go one after the other up to 0.06 rad leave 11 % of what Coulomb and
-viscous friction leave of them, four that let go at 0.06 rad and at a half, a quarter and an eighth of it 7 %;
-up to 0.2 rad 15 to 26 %. So ``hysteresis`` names them, and where it was ten times the noise the joint is left
-above it: that residual depends on the velocity's reversals, and no law of the catalog takes it up.
-
 References: C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, "A new model for control of systems with
 friction", IEEE Trans. Automatic Control 40(3) (1995), eq. 2-4.
 """

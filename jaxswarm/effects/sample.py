@@ -22,7 +22,7 @@ class Sample(NamedTuple, Generic[A]):
         temperature: Temperature channel [deg C], NaN where the log has none.
         dq_other, ddq_other: Velocity and acceleration of the partner joint of a coupling law.
         direction_sum: Smooth sign of ``dq + dq_other``, the way a motor driven by both joints turns.
-        state: The law's own memory, zero for laws without.
+        state: The law's own memory, zero for laws without; a tuple for laws with several.
         q_other: Position of the partner joint of a coupling law.
     """
 

@@ -7,16 +7,45 @@ a step of constant motion, which a Dahl bristle is, and stable for any step (Hoc
 "Exponential integrators", Acta Numerica 2010, eq. 2.17).
 """
 
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
 
 
-def states(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
+def remembered(law: TorqueLaw, one: Any) -> Any:
+    """``one`` as the memory of a law: itself, or a tuple of it for every memory that the law has."""
+    return one if law.memories == 1 else (one,) * law.memories
+
+
+def grown(law: TorqueLaw, rate: Callable[[Any], Any], z: Any, h: Any) -> Any:
+    """A memory, or a tuple of them, a time h later: each by its own rate's derivative, no further than it goes.
+
+    Args:
+        law: Whose memory it is.
+        rate: ``rate(z)``, at the mean motion of the step.
+        z: At the begin of the step.
+        h: Its length [s].
+    """
+    speed, slope = jax.jvp(rate, (z,), (jax.tree.map(jnp.ones_like, z),))
+
+    def ahead(z, speed, slope):
+        x = h * slope
+        small = jnp.abs(x) < 1e-8
+        safe = jnp.where(small, 1.0, x)
+        moved = z + h * jnp.where(small, 1.0, jnp.expm1(safe) / safe) * speed
+        return jnp.clip(moved, -law.most, law.most) if np.isfinite(law.most) else moved
+
+    return jax.tree.map(ahead, z, speed, slope)
+
+
+def states(law: TorqueLaw, parameters: dict, series: Sample) -> Any:
     """Integrate the state of ``law`` along a series from its start; where time falls another log begins.
 
     Args:
@@ -25,32 +54,28 @@ def states(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:
         series: Sample of (T,) arrays in order of time.
 
     Returns:
-        The state at every sample, shape (T,).
+        The state at every sample, shape (T,); a tuple of them for a law with several memories.
     """
 
     def begin(sample):
-        start = 0.0 if law.start is None else law.start(parameters, sample)
-        return jnp.asarray(start, series.q.dtype)
+        if law.start is not None:
+            return jnp.asarray(law.start(parameters, sample), series.q.dtype)
+        return remembered(law, jnp.zeros((), series.q.dtype))
 
     def step(z, pair):
         now, following = pair
         h = following.t - now.t
         # Midpoint motion: the state sees the mean velocity of the step.
         middle = jax.tree.map(lambda a, b: 0.5 * (a + b), now, following)
-        rate, slope = jax.value_and_grad(lambda x: law.rate(parameters, middle._replace(state=x)))(
-            z
-        )
-        x = h * slope
-        safe = jnp.where(jnp.abs(x) < 1e-8, 1.0, x)
-        phi = jnp.where(jnp.abs(x) < 1e-8, 1.0, jnp.expm1(safe) / safe)
-        z = jnp.where(h < 0, begin(following), z + h * phi * rate)
+        later = grown(law, lambda x: law.rate(parameters, middle._replace(state=x)), z, h)
+        z = jax.tree.map(lambda new, old: jnp.where(h < 0, new, old), begin(following), later)
         return z, z
 
     now = jax.tree.map(lambda x: x[:-1], series)
     following = jax.tree.map(lambda x: x[1:], series)
     start = begin(jax.tree.map(lambda x: x[0], series))
     _, rest = jax.lax.scan(step, start, (now, following))
-    return jnp.concatenate([start[None], rest])
+    return jax.tree.map(lambda one, more: jnp.concatenate([one[None], more]), start, rest)
 
 
 def law_torque(law: TorqueLaw, parameters: dict, series: Sample) -> jax.Array:

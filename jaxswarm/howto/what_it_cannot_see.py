@@ -22,9 +22,9 @@ residual are not named, and torques are compared below a cutoff: no ripple at sp
 
 Bristles and elements that stick and slip by themselves (LuGre, generalized Maxwell slip) are told as
 ``hysteresis`` until their difference from it, a tenth of its torque where they bend by a few hundredths of a
-radian, stands out of the noise; ``lugre_friction`` is then asked beside it, and small loops inside of large
-ones have no law. Where masses are unknown they take up wrong geometry: on simulated RX60 logs a link drawn
-150 mm too short leaves about what the noise does.
+radian, stands out of the noise; ``lugre_friction`` and ``maxwell_slip`` are then asked beside it. Where
+masses are unknown they take up wrong geometry: on simulated RX60 logs a link drawn 150 mm too short leaves
+about what the noise does.
 
 A model is only as wide as its motion. What was shown on other motion of the same kind may fail at twice the
 speed, with a load, or when warm: log what the arm will do, and give it as ``--validation``.

@@ -43,7 +43,7 @@ class State(NamedTuple):
         motor_q: (s,), motor positions of the soft joints, seen at the joint; of a base that gives way its
             two turns after them.
         motor_dq: (s,), their velocities.
-        memory: (r,), states of the effects that have one.
+        memory: (r,), states of the effects that have any, one after the other.
     """
 
     q: Any
@@ -87,13 +87,16 @@ def rest(
         turns = _settled(plant, q)
         motor_q = jnp.concatenate([motor_q, turns])
         motor_dq = jnp.concatenate([motor_dq, 0.0 * turns])
-    memory = jnp.zeros((len(plant.remembering), *q.shape[1:]), q.dtype)
+    slots = sum(a.law.memories for a in plant.remembering)
+    memory = jnp.zeros((slots, *q.shape[1:]), q.dtype)
     warmth = jnp.full_like(q, AMBIENT) if temperature is None else jnp.asarray(temperature, q.dtype)
-    for k, acting in enumerate(plant.remembering):
+    k = 0
+    for acting in plant.remembering:
         law = acting.law
-        if isinstance(law, TorqueLaw) and law.start is not None:
+        if law.start is not None:
             sample = sample_of(plant, acting, q, dq, 0.0, warmth)
             memory = memory.at[k].set(law.start(acting.values, sample))
+        k += law.memories
     return State(q, dq, motor_q, motor_dq, memory)
 
 

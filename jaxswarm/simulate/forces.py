@@ -5,7 +5,9 @@ transmission coupling) do so linearly, and their derivative joins the mass matri
 their traced program once. Everything is elementwise, so entries may be lanes.
 """
 
+from collections.abc import Iterator
 from functools import lru_cache
+from itertools import islice
 from typing import Any
 
 import jax
@@ -13,6 +15,7 @@ import jax.numpy as jnp
 
 from jaxswarm.effects.kinds import TorqueLaw, TransmissionLaw
 from jaxswarm.effects.sample import Sample
+from jaxswarm.effects.series import remembered
 from jaxswarm.effects.term import of_kind
 from jaxswarm.robot import spatial as sp
 from jaxswarm.simulate.plant import FLANK_FREQUENCY, Acting, Plant
@@ -30,11 +33,14 @@ def sample_fields(law: TorqueLaw) -> frozenset[str]:
     assert torque is not None  # a law without one is not registered
     with jax.ensure_compile_time_eval():
         sample = Sample(*[jnp.ones(()) for _ in Sample._fields])
+        sample = sample._replace(state=remembered(law, sample.state))
         values = {name: jnp.asarray(value, float) for name, value in law.nominal().items()}
     program = jax.make_jaxpr(lambda s: torque(values, s))(sample).jaxpr
     used = {id(v) for equation in program.eqns for v in equation.invars}
     used |= {id(v) for v in program.outvars}
-    pairs = zip(Sample._fields, program.invars, strict=True)
+    names = Sample(*Sample._fields)
+    names = names._replace(state=remembered(law, names.state))
+    pairs = zip(jax.tree.leaves(names), program.invars, strict=True)
     return frozenset(name for name, variable in pairs if id(variable) in used)
 
 
@@ -55,7 +61,13 @@ def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, **more) -> Sa
         direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width[j]),
         **more,
     )
-    return Sample(**{name: like + value for name, value in fields.items()})
+    return jax.tree.map(lambda value: like + value, Sample(**fields))
+
+
+def own_memory(law: TorqueLaw, entries: Iterator[Any]) -> Any:
+    """The next memory of all: an entry, or as many as a law with several has."""
+    first = next(entries)
+    return first if law.memories == 1 else (first, *islice(entries, law.memories - 1))
 
 
 def effect_torques(
@@ -67,7 +79,7 @@ def effect_torques(
         plant: The plant.
         q: n entries, motor positions.
         dq: n entries, motor velocities.
-        memory: One entry for each effect of ``plant.remembering``.
+        memory: One entry for each memory of the effects of ``plant.remembering``.
         t: Time in s.
         temperature: n entries in deg C.
         loads: n pairs of entries, torque of the rigid body and its part without acceleration; with
@@ -81,7 +93,7 @@ def effect_torques(
     states = iter(memory)
     for acting in of_kind(plant.acting, TorqueLaw):
         law = acting.law
-        state = next(states) if law.rate is not None else 0.0
+        state = own_memory(law, states) if law.rate is not None else 0.0
         fields = sample_fields(law)
         more = {"state": state}
         j = acting.joint

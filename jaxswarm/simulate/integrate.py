@@ -17,9 +17,10 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.effects.series import grown
 from jaxswarm.robot.kinematics import SinCos
 from jaxswarm.simulate.acceleration import Drive, State, accelerations, motor_side
-from jaxswarm.simulate.forces import sample_of
+from jaxswarm.simulate.forces import own_memory, sample_of
 from jaxswarm.simulate.plant import Plant
 
 
@@ -75,16 +76,14 @@ def _memory(plant: Plant, start: State, now: State, drive: Drive, t, h) -> tuple
     q = [0.5 * (a + b) for a, b in zip(q0, q1, strict=True)]
     dq = [0.5 * (a + b) for a, b in zip(dq0, dq1, strict=True)]
     result = []
-    for acting, z in zip(plant.remembering, start.memory, strict=True):
+    entries = iter(start.memory)
+    for acting in plant.remembering:
         law, values = acting.law, acting.values
+        z = own_memory(law, entries)
         sample = sample_of(plant, acting, q, dq, t, drive.temperature)
 
         def rate(z, law=law, values=values, sample=sample):
             return law.rate(values, sample._replace(state=z))
 
-        speed, slope = jax.jvp(rate, (z,), (jnp.ones_like(z),))
-        x = h * slope
-        small = jnp.abs(x) < 1e-8
-        growth = jnp.where(small, 1.0, jnp.expm1(x) / jnp.where(small, 1.0, x))
-        result.append(z + h * growth * speed)
+        result += jax.tree.leaves(grown(law, rate, z, h))
     return tuple(result)

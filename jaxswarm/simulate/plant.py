@@ -75,8 +75,8 @@ class Plant:
         return jnp.maximum(sum(a.law.compliance(a.values) for a in ways), FIRM)
 
     @property
-    def remembering(self) -> tuple[Acting, ...]:
-        """Effects with a state of their own."""
+    def remembering(self) -> tuple[Any, ...]:
+        """Effects with a state of their own, :class:`Acting`; their law is a torque's."""
         return tuple(a for a in of_kind(self.acting, TorqueLaw) if a.law.rate is not None)
 
     def transmissions(self, joint: int) -> list[Acting]:

@@ -1,4 +1,4 @@
-"""Bristles that hold more at creeping speed are told from those that do not, and asked beside them alone."""
+"""Bristles that slip early and elements that slip one by one are told from plain ones, beside them alone."""
 
 from dataclasses import replace
 
@@ -54,7 +54,19 @@ def test_bristles_that_slip_early_are_named_with_their_values():
 
 
 def test_bristles_of_dahl_stay_what_they_are():
-    assert not passing(ask(with_bristles(elbow_log(DAHL)), "lugre_friction"))
+    assert not passing(ask(with_bristles(elbow_log(DAHL)), "lugre_friction", "maxwell_slip"))
+
+
+def test_elements_that_slip_one_by_one_are_named_with_their_values():
+    levels = {"fc1": 8.0, "fc2": 6.0, "x1": 0.2, "part": 0.2}
+    plain = with_bristles(elbow_log(Term("maxwell_slip", 1, values=levels)))
+    best = passing(ask(plain, "maxwell_slip", "lugre_friction", *DOUBLES))[0]
+    after = refit_with(plain, best)
+    term = find_term(after, best.candidate.term)
+    assert term.place == ("maxwell_slip", 1, None)
+    assert not [t for t in after.model.terms if t.effect == "hysteresis"]
+    for name, value in levels.items():
+        assert term.values[name] == pytest.approx(value, rel=0.1), name
 
 
 def test_a_rise_that_jumps_at_a_reversal_is_no_slip_of_bristles():
@@ -66,4 +78,5 @@ def test_a_rise_that_jumps_at_a_reversal_is_no_slip_of_bristles():
 
 def test_they_are_asked_beside_bristles_alone():
     found = fitted(elbow_log())
-    assert "lugre_friction" not in {t.effect for t in eligible_terms(found.model, found.motions)}
+    asked = {t.effect for t in eligible_terms(found.model, found.motions)}
+    assert not asked & {"lugre_friction", "maxwell_slip"}

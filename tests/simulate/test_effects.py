@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
 from jaxswarm.effects import REGISTRY, TorqueLaw, make_sample
+from jaxswarm.effects.series import remembered
 from jaxswarm.errors import InputError
 from jaxswarm.robot import bias_forces, inverse_dynamics
 from jaxswarm.robot.placements import body_parameters
@@ -37,7 +38,7 @@ def test_every_law_takes_its_share_of_the_torque():
     ]
     plant = make_plant(robot, terms, width=0.05)
     q, dq, tau = jnp.array([0.3, -0.5]), jnp.array([0.4, 0.9]), jnp.array([20.0, -5.0])
-    memory = tuple(0.3 * jnp.ones(()) for _ in plant.remembering)
+    memory = tuple(0.3 * jnp.ones(()) for a in plant.remembering for _ in range(a.law.memories))
     state = rest(plant, q, dq)._replace(q=tuple(q), dq=tuple(dq), memory=memory)
     warm = (jnp.asarray(40.0),) * 2
     drive = Drive(tuple(tau), (0.0, 0.0), warm)
@@ -63,6 +64,7 @@ def test_every_law_takes_its_share_of_the_torque():
             direction_sum=jnp.tanh((dq[0] + other * dq[1]) / 0.05),
             state=0.3,
         )
+        sample = sample._replace(state=remembered(acting.law, sample.state))
         spent += acting.law.torque(acting.values, sample)
     assert abs(load[1] - tau[1]) < 1e-9
     assert abs(load[0] + spent - tau[0]) < 1e-4 * abs(tau[0])

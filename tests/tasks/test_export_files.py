@@ -23,6 +23,7 @@ from jaxswarm.identify.physical.physical_model import physical_model, random_col
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot import inverse_dynamics, load_robot, standard_parameter_names
 from jaxswarm.robot.placements import body_parameters
+from jaxswarm.simulate.forces import own_memory
 from jaxswarm.tasks import export
 
 WIDTH = (0.02, 0.01, 0.05)
@@ -159,7 +160,8 @@ def test_every_law_is_the_same_in_c(tmp_path):
     for _ in range(5):
         t, given = rng.uniform(0, 5), rng.normal(size=(6, 3))
         given[5] += 25.0
-        state = rng.normal(size=max(len(memories), 1))
+        state = rng.uniform(-1.0, 1.0, sum(term.law.memories for term in memories))
+        entries = iter(state)
         tau, rate = np.zeros(3), np.zeros(len(state))
         pointers = [
             x.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for x in (*given, state, tau, rate)
@@ -170,7 +172,7 @@ def test_every_law_is_the_same_in_c(tmp_path):
         for term in terms:
             j, o = term.joint, term.other
             other = (0.0, 0.0) if o is None else (dq[o], ddq[o])
-            mine = state[memories.index(term)] if term in memories else 0.0
+            mine = own_memory(term.law, entries) if term in memories else 0.0
             sample = Sample(
                 t, q[j], dq[j], ddq[j], np.tanh(dq[j] / WIDTH[j]), load[j], static[j], warm[j],
                 *other, np.tanh((dq[j] + other[0]) / WIDTH[j]), mine, 0.0 if o is None else q[o],
@@ -178,7 +180,7 @@ def test_every_law_is_the_same_in_c(tmp_path):
             sample = jax.tree.map(jnp.asarray, sample)
             wanted[j] += float(term.law.torque(term.values, sample))
             if term in memories:
-                rates.append(float(term.law.rate(term.values, sample)))
+                rates += jax.tree.leaves(term.law.rate(term.values, sample))
         np.testing.assert_allclose(tau, wanted, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(rate[: len(rates)], rates, rtol=1e-12)
 

@@ -18,7 +18,7 @@ from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.reach import tame
 from jaxswarm.diagnose.discovery.screening import screen
-from jaxswarm.diagnose.discovery.sums import Sum, joined, polished
+from jaxswarm.diagnose.discovery.sums import Sum, joined, polished, without_term
 
 # Terms of a sum at most, programs that a term more is tried of, those that get one, and formulas beside those
 # of the front whose constants are learned without the region on which they are scored.
@@ -26,6 +26,8 @@ _TERMS, _TRIED, _LEADS, _STRICT = 3, 30, 2, 10
 # A term more is looked for while the joint is not near its noise, and while the last one took this share of the
 # squared error that was left before it.
 _WORTH = 0.1
+# How often the terms of a sum are searched anew, one beside the others.
+_EXCHANGES = 2
 # What is left within this share of the squared error, a twentieth of the torque, is the doubt of the motion
 # that a law is computed from: on a drag of two joints it was 0.0019, and two terms of no meaning fitted it.
 _DOUBT = 0.0025
@@ -48,7 +50,7 @@ def candidates(
     points: list[Point] = []
     tried = 0
     leads: Sequence[Sum | None] = [None]
-    for _ in range(_TERMS):
+    for size in range(1, _TERMS + 1):
         found: list[Point] = []
         if leads == [None]:
             strung, count = cables(problem, folds)
@@ -63,10 +65,41 @@ def candidates(
         least = min(p.error for p in found)
         if _explained(problem, points[0]) or least > (1.0 - _WORTH) * best:
             break
-        new = {id(p.formula) for p in found if len(p.formula.pieces) < _TERMS}
+        found, count = _exchanged(problem, pieces, points[0], folds, seed)
+        tried += count
+        if found:
+            points = ranked([*points, *found], log)
+            if _explained(problem, points[0]):
+                break
+        new = {id(p.formula) for p in points if len(p.formula.pieces) == size}
         leads = [p.formula for p in points if id(p.formula) in new][:_LEADS]
     kept = {id(p): p for p in [*points[:_STRICT], *front(points)]}
     return ranked([strict(problem, p, folds) for p in kept.values()], log) if kept else [], tried
+
+
+def _exchanged(
+    problem: Joint, pieces: Sequence[Piece], best: Point, folds, seed: int
+) -> tuple[list[Point], int]:
+    """Sums in which one term of the best was searched anew beside the others, and how many programs were tried.
+
+    A term is chosen before the next one is known, and leans to what that one says: of cos(q) exp(-(dq/s)^2)
+    beside a hinge the first choice was exp(-(dq/s)^2) load, and only beside the hinge the right one was better.
+    """
+    done: list[Point] = []
+    tried = 0
+    for _ in range(_EXCHANGES):
+        if len(best.formula.pieces) < 2 or _explained(problem, best):
+            break
+        found: list[Point] = []
+        for k in range(len(best.formula.pieces)):
+            found += _one_more(problem, pieces, without_term(best.formula, k), folds, seed)
+            tried += len(pieces)
+        done += found
+        better = min(found, key=lambda p: p.error, default=best)
+        if better.error > (1.0 - _WORTH) * best.error:
+            break
+        best = better
+    return done, tried
 
 
 def _families(problem: Joint, folds) -> list[Point]:

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import material, remainders
 from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, MOST_LEFT, OF_SMOOTH
@@ -16,12 +18,18 @@ from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.candidates import candidates
-from jaxswarm.diagnose.discovery.front import Point, front
+from jaxswarm.diagnose.discovery.front import Point, front, point, region_folds, strict
 from jaxswarm.diagnose.discovery.grammar import programs
-from jaxswarm.diagnose.discovery.partner import without_joint
+from jaxswarm.diagnose.discovery.partner import (
+    Variables,
+    named_partners,
+    neighbors,
+    without_joint,
+)
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
+from jaxswarm.diagnose.discovery.sums import polished, without_term
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
@@ -32,6 +40,8 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
+# A formula that was proved: its term, its score, and the model with it.
+Proved = tuple[Term, Score, Estimate]
 # Formulas of one joint that are put to the proof.
 _PROVED = 5
 
@@ -84,9 +94,33 @@ def search_joint(
     label = regions(final)
     if label is None:
         return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
+    named = named_partners(j, left.depends_on, final.model.robot.joints)
+    outcome = _search(diagnosis, left, named, label, other, seed)
+    beside = neighbors(j, named, final.model.robot.num_joints)
+    near = isinstance(outcome, Discovery) and remainders(outcome.after)[j].near
+    if left.named or left.depends_on or near or not beside:
+        return outcome
+    again = _search(diagnosis, left, beside, label, other, seed, outcome.tried)
+    if isinstance(again, NoFormula):
+        return replace(outcome, tried=again.tried)
+    if isinstance(outcome, NoFormula) or clearly_better(outcome.after, again.after, j, other):
+        return again
+    return outcome
+
+
+def _search(
+    diagnosis: Diagnosis,
+    left: Open,
+    variables: Sequence[Variables],
+    label: np.ndarray,
+    other: Sequence[Motion],
+    seed: int,
+    tried: int = 0,
+) -> Discovery | NoFormula:
+    """Search one joint with each of the given partners and further fields, after ``tried`` programs."""
+    final, j = diagnosis.final, left.joint
     ranked: list[tuple[Joint, Point]] = []
-    tried = 0
-    for partner, wanted in _variables(left, final.model.robot.joints):
+    for partner, wanted in variables:
         problem = _problem(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
@@ -99,7 +133,7 @@ def search_joint(
         if isinstance(outcome, str):
             why = why if one is not ranked[0][1] else outcome
             continue
-        term, item, after = outcome
+        one, (term, item, after) = _needed(diagnosis, left, problem, one, tried, other, outcome)
         return Discovery(
             find_term(after, term),
             item,
@@ -123,15 +157,6 @@ def _problem(diagnosis: Diagnosis, joint: int, partner: int | None, wanted: list
     return replace(joint_problem(lin, joint, partner, wanted), both=both)
 
 
-def _variables(left: Open, joints: tuple[str, ...]) -> list[tuple[int | None, list[str]]]:
-    """Partner joint and further fields, as the residual's dependence names them: one search each."""
-    own = joints[left.joint]
-    named = [name.split("_", 1) if "_" in name else [name, own] for name in left.depends_on]
-    wanted = [quantity for quantity, _ in named if quantity in ("t", "temperature")]
-    partners = dict.fromkeys(joints.index(joint) for _, joint in named if joint != own)
-    return [(partner, wanted) for partner in partners] or [(None, wanted)]
-
-
 def _prove(
     diagnosis: Diagnosis,
     left: Open,
@@ -139,7 +164,7 @@ def _prove(
     one: Point,
     tried: int,
     other: Sequence[Motion],
-) -> tuple[Term, Score, Estimate] | str:
+) -> Proved | str:
     """Put a formula to the proof: its term, its score and the model with it, or why it failed."""
     final = diagnosis.final
     if one.error > MOST_LEFT:
@@ -159,6 +184,34 @@ def _prove(
         harm = harmful(final, [Step(term, item, (), (), final, after, ())], after, other)
         why = harm and harm[1]
     return f"the best formula {why}" if why else (term, item, after)
+
+
+def _needed(
+    diagnosis: Diagnosis,
+    left: Open,
+    problem: Joint,
+    one: Point,
+    tried: int,
+    other: Sequence[Motion],
+    outcome: Proved,
+) -> tuple[Point, Proved]:
+    """A formula that was proved, without the terms that are not needed once all of the model is refitted.
+
+    The load, the widths of signs and the parameters of the arm that a formula is searched with are those of a
+    model that lacks it; what they are off by looks like a term more. Beside dq^3 tanh(load/s) that was a
+    product of three variables, and with all refitted the law alone left as little.
+    """
+    label = regions(diagnosis.final)
+    assert label is not None  # it was when the formula was found
+    folds = region_folds(problem.lin.crossfit.whole, label)
+    for k in range(len(one.formula.pieces) if len(one.formula.pieces) > 1 else 0):
+        formula = polished(problem, without_term(one.formula, k), problem.lin.crossfit.whole)
+        less = strict(problem, point(problem, formula, folds), folds)
+        shorter = _prove(diagnosis, left, problem, less, tried, other)
+        if isinstance(shorter, str) or clearly_better(shorter[2], outcome[2], left.joint, other):
+            continue
+        return _needed(diagnosis, left, problem, less, tried, other, shorter)
+    return one, outcome
 
 
 def _known_shapes(one: Point) -> tuple[str, ...]:

@@ -50,6 +50,15 @@ def joined(first: Sum | None, trial: Trial) -> Sum:
     return Sum(pieces, dict(zip(names, given, strict=True)))
 
 
+def without_term(formula: Sum, k: int) -> Sum:
+    """The sum without its k-th term, counted from zero."""
+    kept = [piece for i, piece in enumerate(formula.pieces) if i != k]
+    given = [formula.values[p.name] for one in kept for p in one.constants]
+    pieces = numbered(tuple(kept))
+    names = [p.name for one in pieces for p in one.constants]
+    return Sum(pieces, dict(zip(names, given, strict=True)))
+
+
 def polished(problem: Joint, formula: Sum, fold: Fold, steps: int = _STEPS) -> Sum:
     """The formula with all inner constants refined on the rows that a fold was trained on."""
     table = formula.constants

@@ -7,6 +7,7 @@ load, the torque of the rigid body. Laws with memory take their state and return
 no added torque (a soft joint, a delay, a tilted base) are told in the head of the file and left out.
 """
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import count
@@ -18,6 +19,7 @@ import numpy as np
 
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
+from jaxswarm.effects.series import remembered
 from jaxswarm.effects.term import of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.robot.model import Robot
@@ -58,12 +60,20 @@ def c_text(robot: Robot, effects: Iterable[Any], width: Sequence[float]) -> str:
     states = [e for e in torques if e.law.rate is not None]
     name = re.sub(r"\W", "_", robot.name)
     body: list[str] = []
+    used = 0
     for item in torques:
-        slot = states.index(item) if item in states else None
-        body += [f"  /* {item.label(robot.joints)}: {item.law.summary} */"]
-        body += _law(item, item.law.torque, width, slot, f"tau[{item.joint}] +=")
+        law, slot = item.law, used if item in states else None
+        body += [f"  /* {item.label(robot.joints)}: {law.summary} */"]
+        body += _law(item, law.torque, width, slot, [f"tau[{item.joint}] +="])
         if slot is not None:
-            body += _law(item, item.law.rate, width, slot, f"rate[{slot}] =")
+            used += law.memories
+            own = range(slot, used)
+            body += _law(item, law.rate, width, slot, [f"rate[{k}] =" for k in own])
+            if math.isfinite(law.most):
+                places = ", ".join(f"state[{k}]" for k in own)
+                body += [
+                    f"  /* keep {places} from {-law.most:g} to {law.most:g} after every step */"
+                ]
     told = "".join(
         f"\n *   not in this file: {e.label(robot.joints)} ({e.law.summary})" for e in left
     )
@@ -71,7 +81,7 @@ def c_text(robot: Robot, effects: Iterable[Any], width: Sequence[float]) -> str:
     return f"""/* Torques of the identified effects of {robot.name}, N m or N at the joint.
  *   joints: {", ".join(robot.joints)}{told}
  * t in s; q, dq, ddq in rad or m; load: torque of the rigid body, static_load: its part without
- * acceleration; temperature in deg C; state and rate: {len(states)} memories of effects. Arrays that no
+ * acceleration; temperature in deg C; state and rate: {used} memories of effects. Arrays that no
  * effect uses may be null. sign(x) is tanh(x / width), width {", ".join(f"{w:.6g}" for w in width)}.
  */
 #include <math.h>
@@ -108,18 +118,23 @@ def _fields(item: Any, width: Sequence[float], slot: int | None) -> dict[str, st
     }
 
 
-def _law(item: Any, function, width: Sequence[float], slot: int | None, target: str) -> list[str]:
+def _law(
+    item: Any, function, width: Sequence[float], slot: int | None, targets: Sequence[str]
+) -> list[str]:
     values = {name: float(value) for name, value in item.values.items()}
     with jax.enable_x64(True):
         sample = Sample(*[jnp.ones(()) for _ in Sample._fields])
-        program = jax.make_jaxpr(lambda s: jnp.asarray(function(values, s)))(sample)
-    known = _fields(item, width, slot)
+        sample = sample._replace(state=remembered(item.law, sample.state))
+        program = jax.make_jaxpr(lambda s: jax.tree.map(jnp.asarray, function(values, s)))(sample)
+    known: Sample[Any] = Sample(**_fields(item, width, slot))
+    if slot is not None and item.law.memories > 1:
+        own = range(slot, slot + item.law.memories)
+        known = known._replace(state=tuple(f"state[{k}]" for k in own))
     lines: list[str] = []
     counter = count()
-    (result,) = _run(
-        program.jaxpr, program.consts, [known[f] for f in Sample._fields], lines, counter
-    )
-    return ["  {", *(f"    {line}" for line in lines), f"    {target} {result};", "  }"]
+    results = _run(program.jaxpr, program.consts, jax.tree.leaves(known), lines, counter)
+    told = [f"{target} {one};" for target, one in zip(targets, results, strict=True)]
+    return ["  {", *(f"    {line}" for line in (*lines, *told)), "  }"]
 
 
 def _run(

@@ -1,0 +1,114 @@
+"""Terms of a sum: searched anew beside the others, and left out where the refitted model does not need them."""
+
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from planted import declared_fit, log_with
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.discovery import joint_search
+from jaxswarm.diagnose.discovery.candidates import _exchanged
+from jaxswarm.diagnose.discovery.front import point, region_folds
+from jaxswarm.diagnose.discovery.joint_search import NoFormula, Open
+from jaxswarm.diagnose.discovery.pieces import Piece, Range, numbered, scale
+from jaxswarm.diagnose.discovery.problem import joint_problem
+from jaxswarm.diagnose.discovery.sums import Sum, without_term
+from jaxswarm.diagnose.folds.other_motion import regions
+
+BRAKE = Piece(("q", "sin", "dq", "*"))
+STAND_IN = Piece(("q", "dq", "*"))
+CUBE = Piece(("dq", "cube"))
+PIECES = (STAND_IN, BRAKE, CUBE, Piece(("q", "square")))
+
+
+@cache
+def fit():
+    return declared_fit(log_with())
+
+
+@cache
+def lacking():
+    """Joint 2, where two terms are all that the model lacks, and the regions of the log."""
+    found, crossfit = fit()
+    plain = joint_problem(Linearization(found, crossfit), 1, None)
+    q, dq = plain.data["q"], plain.data["dq"]
+    torque = plain.lin.on_joint((4.0 * np.sin(q) * dq + dq**3)[:, None], 1)
+    whole = replace(crossfit.whole, residual=crossfit.whole.free_part(torque)[:, :, 0])
+    lin = Linearization(found, replace(crossfit, whole=whole))
+    return joint_problem(lin, 1, None), region_folds(whole, regions(found))
+
+
+def test_a_term_is_left_out_with_its_own_constants():
+    bump = Piece(("dq", "s", "/", "tanh"), (scale(Range(-1.0, 1.0, 1.0), {}),))
+    three = Sum(numbered((bump, CUBE, bump)), {"s1": 0.3, "s2": 0.7})
+    assert [p.name for p in three.constants] == ["s1", "s2"]
+    last = without_term(three, 0)
+    assert len(last.pieces) == 2 and list(last.values.values()) == [0.7]
+    assert [p.name for p in last.constants] == list(last.values)
+    assert without_term(three, 1).values == three.values
+
+
+def test_a_term_that_stood_in_for_another_is_exchanged_beside_the_next():
+    problem, folds = lacking()
+    bent = point(problem, Sum((STAND_IN, CUBE), {}), folds)
+    assert bent.error > 1e-4
+    found, tried = _exchanged(problem, PIECES, bent, folds, 0)
+    best = min(found, key=lambda one: one.error)
+    assert set(best.formula.programs) == {BRAKE.program, CUBE.program}
+    assert best.error < 1e-6 and tried >= 2 * len(PIECES)
+
+
+def test_a_single_term_is_exchanged_for_nothing():
+    problem, folds = lacking()
+    assert _exchanged(problem, PIECES, point(problem, Sum((CUBE,), {}), folds), folds, 0) == ([], 0)
+
+
+@pytest.mark.parametrize(("needed", "left"), [(True, 2), (False, 1)])
+def test_a_term_stays_only_where_the_refitted_model_needs_it(monkeypatch, needed, left):
+    problem, folds = lacking()
+    proved = []
+
+    def prove(diagnosis, open_, problem, one, tried, other):
+        proved.append(one)
+        return (None, None, one)
+
+    monkeypatch.setattr(joint_search, "_prove", prove)
+    monkeypatch.setattr(joint_search, "regions", lambda found: regions(fit()[0]))
+    monkeypatch.setattr(joint_search, "clearly_better", lambda *args: needed)
+    two = point(problem, Sum((BRAKE, CUBE), {}), folds)
+    diagnosis = type("Diagnosis", (), {"final": None})()
+    rest = (problem, two, 9, (), (None, None, two))
+    one, outcome = joint_search._needed(diagnosis, Open(1, (), 0.5), *rest)
+    assert len(one.formula.pieces) == left and outcome[2] is one
+    assert len(proved) == (2 if needed else 1)
+
+
+@pytest.mark.parametrize(
+    ("depends_on", "found_alone", "asked"),
+    [
+        ((), False, [None, 0]),
+        ((), True, [None]),
+        (("q_joint1",), False, [0]),
+        (("q_joint2",), False, [None]),
+    ],
+)
+def test_neighbors_are_asked_where_nothing_was_named(monkeypatch, depends_on, found_alone, asked):
+    found = fit()[0]
+    partners = []
+
+    def search(diagnosis, left, variables, *rest):
+        partners.extend(partner for partner, _ in variables)
+        alone = variables[0][0] is None and found_alone
+        return hit if alone else NoFormula(1, 5, None, "nothing")
+
+    hit = SimpleNamespace(after=None, tried=5)
+    monkeypatch.setattr(joint_search, "Discovery", SimpleNamespace)
+    monkeypatch.setattr(joint_search, "_search", search)
+    monkeypatch.setattr(joint_search, "remainders", lambda fit: [SimpleNamespace(near=True)] * 3)
+    diagnosis = SimpleNamespace(final=found)
+    outcome = joint_search.search_joint(diagnosis, Open(1, depends_on, 0.5), (), 0)
+    assert partners == asked
+    assert (outcome is hit) == found_alone
