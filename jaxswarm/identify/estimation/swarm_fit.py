@@ -17,6 +17,7 @@ import scipy
 
 from jaxswarm.identify.estimation.least_squares import Fit, base_bounds
 from jaxswarm.swarm import Space, find_optimizer, minimize_runs
+from jaxswarm.swarm.optimizers.products import over_columns
 
 # Half width of the search box, in units of the value at which one parameter alone explains the torque.
 _REACH = 3.0
@@ -59,7 +60,7 @@ def torque_cost(theta: jax.Array, problem: tuple[jax.Array, jax.Array, jax.Array
     Array([1., 5.], dtype=float64)
     """
     factor, target, rest = problem
-    return jnp.sum((theta @ factor.T - target) ** 2, axis=1) + rest
+    return jnp.sum((over_columns(theta, factor) - target) ** 2, axis=1) + rest
 
 
 def swarm_fit(
