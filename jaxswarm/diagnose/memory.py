@@ -40,8 +40,8 @@ def refuse_too_large(motions: Sequence[Motion]) -> None:
     total = sum(len(motion.t) for motion in motions)
     refuse_beyond_free(
         needed(motions),
-        f"{longest.source}: {total} samples of {len(longest.joints)} joints at {longest.rate:.4g} Hz take "
-        "to diagnose",
+        f"{longest.source}: to diagnose {total} samples of {len(longest.joints)} joints at "
+        f"{longest.rate:.4g} Hz takes",
         "give a shorter stretch of the log, or a --motion-cutoff below "
         f"{max(longest.motion_cutoff):.3g} Hz, with which fewer samples do",
     )
