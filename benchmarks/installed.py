@@ -4,7 +4,8 @@
 
 The wheel goes to the first Python with the lower bounds of pyproject.toml to the letter, the sdist to the
 last one with the newest packages that pip finds. In both, far from the source tree, the demo runs, a few
-commands, and tests that need nothing but the package (their folder is copied). Environments stay in --work.
+commands, and tests that need nothing but the package (their folder is copied). Environments stay in
+--work. Exit code 1 if anything failed; `.ci/daily` calls this.
 """
 
 import argparse
@@ -138,6 +139,7 @@ def main() -> None:
     work = options.work or Path(tempfile.mkdtemp())
     work.mkdir(parents=True, exist_ok=True)
     wheel, sdist = built(Path(tempfile.mkdtemp(dir=work)))
+    failed = 0
     print("| environment | what | outcome | user s |\n|---|---|---|---|", flush=True)
     for python, package, others in ((oldest, wheel, lower_bounds()), (newest, sdist, [])):
         programs = environment(python, work / Path(python).name, package, others)
@@ -147,6 +149,9 @@ def main() -> None:
                 f"| {row.environment} | {row.what} | {row.outcome} | {row.seconds:.0f} |",
                 flush=True,
             )
+            failed += row.outcome != "done"
+    if failed:
+        sys.exit(f"{failed} of these did not end well")
 
 
 if __name__ == "__main__":

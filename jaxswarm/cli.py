@@ -19,7 +19,12 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
-    run(lambda: app(args=console.modes_first(sys.argv[1:]), standalone_mode=True))
+    run(_command)
+
+
+def _command() -> None:
+    console.refuse_empty(sys.argv[1:])
+    app(args=console.modes_first(sys.argv[1:]), standalone_mode=True)
 
 
 def _version(asked: bool) -> None:

@@ -25,6 +25,26 @@ def modes_first(words: list[str]) -> list[str]:
     return [w for w in words if w in MODES] + [w for w in words if w not in MODES]
 
 
+def refuse_empty(words: Sequence[str]) -> None:
+    """Refuse words of a command line without a character: a path without one would be the folder one is in.
+
+    Raises:
+        InputError: Naming the option, or the word before.
+
+    >>> refuse_empty(["identify", "a.csv", "--out", ""])
+    Traceback (most recent call last):
+        ...
+    jaxswarm.errors.InputError: --out '': an empty word; give a value there, or leave it away
+    """
+    for before, word in zip(["jaxswarm", *words], words, strict=False):
+        joined = word.startswith("--")
+        name, equals, value = word.partition("=") if joined else (before, "=", word)
+        if equals and not value.strip():
+            raise InputError(
+                f"{name} {value!r}: an empty word; give a value there, or leave it away"
+            )
+
+
 def set_modes(quiet: bool, plain: bool) -> None:
     """How this command speaks: ``quiet`` says nothing but JSON and errors, ``plain`` is ASCII alone."""
     _QUIET.set(quiet)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from slide import EFFECTS, assert_refused, identify, run, slide_log
 
 import jaxswarm
-from jaxswarm.cli import app
+from jaxswarm.cli import app, main
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -322,3 +322,17 @@ def test_keyboard_interrupt_says_so(monkeypatch):
 
     monkeypatch.setattr("jaxswarm.cli.app", interrupt)
     assert run("effects") == (130, "", "interrupted\n")
+
+
+@pytest.mark.parametrize(
+    "words", [["--out", ""], ["--out="], ["--robot", " "], ["--effects="], [""]]
+)
+def test_an_empty_word_is_refused_before_it_means_a_folder(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    given = ["identify", "log.csv", "--robot", "rx60", "--effects", "none", "--out", "out", *words]
+    monkeypatch.setattr("sys.argv", ["jaxswarm", *given])
+    with pytest.raises(SystemExit) as end:
+        main()
+    told = capsys.readouterr().err
+    assert end.value.code == 2 and "an empty word" in told and words[0].partition("=")[0] in told
+    assert not list(tmp_path.iterdir())

@@ -17,10 +17,13 @@ from typing import Any
 from jaxswarm.errors import InputError
 from jaxswarm.fleet.one_log import FAILED, Settings, examine, unused
 from jaxswarm.fleet.sources import Source
+from jaxswarm.memory import refuse_beyond_free
 from jaxswarm.runtime import start
 
 # Tasks handed over for every worker, and the least of them: an adaptive cluster grows by what waits.
 _AHEAD, _LEAST = 4, 64
+# Memory [GiB] of a worker that has loaded everything.
+_WORKER = 0.4
 # Times a task is begun again where its worker was lost.
 _RETRIES = 2
 # Time [s] in which an existing scheduler has to answer.
@@ -58,6 +61,8 @@ def connected(cluster: Cluster) -> Iterator[Any]:
     own = None
     if cluster.scheduler is None:
         count = cluster.workers or _cores()
+        if cluster.processes and cluster.workers:
+            refuse_beyond_free(_WORKER * count, f"{count} workers take", "ask for fewer --workers")
         own = LocalCluster(
             n_workers=0 if cluster.adaptive else count,
             threads_per_worker=1,

@@ -11,6 +11,7 @@ from typing import Any
 
 import jax
 
+from jaxswarm.swarm.needed import state_bytes
 from jaxswarm.swarm.search import search
 
 __all__ = ["batch_of", "search_in_batches"]
@@ -24,10 +25,7 @@ FEWEST = 4
 
 def batch_of(optimizer: Any, num_dims: int, dtype: Any, runs: int) -> int:
     """Runs of a batch, a divisor of ``runs``; ``runs`` itself where a batch would not help."""
-    key = jax.eval_shape(lambda: jax.random.key(0))
-    state = jax.eval_shape(lambda k: optimizer.init(k, num_dims, dtype=dtype), key)
-    size = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
-    most = CACHED // max(size, 1)
+    most = CACHED // max(state_bytes(optimizer, num_dims, dtype), 1)
     if jax.default_backend() != "cpu" or most >= runs or most < 1:
         return runs
     batch = max(divisor for divisor in range(1, most + 1) if runs % divisor == 0)

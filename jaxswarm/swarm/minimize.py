@@ -18,6 +18,7 @@ import jax
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.batches import batch_of, search_in_batches
+from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import Info
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.search import (
@@ -72,14 +73,13 @@ def minimize(
       noisy: whether the objective is random, ``fn(key, params, args)`` with a key for every step and
         candidate (with ``vectorized`` for every step); see :mod:`jaxswarm.swarm.noise`.
       state: where to go on from, e.g. ``result.state`` of an earlier call with the same key.
-      progress: called on the host with (updates done, best value); None leaves no trace.
-      progress_every: updates between two calls of ``progress``.
+      progress: called on the host with (updates done, best value) after every ``progress_every``.
 
     Returns:
       A :class:`Result`. ``num_evaluations`` counts the candidates of this call.
 
     Raises:
-      InputError: an objective of the wrong shape, ``num_steps`` below 1, a state of another size.
+      InputError: an objective of the wrong shape, a wrong state or ``num_steps``, too little memory.
 
     >>> from jaxswarm.swarm import Space, minimize, pso
     >>> def sphere(params, center):
@@ -92,6 +92,7 @@ def minimize(
     telling = dict(record=record, progress=progress, progress_every=progress_every)
     loop = the_loop(fn, space, num_steps, vectorized=vectorized, noisy=noisy, **telling)
     optimizer = optimizer_for(optimizer, num_steps, state)
+    refuse_too_many(optimizer, space, loop.num_steps)
     stop, begin = rule(stop), start_for(space, start, state)
     return search(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]
 
@@ -147,6 +148,7 @@ def minimize_runs(
     axes = axes_of_runs(args, args_axes, keys)
     loop = the_loop(fn, space, num_steps, runs=True, args_axes=axes, **options, **telling)
     optimizer = optimizer_for(optimizer, num_steps, state)
+    refuse_too_many(optimizer, space, loop.num_steps, keys.shape[0])
     stop, begin = rule(stop), start_for(space, start, state)
     # What looks at all runs at once, or gives each its own data, keeps them together.
     if stop is None and state is None and progress is None and axes is None:

@@ -19,6 +19,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs import Log
+from jaxswarm.memory import GIB, refuse_beyond_free
 from jaxswarm.robot import inverse_dynamics, mass_matrix
 from jaxswarm.simulate import (
     PD,
@@ -41,6 +42,8 @@ FEEDFORWARDS = ("rigid", "none")
 # The step has to be stable along the whole motion: it is asked for at this many positions of it.
 _PLACES = 5
 _MOST_STEPS = 20_000_000
+# Signals of a joint that stand in memory at once: the reference, what is fed forward, motion, torques, the log.
+_SIGNALS = 24
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,11 +136,17 @@ def resampled(log: Log, rate: float | None) -> tuple[np.ndarray, tuple, np.ndarr
         raise InputError(f"rate {rate}: give samples per second above zero")
     step = float(np.median(np.diff(own))) if rate is None else 1.0 / rate
     # The end of a reference of N periods is a sample, whatever rounding made of the median period.
-    t = np.arange(int(np.floor(own[-1] / step + 1e-6)) + 1) * step
-    if len(t) < 2:
+    samples = int(np.floor(own[-1] / step + 1e-6)) + 1
+    if samples < 2:
         raise InputError(
             f"{log.source}: is shorter than one period of {step:.3g} s; raise the rate"
         )
+    refuse_beyond_free(
+        8.0 * samples * (1 + _SIGNALS * log.q.shape[1]) / GIB,
+        f"{log.source}: to simulate {samples} samples of {log.q.shape[1]} joints takes",
+        "lower the rate, or give a shorter reference",
+    )
+    t = np.arange(samples) * step
     path = scipy.interpolate.CubicSpline(own, log.q)
     dq = path(t, 1) if log.dq is None else scipy.interpolate.CubicSpline(own, log.dq)(t)
     ddq = path(t, 2) if log.ddq is None else scipy.interpolate.CubicSpline(own, log.ddq)(t)

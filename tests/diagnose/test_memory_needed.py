@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import jaxswarm.memory as place
 from jaxswarm.diagnose import memory
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.columns import rigid_of
@@ -45,10 +46,10 @@ def test_a_long_log_needs_no_columns_of_all_its_samples(motion, monkeypatch):
 
 def test_too_large_is_refused_with_what_is_needed_and_what_there_is(motion, monkeypatch):
     memory.refuse_too_large([motion])
-    monkeypatch.setattr(memory, "free", lambda: None)
+    monkeypatch.setattr(place, "free", lambda: None)
     memory.refuse_too_large([motion])
-    monkeypatch.setattr(memory, "free", lambda: 1e-3)
-    with pytest.raises(InputError, match=r"GiB to diagnose, and 0\.001 GiB are free; .*cutoff"):
+    monkeypatch.setattr(place, "free", lambda: 1e-3)
+    with pytest.raises(InputError, match=r"to diagnose .* GiB, and 0\.001 GiB are free; .*cutoff"):
         memory.refuse_too_large([motion])
 
 
@@ -57,16 +58,16 @@ def test_the_task_refuses_it(motion, monkeypatch):
 
     arm, declared, _ = demo_case(rx60(), 1)
     log = synthetic_log(arm, declared, 1, duration=8.0)
-    monkeypatch.setattr(importlib.import_module("jaxswarm.diagnose.memory"), "free", lambda: 0.0)
-    with pytest.raises(InputError, match="GiB to diagnose"):
+    monkeypatch.setattr(place, "free", lambda: 0.0)
+    with pytest.raises(InputError, match="to diagnose 2000 samples"):
         jaxswarm.diagnose(log, "rx60", "viscous_friction,coulomb_friction")
 
 
 def test_a_container_may_have_less_than_the_machine(tmp_path):
-    assert memory._group(tmp_path) == []
+    assert place._group(tmp_path) == []
     (tmp_path / "memory.max").write_text("3000\n")
     (tmp_path / "memory.current").write_text("1000\n")
-    assert memory._group(tmp_path) == [2000.0]
+    assert place._group(tmp_path) == [2000.0]
     (tmp_path / "memory.max").write_text("max\n")
-    assert memory._group(tmp_path) == []
-    assert np.isfinite(memory.free() or 0.0)
+    assert place._group(tmp_path) == []
+    assert np.isfinite(place.free() or 0.0)

@@ -130,6 +130,8 @@ def test_damage_is_refused_or_harmless(content, tmp_path, path, value):
         (("terms", 0, "values", "b"), None),
         (("terms", 0, "values", "b"), "large"),
         (("terms", 0, "values", "b"), float("nan")),
+        (("robot", "gravity", 0), "1.0"),
+        (("robot", "rotation", 0, 0, 0), "1.0"),
         (("robot", "kinds", 0), "spherical"),
         (("robot", "parents", 0), 5),
         (("robot", "parents", 1), 1),

@@ -17,6 +17,8 @@ import scipy
 
 from jaxswarm.identify.estimation.least_squares import Fit, base_bounds
 from jaxswarm.swarm import Space, find_optimizer, minimize_runs
+from jaxswarm.swarm.needed import refuse_too_many
+from jaxswarm.swarm.optimizers.products import over_columns
 
 # Half width of the search box, in units of the value at which one parameter alone explains the torque.
 _REACH = 3.0
@@ -59,7 +61,7 @@ def torque_cost(theta: jax.Array, problem: tuple[jax.Array, jax.Array, jax.Array
     Array([1., 5.], dtype=float64)
     """
     factor, target, rest = problem
-    return jnp.sum((theta @ factor.T - target) ** 2, axis=1) + rest
+    return jnp.sum((over_columns(theta, factor) - target) ** 2, axis=1) + rest
 
 
 def swarm_fit(
@@ -85,7 +87,7 @@ def swarm_fit(
         lower, upper: Physical bounds of the full parameters, used for the box where not whitened.
 
     Raises:
-        InputError: If there is no such optimizer.
+        InputError: If there is no such optimizer, or not the memory for so many runs and steps.
     """
     optimizer = find_optimizer(name).factory()
     size, reach = solution.base.size, _REACH * np.linalg.norm(solution.target)
@@ -100,6 +102,7 @@ def swarm_fit(
         low, high, best = np.maximum(low, -box), np.minimum(high, box), solution.values
     space = Space.vector(low, high)
     problem = (jnp.asarray(factor), jnp.asarray(solution.target), jnp.asarray(solution.cost))
+    refuse_too_many(optimizer, space, num_steps, runs)  # before there is a key for every run
     result = minimize_runs(
         torque_cost, optimizer, space, jax.random.split(key, runs), problem, num_steps=num_steps
     )

@@ -17,6 +17,7 @@ from jaxswarm.identify.excitation.fourier import within_limits
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.robot import inverse_dynamics, regressor
 from jaxswarm.robot.model import Robot
+from jaxswarm.swarm.optimizers.products import over_columns
 
 # Position, velocity and acceleration along a period, each (n, K).
 _Signal = jax.Array | np.ndarray
@@ -70,7 +71,7 @@ def log_condition(columns: jax.Array) -> jax.Array:
     2.4142
     """
     scaled = columns / jnp.maximum(jnp.linalg.norm(columns, axis=1, keepdims=True), 1e-30)
-    spectrum = jnp.linalg.eigvalsh(scaled @ scaled.T)
+    spectrum = jnp.linalg.eigvalsh(over_columns(scaled, scaled))
     tiny = jnp.finfo(spectrum.dtype).eps
     return 0.5 * jnp.log(spectrum[-1] / jnp.maximum(spectrum[0], tiny * spectrum[-1]))
 

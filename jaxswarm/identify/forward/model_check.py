@@ -129,9 +129,11 @@ def _is_earlier(parent, k: int) -> bool:
 
 def _check_array(values: list, shape: tuple[int, ...], place: str) -> None:
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.asarray(values)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{place} holds something that is no number") from None
+        array = np.asarray(None)
+    if array.size and array.dtype.kind not in "iuf":  # "1.0" would pass for the number it spells
+        raise InputError(f"{place} holds something that is no number")
     if array.shape != shape or not (np.abs(array) <= LARGEST).all():  # false for NaN, too
         raise InputError(
             f"{place} is no array of {' x '.join(map(str, shape))} finite numbers up to {LARGEST:g}"

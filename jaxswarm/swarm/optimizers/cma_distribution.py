@@ -32,6 +32,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.swarm.optimizers.products import over_columns, over_rows
 from jaxswarm.swarm.random import Random
 
 __all__ = ["LARGEST", "Distribution", "Rates", "adapt", "deviations", "draw", "round_at"]
@@ -129,7 +130,7 @@ def draw(random: Random, of: Distribution, n: int) -> jax.Array:
     d = of.mean.size
     # In one row, scaled by the product: a CPU takes four times as long for many short rows (``repeating``).
     z = random.normal("sample", (n * d,), of.mean.dtype).reshape(n, d)
-    return of.mean + of.sigma * (z @ (of.basis * of.spread).T)
+    return of.mean + of.sigma * over_columns(z, of.basis * of.spread)
 
 
 def deviations(of: Distribution) -> jax.Array:
@@ -170,7 +171,7 @@ def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:
     covariance = (
         (1.0 - rates.c_1 - rates.c_mu * total + lost) * old.covariance
         + rates.c_1 * jnp.outer(path, path)
-        + rates.c_mu * (weights * scale * y.T) @ y
+        + rates.c_mu * over_rows((weights * scale)[:, None] * y, y)
     )
     grow = (rates.c_sigma / rates.d_sigma) * (norm / rates.length - 1.0)
     sigma = old.sigma * jnp.exp(jnp.minimum(grow, 1.0))
@@ -198,5 +199,6 @@ def _eigen(covariance):
     # or what was lifted once sinks on.
     floor = jnp.finfo(covariance.dtype).eps * eigenvalues[-1]
     lifted = jnp.maximum(eigenvalues, floor)
-    covariance = jnp.where(eigenvalues[0] < floor, (basis * lifted) @ basis.T, covariance)
+    whole = over_columns(basis * lifted, basis)
+    covariance = jnp.where(eigenvalues[0] < floor, whole, covariance)
     return basis, jnp.sqrt(lifted), covariance, jnp.sqrt(unit)

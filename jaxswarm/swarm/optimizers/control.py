@@ -21,6 +21,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.optimizers.products import over_columns
 from jaxswarm.swarm.pytree import pytree, static
 
 __all__ = ["converged", "evolutionary_control", "evolutionary_factor"]
@@ -133,5 +134,5 @@ def _adapt(random, state, factor):
 
 def _distances(a, b):
     """Euclidean distances (n, m), by the product form: no (n, m, d) array."""
-    square = jnp.sum(a**2, 1)[:, None] + jnp.sum(b**2, 1)[None] - 2.0 * a @ b.T
+    square = jnp.sum(a**2, 1)[:, None] + jnp.sum(b**2, 1)[None] - 2.0 * over_columns(a, b)
     return jnp.sqrt(jnp.maximum(square, 0.0))

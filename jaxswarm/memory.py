@@ -1,0 +1,53 @@
+"""What memory there is, asked before work that may need more: the system would end it in its midst."""
+
+import os
+from pathlib import Path
+
+from jaxswarm.errors import InputError
+
+GIB = 2**30
+
+
+def free() -> float | None:
+    """Memory [GiB] that this process may still take; None where the system does not tell."""
+    told = [_available(), *(_group(Path("/sys/fs/cgroup")))]
+    known = [x for x in told if x is not None]
+    return min(known) / GIB if known else None
+
+
+def refuse_beyond_free(needed: float, what: str, remedy: str) -> None:
+    """Refuse what would not fit into memory.
+
+    Args:
+        needed: Memory [GiB] it takes.
+        what: What it is, with its numbers: the beginning of the message.
+        remedy: What to do, the end of it.
+
+    Raises:
+        InputError: With what is needed and what there is.
+    """
+    there = free()
+    if there is not None and needed > there:
+        raise InputError(f"{what} about {needed:.3g} GiB, and {there:.3g} GiB are free; {remedy}")
+
+
+def _available() -> float | None:
+    try:
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return 1024.0 * int(line.split()[1])
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (OSError, ValueError, AttributeError):
+        return None
+
+
+def _group(folder: Path) -> list[float]:
+    """What a container's limit leaves."""
+    try:
+        limit, used = (
+            (folder / name).read_text(encoding="ascii").strip()
+            for name in ("memory.max", "memory.current")
+        )
+        return [float(limit) - float(used)]
+    except (OSError, ValueError):  # no container, or one without a limit
+        return []
