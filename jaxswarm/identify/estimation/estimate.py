@@ -23,7 +23,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
     standard_errors,
 )
 from jaxswarm.identify.estimation.least_squares import Fit
-from jaxswarm.identify.estimation.sign_width import best_widths, width_groups
+from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
@@ -104,7 +104,7 @@ def estimate(
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     groups = width_groups(robot, terms) if refine_width else []
-    moving = free_parameters(terms, free_widths(motions, groups, width))
+    moving = free_parameters(terms, free_widths(motions, alike(groups, width), width))
     # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
     here, moving = choose_widths(
         problem, newton(problem, moving, settle(problem, Place(terms, width), pi)), moving, groups

@@ -26,6 +26,9 @@ _RANGE = (3e-4, 0.4)
 # Width of a joint on which no law depends on the direction, as a part of its speed; and the least speed
 # [rad/s or m/s] to count in.
 _USUAL, _STILL = 0.01, 1e-6
+# The width of its kind is no start for a joint of whose squared error another leaves less than this part: one
+# ten times the other's (0.02 and 0.2 rad/s) left a fortieth. Nor are widths so many times apart fitted as one.
+_OF_ITS_KIND, _FAR = 0.5, 3.0
 
 
 def typical_speed(motions: Sequence[Motion]) -> np.ndarray:
@@ -39,6 +42,20 @@ def width_groups(robot: Robot, terms: Sequence[Term]) -> list[tuple[int, ...]]:
     directed = sorted({t.joint for t in terms if t.law.uses_direction and t.joint is not None})
     kinds = dict.fromkeys(robot.kinds[j] for j in directed)
     return [tuple(j for j in directed if robot.kinds[j] == kind) for kind in kinds]
+
+
+def alike(groups: Sequence[tuple[int, ...]], width: Sequence[float]) -> list[tuple[int, ...]]:
+    """Groups of joints without those whose widths are far from the group's, each of which is a group.
+
+    >>> alike([(0, 1, 2)], (0.01, 0.2, 0.012))
+    [(0, 2), (1,)]
+    """
+    parts = []
+    for group in groups:
+        middle = np.exp(np.median(np.log([width[j] for j in group])))
+        near = tuple(j for j in group if 1.0 / _FAR <= width[j] / middle <= _FAR)
+        parts += [near] * bool(near) + [(j,) for j in group if j not in near]
+    return parts
 
 
 def width_range(motions: Sequence[Motion], joints: Sequence[int]) -> tuple[float, float]:
@@ -55,6 +72,9 @@ def best_widths(
     pi: np.ndarray | None = None,
 ) -> tuple[float, ...]:
     """The widths with the smallest residual, from sharp to a fifth of the speed, one per kind of joint.
+
+    A joint to which that of its kind leaves far more than another one has its own: where the sign is ten times
+    too sharp, no slope tells that it is too wide.
 
     All groups take the same part of their median speed at a time: what a joint's sign leaves on the others
     is little beside what it leaves on its own.
@@ -89,9 +109,13 @@ def best_widths(
         solution = solved(regression, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(((solution.residual / sigma) ** 2).sum(axis=0))
-    parts = np.full(robot.num_joints, _USUAL)
+    parts, cost = np.full(robot.num_joints, _USUAL), np.array(costs)
     for group in groups:
-        parts[list(group)] = _best(grid, np.array(costs)[:, list(group)].sum(axis=1))
+        shared = cost[:, list(group)].sum(axis=1)
+        parts[list(group)] = _best(grid, shared)
+        for j in group:
+            if cost[:, j].min() < _OF_ITS_KIND * cost[np.argmin(shared), j]:
+                parts[j] = _best(grid, cost[:, j])
     return tuple(map(float, parts * scale))
 
 
