@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import BAND, added, diagnose_log, log_with, small_arm
+from planted import BAND, added, blank, diagnose_log, log_with, small_arm
 from scipy import signal
 
 from jaxswarm.diagnose import diagnose
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.logs.motion import prepare
 
 PLANTED = [
@@ -67,6 +68,18 @@ def test_nothing_is_added_to_a_clean_log(kind):
     found = diagnose_log(clean(kind))
     assert added(found) == []
     assert len(found.last) == found.asked > 20
+
+
+def test_without_additions_the_model_is_the_one_that_identify_fits():
+    log = log_with(seed=22)
+    tau = np.column_stack([np.interp(log.t - 0.003, log.t, x) for x in log.tau.T])
+    late = prepare(replace(log, tau=tau), BAND)
+    found = diagnose(small_arm(), blank(), [late])
+    alone = estimate_with_clocks(small_arm(), blank(), [late])
+    assert not found.kept
+    assert found.final.motions[0].skew == alone.motions[0].skew != 0.0
+    assert [t.values for t in found.final.model.terms] == [t.values for t in alone.model.terms]
+    np.testing.assert_array_equal(found.final.fit.residual, alone.fit.residual)
 
 
 def test_skew_below_half_a_sample_is_a_matter_of_the_clock_and_no_effect():

@@ -6,8 +6,8 @@ from planted import BAND, blank, log_with, small_arm
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.further import add_further
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.stepwise import _add_further
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.motion import prepare
@@ -33,7 +33,7 @@ def with_one_end(*hidden: Term) -> Search:
 def test_the_other_end_is_added_with_the_stiffness_of_the_first():
     search = with_one_end(*ENDS)
     before = search.current.fit.sigma
-    _add_further(search, Term("cable_coupling", 0, 1), 1)
+    add_further(search, Term("cable_coupling", 0, 1), 1)
     (step,) = search.steps
     assert step.added.place == ENDS[0].place
     assert step.added.values["kc"] == pytest.approx(-8.0, rel=0.05)
@@ -42,11 +42,11 @@ def test_the_other_end_is_added_with_the_stiffness_of_the_first():
 
 def test_no_other_end_is_added_where_the_partner_feels_nothing():
     search = with_one_end(ENDS[1])
-    _add_further(search, Term("cable_coupling", 0, 1), 1)
+    add_further(search, Term("cable_coupling", 0, 1), 1)
     assert not search.steps
 
 
 def test_an_end_that_is_there_is_not_asked_again():
     search = with_one_end(*ENDS)
-    _add_further(search, Term("cable_coupling", 1, 0), 1)
+    add_further(search, Term("cable_coupling", 1, 0), 1)
     assert not search.steps

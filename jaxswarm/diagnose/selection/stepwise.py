@@ -14,9 +14,8 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.sharpness import only_sharp
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
@@ -24,6 +23,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
+from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further, superseded
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
@@ -34,14 +34,15 @@ from jaxswarm.diagnose.selection.survives import stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back_harm, take_back_shadows
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
 # Rounds per joint, and for any arm.
 _ROUNDS_PER_JOINT, _LEAST_ROUNDS = 4, 12
-# Events of one kind that are looked for in a row; runners-up that a step remembers.
-_MOST_EVENTS, _MOST_OTHERS = 20, 8
+# Runners-up that a step remembers.
+_MOST_OTHERS = 8
 
 
 def diagnose(
@@ -80,8 +81,11 @@ def diagnose(
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     take_back_harm(search)
     take_back_shadows(search)
-    settle_clocks(search)
-    _hold_within_bounds(search)
+    if search.steps:
+        settle_clocks(search)
+        _hold_within_bounds(search)
+    else:
+        _as_identified(search, declared, motions)
     return Diagnosis(
         within_bounds(search.declared),
         search.current,
@@ -122,6 +126,17 @@ def _act(search: Search, passed: list[Score]) -> bool:
         search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
     passed = [s for s in passed if s not in sharp]
     return _add_best(search, passed) if passed else _choose_again(search)
+
+
+def _as_identified(search: Search, declared: tuple[Term, ...], motions: Sequence[Motion]) -> None:
+    """Where nothing is added, the model is the one that ``identify`` fits: with its clocks, within its bounds.
+
+    Clocks found among candidates differ from these by a part of their doubt, which was a sixth of a joint's
+    error on other motion of a world.
+    """
+    found = estimate_with_clocks(search.current.model.robot, declared, list(motions))
+    search.current = search.declared = with_motion_noise(found, search.seed)
+    search.crossfit = cross_fit(search.current)
 
 
 def _hold_within_bounds(search: Search) -> None:
@@ -178,7 +193,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if search.other and near:
         chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
         term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
-    removed = _superseded(current, after)
+    removed = superseded(current, after)
     why = None
     if not term.law.in_one_log:
         why = survives(current, after, chosen.joint, search.other, search.rules)
@@ -192,43 +207,12 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     search.steps.append(Step(added, chosen, *told, current, after, removed, near))
     search.current = after
     if added.law.recurring:
-        _add_further(search, replace(added, values={}), _MOST_EVENTS)
+        add_further(search, replace(added, values={}), MOST_EVENTS)
     if added.law.mutual:
-        _add_further(search, Term(added.effect, added.other, added.joint), 1)
+        add_further(search, Term(added.effect, added.other, added.joint), 1)
     # What was refused on this joint was refused without the new effect.
     search.banned = {key for key in search.banned if key[1] != added.joint}
     return True
-
-
-def _add_further(search: Search, asked: Term, most: int) -> None:
-    """Add what else is there of something that was found, with nothing else asked.
-
-    Further events of its kind, one after the other; or its other end: a cable over two joints that was found on
-    one left the other at 23 times its noise, and bent five laws into it where these were asked first.
-    """
-    for _ in range(most):
-        if search.budget.spent:
-            return
-        current = search.current
-        if asked.identity in {t.identity for t in current.model.terms}:
-            return
-        lin = Linearization(current, cross_fit(current), search.memory)
-        told = score_terms(lin, [asked], search.seed)
-        if not told or not passes(told[0], search.asked, search.rules):
-            return
-        after = refit_with(current, told[0])
-        if after is None:
-            return
-        removed = _superseded(current, after)
-        added = find_term(after, told[0].candidate.term)
-        search.steps.append(Step(added, told[0], (), (), current, after, removed))
-        search.current = after
-
-
-def _superseded(current: Estimate, after: Estimate) -> tuple[Term, ...]:
-    """Terms that a model no longer has."""
-    kept = {t.identity for t in after.model.terms}
-    return tuple(t for t in current.model.terms if t.identity not in kept)
 
 
 def _error(one: Estimate) -> float:
