@@ -2,6 +2,11 @@
 
 Each log holds one of them on an arm of its own; right is the effect on its joint, told or among those that the
 data did not tell apart, and nothing else. A log on which no size within bounds shows as much is left out.
+
+Measured at four times so far, of 17 effects: position_dependent_friction (seed 7000) and friction_change (7100)
+1 of 1 each, maxwell_slip (8600, 8601) 2 of 2, dwell_friction (7200) 0 of 1: told as stribeck_friction,
+undecided with quadratic_drag. It was never asked: the motion of these logs has no rests, without which
+it is not.
 """
 
 import json

@@ -85,6 +85,8 @@ def test_names_in_facts_are_registered():
         known = {p.name for p in effect.parameters}
         assert set(effect.identity) <= known, effect.name
         assert {p.hidden_by for p in effect.parameters} - {""} <= known, effect.name
+        shown_by = {name for p in effect.parameters for name in p.shown_by}
+        assert shown_by <= {p.name for p in effect.linear}, effect.name
 
 
 def test_every_effect_says_what_it_means_and_what_to_do():

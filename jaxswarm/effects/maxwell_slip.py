@@ -10,7 +10,8 @@ Why two: along the motion of a simulated log a bristle leaves 5 to 26 % of the t
 friction leave of one to six elements. Two elements with ways of their own leave 0.1 % of one, 0.5 % of two, and
 2 to 11 % of four to six; four whose ways halve and whose levels follow a power leave 2 to 10 % of each. What
 rises slowly while an element slides (the model's third equation) is left to ``stribeck_friction``. Told from
-``lugre_friction``, whose loops drift like those of a bristle, and which holds most at creeping speed.
+``lugre_friction``, whose loops drift like those of a bristle, and which holds most at creeping speed. Where one
+level is not told from zero the law is one element, which may be either, and the way of the other is not told.
 
 References: F. Al-Bender, V. Lampaert, J. Swevers, "The generalized Maxwell-slip model: a novel model for
 friction simulation and compensation", IEEE Trans. Automatic Control 50(11) (2005).
@@ -27,8 +28,14 @@ register(
         parameters=(
             Parameter("fc1", "N m", 0.0, 1e4, True, 1.0, "level of what slips last"),
             Parameter("fc2", "N m", 0.0, 1e4, True, 1.0, "level of what slips first"),
-            Parameter("x1", "rad", 1e-4, 1.0, False, 0.05, "way after which the last slips", "log"),
-            Parameter("part", "1", 0.02, 0.8, False, 0.3, "way of the first, of x1", "log"),
+            Parameter(
+                *("x1", "rad", 1e-4, 1.0, False, 0.05, "way after which the last slips", "log"),
+                shown_by=("fc1",),
+            ),
+            Parameter(
+                *("part", "1", 0.02, 0.8, False, 0.3, "way of the first, of x1", "log"),
+                shown_by=("fc1", "fc2"),
+            ),
         ),
         summary="fc1 z1 + fc2 z2, dz/dt = dq/x, |z| <= 1, x = x1 and part x1: elements that stick and slip",
         reference="Al-Bender, Lampaert, Swevers 2005, IEEE TAC 50(11)",

@@ -46,6 +46,8 @@ class Parameter:
         fitted: Whether a fit may move it; a choice stays what it was set to.
         neutral: Value at which the effect does nothing; None: the nominal one.
         hidden_by: Another parameter that leaves this one undetermined unless it is zero.
+        shown_by: Linear parameters without each of which it does nothing: where one is not told from zero, the
+            fit has put this one where noise is explained best, and no standard error tells how far that is off.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Parameter:
     fitted: bool = True
     neutral: float | None = None
     hidden_by: str = ""
+    shown_by: tuple[str, ...] = ()
 
     def decode(self, u):
         """Value at a position u in [0, 1] between the bounds, on the parameter's scale.

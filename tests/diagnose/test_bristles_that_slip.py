@@ -4,15 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from elbow import ask, elbow_log, fitted, passing
+from elbow import ask, elbow, elbow_log, fitted, passing
+from planted import BAND
 from scipy.integrate import solve_ivp
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, parse_terms
+from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation.estimate import TOLD, untold
 from jaxswarm.identify.synthetic import fourier_motion
 from jaxswarm.logs.log import Log
+from jaxswarm.logs.motion import prepare
 
 FC, X0, RISE, VS = 8.0, 0.05, 0.8, 0.15
 DOUBLES = ("hysteresis", "stribeck_friction", "dwell_friction", "nonlinear_viscous_friction")
@@ -74,6 +78,30 @@ def test_a_rise_that_jumps_at_a_reversal_is_no_slip_of_bristles():
     plain = with_bristles(elbow_log(DAHL, jump))
     best = passing(ask(plain, "lugre_friction", *DOUBLES))[0]
     assert best.candidate.term.place == jump.place
+
+
+@pytest.mark.parametrize(
+    ("levels", "lost"),
+    [((8.0, 6.0), []), ((8.0, 0.1), ["part"]), ((0.1, 6.0), ["x1", "part"])],
+)
+def test_a_way_is_told_by_its_level(levels, lost):
+    values = {"fc1": levels[0], "fc2": levels[1], "x1": 0.2, "part": 0.3}
+    errors = dict.fromkeys(values, 0.1)
+    assert untold(Term("maxwell_slip", 1, values=values), errors) == lost
+
+
+def test_the_way_of_an_element_that_is_not_there_is_not_told():
+    one = {"fc1": 8.0, "fc2": 0.0, "x1": 0.2, "part": 0.3}
+    declared = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
+    log = elbow_log(Term("maxwell_slip", 1, values=one))
+    found = estimate(
+        elbow(), (*declared, Term("maxwell_slip", 1)), [prepare(log, BAND)], bounded=False
+    )
+    errors = found.std_errors[-1]
+    levels = {name: found.model.terms[-1].values[name] / errors[name] for name in ("fc1", "fc2")}
+    assert min(abs(x) for x in levels.values()) < TOLD < max(abs(x) for x in levels.values())
+    assert np.isnan(errors["part"])
+    assert np.isnan(errors["x1"]) == (abs(levels["fc1"]) < TOLD)
 
 
 def test_they_are_asked_beside_bristles_alone():

@@ -119,11 +119,11 @@ def best_widths(
     return tuple(map(float, parts * scale))
 
 
-def _best(grid: np.ndarray, costs: Sequence[float]) -> float:
+def _best(grid: np.ndarray, costs: np.ndarray) -> float:
     """The part with the least cost: the vertex of a parabola in its logarithm, the first point aside."""
     best = int(np.argmin(costs))
     if not 1 < best < len(grid) - 1:
         return float(grid[best])
-    x, y = np.log(grid[best - 1 : best + 2]), np.array(costs[best - 1 : best + 2])
+    x, y = np.log(grid[best - 1 : best + 2]), costs[best - 1 : best + 2]
     a, b, _ = np.polyfit(x - x[1], y, 2)
     return float(np.exp(x[1] - b / (2 * a))) if a > 0 else float(grid[best])
