@@ -56,7 +56,7 @@ def test_several_short_contacts_are_found_with_their_torques_and_nothing_else(fo
 @pytest.mark.parametrize("duration", [11.0, 20.0])
 @pytest.mark.parametrize("size", [1.0, 3.0])
 def test_a_push_is_told_in_slow_motion(duration, size):
-    """The tails of the low-pass are no part of it, and it is no memory of the noise that it is told against."""
+    """Its own torque is no memory of the noise that it is told against."""
     log = pushed(log_with(duration=duration), [(2.5, 2.8, size, -0.6 * size)])
     told = diagnose(small_arm(), blank(), [prepare(log, Filtering(12.0, 6.0))])
     assert [s.added.effect for s in told.kept] == ["contact"]

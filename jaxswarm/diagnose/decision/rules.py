@@ -41,9 +41,6 @@ WEIGHTY = 0.1
 SELECTED = 2.0
 # An event explains at least this many times what a window of its length does on average.
 DENSE = 4.0
-# Rows with less than this part of an event's largest squared torque are tails of the low-pass, not the event:
-# with them a push of 0.3 s in 11 s of a world, p = 1e-16, took up a ninth of its log.
-TAIL = 0.01
 # An event that takes more than this part of all rows, tails included, leaves too little to fit the rest to.
 MOST_TAKEN = 0.5
 

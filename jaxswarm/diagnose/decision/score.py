@@ -22,15 +22,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.rules import (
-    CERTAIN,
-    DENSE,
-    MOST_TAKEN,
-    SELECTED,
-    TAIL,
-    WEIGHTY,
-    Rules,
-)
+from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, MOST_TAKEN, SELECTED, WEIGHTY, Rules
 from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.identify.estimation.covariance import correlation_length
@@ -176,8 +168,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     what the bounds are made against.
     """
     whole, weight = crossfit.whole, crossfit.weight
-    size = np.square(candidate.columns[0]).sum(axis=(1, 2))
-    inside = size > TAIL * size.max()
+    inside = candidate.columns[0].any(axis=(1, 2))
     timing = crossfit.timing
     free, residual = whole.free_part(candidate.columns[0]), whole.residual * timing
     free = free * timing[:, :, None]
@@ -194,8 +185,6 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     blocks = np.bincount(crossfit.block, fall.sum(axis=1))
     chance = scipy.special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
     dense = _stands_out(float(shares[joint]), 1.0 / windows)
-    # Rows that the low-pass spreads it over are used for nothing else.
-    taken = float((size > 0).mean())
     return Score(
         candidate=candidate,
         gain=gain,
@@ -207,7 +196,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
         p_value=float(min(1.0, chance)),
         repeats=1.0,
         coefficients=a,
-        allowed=dense and taken <= MOST_TAKEN,
+        allowed=dense and inside.mean() <= MOST_TAKEN,
     )
 
 
