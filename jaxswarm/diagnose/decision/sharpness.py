@@ -34,8 +34,8 @@ def only_sharp(
 ) -> list[Score]:
     """Those that pass no more where rows count by all their noise, sharp or not, and clocks are free.
 
-    Asked are joints that are near that noise but for their clocks: what is left of others is more than
-    sharpness leaves. What is sharp by itself, an impact in a gear or the edge of a contact, is not asked.
+    Asked are joints that are near that noise as they are: what is left of others is more than sharpness
+    leaves. What is sharp by itself, an impact in a gear or the edge of a contact, is not asked.
 
     Args:
         passed: Scores of candidates that passed.
@@ -44,7 +44,8 @@ def only_sharp(
         asked: Candidates asked, for the level of the tests.
         rules: Thresholds.
     """
-    asking = [s for s in passed if not _is_told(s.candidate.term.law)]
+    near = found.fit.sigma <= NEAR * noise_of(found)
+    asking = [s for s in passed if near[s.joint] and not _is_told(s.candidate.term.law)]
     again = score_softly(asking, found, crossfit)
     pairs = zip(asking, again, strict=True)
     return [s for s, other in pairs if other is not None and not passes(other, asked, rules)]
