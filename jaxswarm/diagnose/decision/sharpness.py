@@ -67,8 +67,8 @@ def score_softly(
     softer = softer.with_columns((clocks,) * len(softer.folds), known=True)
     counted = softer.weight > 0
     left = np.divide(softer.whole.residual, softer.weight, out=0.0 * softer.weight, where=counted)
-    near = np.sqrt((left**2).mean(axis=0)) <= NEAR * noise_of(found)
-    near |= found.fit.sigma <= NEAR * noise_of(found)
+    least = np.minimum(np.sqrt((left**2).mean(axis=0)), found.fit.sigma)
+    near = least <= NEAR * noise_of(found)
     known = crossfit.weight > 0
     ratio = np.divide(softer.weight, crossfit.weight, out=np.zeros_like(softer.weight), where=known)
     interval = max(m.interval for m in found.motions)
