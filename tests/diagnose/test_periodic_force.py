@@ -1,7 +1,9 @@
 """A force with a frequency of its own is named with it, and no motion is taken for one."""
 
 from dataclasses import replace
+from functools import partial
 
+import jax
 import numpy as np
 import pytest
 from elbow import ask, elbow, elbow_log, fitted, passing
@@ -16,6 +18,7 @@ from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import prepare
+from jaxswarm.robot import inverse_dynamics
 
 DOUBLES = ("torque_ripple", "contact", "friction_change", "encoder_eccentricity", "thermal_drift")
 HERTZ, SIZE = 2.37, 1.2
@@ -36,6 +39,27 @@ def test_a_force_of_its_own_frequency_is_named_with_it():
     assert values["hertz"] == pytest.approx(HERTZ, abs=0.003)
     assert np.hypot(values["sine"], values["cosine"]) == pytest.approx(SIZE, rel=0.05)
     assert after.fit.sigma[1] < 0.5 * found.fit.sigma[1]
+
+
+def test_a_force_that_shakes_the_arm_is_named_though_the_motion_has_its_line():
+    log = elbow_log()
+    swing = 2 * np.pi * HERTZ
+    along = [0.006 * np.sin(swing * log.t + 0.3), 0.006 * swing * np.cos(swing * log.t + 0.3)]
+    along.append(-(swing**2) * along[0])
+    motion = prepare(log, BAND)
+    parts = [np.array(x) for x in (motion.q, motion.dq, motion.ddq)]
+    torque = jax.vmap(partial(inverse_dynamics, elbow()))
+    still = torque(*parts)
+    for part, more in zip(parts, along, strict=True):
+        part[:, 1] += more
+    tau = log.tau + np.asarray(torque(*parts) - still)
+    tau[:, 1] += 2.0 * along[1]
+    q = log.q + np.outer(along[0], [0.0, 1.0, 0.0])
+    found = fitted(shaken(replace(log, q=q, tau=tau)))
+    line = 2.0 * np.abs(np.exp(-1j * swing * log.t) @ parts[2][:, 1]) ** 2 / len(log.t)
+    assert line > 0.05 * (parts[2][:, 1] ** 2).sum()
+    best = passing(ask(found, "periodic_force", *DOUBLES))[0]
+    assert best.candidate.term.place == ("periodic_force", 1, None)
 
 
 def test_it_is_of_its_own_log_alone():

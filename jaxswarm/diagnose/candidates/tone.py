@@ -2,8 +2,10 @@ r"""A torque of a frequency of its own, read off the spectrum of what a model le
 
 A sine that is fitted to n rows takes off :math:`2 |X(f)|^2 / n` of their squares, X their Fourier transform:
 the highest line of the spectrum is the best frequency. What follows from the motion can have a line too; a
-tone is asked only where the motion has none and where it does not repeat itself with a multiple of the tone's
-period.
+tone is asked only where the motion has none that could carry it, and where it does not repeat itself with a
+multiple of the tone's period. A force shakes the arm it acts on, as far as the controller lets it: a line of
+the motion is weighed against how much of the residual is in that line, since what follows from the motion
+brings the rest of the motion with it.
 """
 
 from dataclasses import replace
@@ -21,7 +23,9 @@ from jaxswarm.logs.motion import Motion
 _LEAST = 0.5
 # Periods that a log holds at least, and how much finer than its resolution frequencies are looked at.
 _PERIODS, _FINER = 4, 8
-# A line that takes off this share of a joint's position, velocity or acceleration is the motion's own.
+# A line of a joint's position, velocity or acceleration, as power in the line to power beside it, is the
+# motion's own where it is this part of the residual's. At the least share that is 3 % of the motion, where a
+# tone takes 99 % it is three quarters.
 _OWN_LINE = 0.03
 # Part of a turn by which a tone is ahead when the motion repeats itself: then a fifth of its power at least
 # does not repeat, and no function of the motion can be that part.
@@ -36,7 +40,7 @@ def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
         for fold in lin.crossfit.folds
     ]
     share, hertz, log = lines[0]
-    if share < _LEAST or not _alone(lin.found.motions[log], hertz):
+    if share < _LEAST or not _alone(lin.found.motions[log], hertz, share):
         return None
     placed = [replace(term, values={name: f, "log": float(k)}) for _, f, k in lines]
     columns = tuple(lin.law(one) for one in placed)
@@ -63,13 +67,15 @@ def _strongest(lin: Linearization, left: np.ndarray) -> tuple[float, float, int]
     return best
 
 
-def _alone(motion: Motion, hertz: float) -> bool:
-    """Whether nothing that follows from the motion can have a line at a frequency [Hz]."""
+def _alone(motion: Motion, hertz: float, share: float) -> bool:
+    """Whether nothing that follows from the motion can have its line [Hz] take that share of a residual."""
+    most = _OWN_LINE * share / max(1.0 - share, 1e-300)
     turn = np.exp(-2j * np.pi * hertz * motion.t)
     for x in (motion.q, motion.dq, motion.ddq):
         own = x - x.mean(axis=0)
         line = 2.0 * np.abs(turn @ own) ** 2 / len(own)
-        if (line > _OWN_LINE * (own**2).sum(axis=0)).any():
+        whole = (own**2).sum(axis=0)
+        if (line > most * np.maximum(whole - line, 0.0)).any():
             return False
     period = repeats_after(motion.t, motion.q)
     if period is None:
