@@ -1,6 +1,8 @@
 r"""The noise in the compared band: what no model can go below, row by row.
 
-Four things make it. The torque's own sensor noise is told by its sample-to-sample differences. The motion is
+Four things make it. The torque's own sensor noise is told by its sample-to-sample differences and, where it is
+stronger the slower it is, by what is as strong at all times just above the compared band
+(:mod:`jaxswarm.diagnose.folds.steady`). The motion is
 known only as well as its encoders tell: its noise goes through smoothing and derivatives into
 :math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
 out of the model is found by drawing that noise and sending it the same way. When a torque jumped between two
@@ -18,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from jaxswarm.diagnose.folds.steady import steady_power
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.butterworth import butterworth
@@ -47,7 +50,17 @@ def noise_of(found: Estimate) -> np.ndarray:
 
 def row_noise(found: Estimate) -> np.ndarray:
     """The same of every row, (T', n)."""
-    return _with_sensor(found, lambda m: np.maximum(_known(m.model_noise), _known(m.sharp_noise)))
+    if any(m.model_noise is None for m in found.motions):
+        return _with_sensor(found, lambda m: np.zeros(1))
+    steady = np.min([_known(m.steady_noise) for m in found.motions], axis=0)
+    slow = np.sqrt(np.maximum(steady**2 - _sensor(found) ** 2, 0.0))
+
+    def part(motion: Motion) -> np.ndarray:
+        # What is steady is seen above the band once more, where what is sharp is read off.
+        sharp = np.sqrt(np.maximum(_known(motion.sharp_noise) ** 2 - slow**2, 0.0))
+        return np.hypot(slow, np.maximum(_known(motion.model_noise), sharp))
+
+    return _with_sensor(found, part)
 
 
 def row_doubt(found: Estimate) -> np.ndarray:
@@ -94,14 +107,22 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     motions = tuple(
         replace(
             m,
-            model_noise=np.sqrt(_drawn_power(found, m, seed)),
+            model_noise=np.sqrt(_drawn_power(m, drawn)),
+            steady_noise=np.sqrt(_steady_power(m, left, drawn)),
             sharp_noise=_sharp_noise(m, left),
             step_noise=_step_noise(m, left),
         )
         for m in found.motions
-        for left in [m.tau - model_torque(found.model, m)]
+        for left, drawn in [(m.tau - model_torque(found.model, m), _drawn(found, m, seed))]
     )
     return replace(found, motions=motions)
+
+
+def _steady_power(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np.ndarray:
+    """Power (n,) of the steady noise that the doubt of the motion does not make."""
+    of_motion = [steady_power(x, motion.rate, motion.torque_cutoff) for x in drawn]
+    of_all = steady_power(left, motion.rate, motion.torque_cutoff)
+    return np.maximum(of_all - np.sum(of_motion, axis=0) / max(len(drawn), 1), 0.0)
 
 
 def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
@@ -124,10 +145,10 @@ def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(_sharp_power(motion, left) - sensor**2, 0.0))
 
 
-def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
-    """Power (T', n) that the white noise of a log's positions makes of the model's torque."""
+def _drawn(found: Estimate, motion: Motion, seed: int) -> list[np.ndarray]:
+    """What draws of the white noise of a log's positions make of the model's torque, each (T, n)."""
     if motion.position_noise is None:
-        return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
+        return []
     rng = np.random.default_rng(seed)
     ratio, noise = motion.velocity_ratio, motion.position_noise
     speed = None if ratio is None else noise / np.sqrt(ratio)
@@ -140,7 +161,14 @@ def _drawn_power(found: Estimate, motion: Motion, seed: int) -> np.ndarray:
         return model_torque(found.model, replace(motion, q=q, dq=dq, ddq=ddq))
 
     plain = torque(0.0)
-    power = [motion.decimator.apply(torque(1.0) - plain) ** 2 for _ in range(_DRAWS)]
+    return [torque(1.0) - plain for _ in range(_DRAWS)]
+
+
+def _drawn_power(motion: Motion, drawn: list[np.ndarray]) -> np.ndarray:
+    """Power (T', n) below the torque cutoff that the doubt of the motion makes."""
+    if not drawn:
+        return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
+    power = [motion.decimator.apply(x) ** 2 for x in drawn]
     return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
 
 

@@ -28,9 +28,10 @@ from jaxswarm.identify.report.summary import (
 
 # How the noise of a joint is told.
 NOISE = (
-    "row by row, over all rows: sample-to-sample noise of the torque sensor (median third difference, taken "
-    "as white; the least of the fitted logs); what the noise of the positions makes of the model, by drawing "
-    "it; and what is sharper than sampling shows, by the power of the residual above the torque cutoff"
+    "row by row, over all rows: noise of the torque sensor (sample to sample, by the median third difference, "
+    "or what is as strong at all times just above the torque cutoff; the least of the fitted logs); what the "
+    "noise of the positions makes of the model, by drawing it; and what is sharper than sampling shows, by the "
+    "power of the residual above the torque cutoff"
 )
 # Candidates told among those that were not added.
 _MOST_TOLD = 12
