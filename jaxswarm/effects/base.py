@@ -69,8 +69,8 @@ class Effect:
         everyday: Whether every drive has it: missing on several joints, it is added to all at once.
         recurring: Whether it is an event of one log with a begin and an end, of which there may be
             several, and not a property of the robot, of which every stretch of a log is evidence.
-        mutual: Whether, in a pair, what it does to the partner is a second term of it, asked as soon as one is
-            found.
+        several: Whether a joint may have several of it at once, told apart by ``identity``.
+        mutual: Whether what a pair does to the partner is a second term of it, asked as soon as one is found.
         reference_only: Whether it shows only against an earlier model or on part of a log, so that
             one fit to whole logs cannot hold it.
         shown_against: Horizontal axis of its picture, one of :data:`AXES`.
@@ -103,6 +103,7 @@ class Effect:
     carried: bool = False
     everyday: bool = False
     recurring: bool = False
+    several: bool = False
     mutual: bool = False
     reference_only: bool = False
     shown_against: str = "velocity"

@@ -90,6 +90,8 @@ register(
             "Torque repeats with the angle: cogging of the motor, teeth of a gear or an eccentric"
             " one; n tells which, as so many periods a turn."
         ),
+        several=True,
+        identity=("n",),
         torque=lambda p, s: p["sine"] * jnp.sin(p["n"] * s.q) + p["cosine"] * jnp.cos(p["n"] * s.q),
         shown_against="position",
         # The order has a narrow valley: points lie 0.4 of an order apart.

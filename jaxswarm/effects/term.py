@@ -89,7 +89,7 @@ class Term:
 
     @property
     def identity(self) -> tuple:
-        """What a term is, whatever it was fitted to: effect, joint, partner, and which event of its kind.
+        """What a term is, whatever it was fitted to: effect, joint, partner, and which of its kind.
 
         None stands for the event of a property of the robot, and of an event that has no place yet.
         """
@@ -98,7 +98,7 @@ class Term:
         return (*self.place, tuple(round(values[name], 1) for name in names) if known else None)
 
     def apart(self, other: "Term") -> float:
-        """How far the events of two terms of one place lie apart [s]; 0 for what is no event.
+        """How far two terms of one place lie apart by what tells such terms apart; 0 where nothing does.
 
         A fit moves the begin of an event, and its identity with it.
         """
@@ -110,12 +110,16 @@ class Term:
     def columns(self, joints: tuple[str, ...]) -> tuple[str, ...]:
         """Names of the columns of the linear parameters: ``b_joint2:viscous_friction``.
 
-        Those of an event say when it begins.
+        Those of an event say when it begins, those of one among several what tells it from the others.
         """
         where = "" if self.joint is None else f"_{joints[self.joint]}"
         where += "" if self.other is None else f"_{joints[self.other]}"
         if self.law.recurring and "start" in self.values:
             where += f"_{self.values['start']:.1f}s"
+        if self.law.several:
+            where += "".join(
+                f"_{self.values[n]:.1f}" for n in self.law.identity if n in self.values
+            )
         return tuple(f"{name}{where}:{self.effect}" for name in self.linear_names(joints))
 
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
@@ -173,8 +177,14 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
 
 def number_of(term: Term, terms: Sequence[Term]) -> int:
     """Where a term stands among the terms of a model that has it, though a fit may have moved its event."""
-    same = [k for k, t in enumerate(terms) if t.place == term.place]
+    same = [k for k, t in enumerate(terms) if (t.place, t.formula) == (term.place, term.formula)]
     return min(same, key=lambda k: terms[k].apart(term))
+
+
+def without(term: Term, terms: Sequence[Term]) -> tuple[Term, ...]:
+    """The terms of a model that has it but this one."""
+    gone = number_of(term, terms)
+    return tuple(t for k, t in enumerate(terms) if k != gone)
 
 
 def of_kind(terms: Iterable, kind: type[Effect]) -> list:

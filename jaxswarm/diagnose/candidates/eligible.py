@@ -68,7 +68,7 @@ def longest_rest(motions: tuple[Motion, ...], joint: int) -> float:
 def _is_settled(term: Term, law: Effect, present: tuple[Term, ...]) -> bool:
     """Whether a model's terms hold, contain or rule out this one."""
     return any(
-        t.place == term.place
+        (t.place == term.place and not law.several)
         or (
             t.joint == term.joint
             and (law.excludes(t.law) or (law.name in t.law.contains and term.other is None))

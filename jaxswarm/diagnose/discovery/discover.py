@@ -25,6 +25,7 @@ from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stan
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.effects.term import without
 from jaxswarm.logs.motion import Motion
 
 
@@ -85,10 +86,8 @@ def _searched_again(
     seed: int,
 ) -> tuple[Diagnosis, list[Discovery]]:
     """A formula searched anew beside those found after it; it stays unless another one is clearly better."""
-    own, joint = earlier.added.identity, earlier.added.index
-    rest = refit(
-        diagnosis.final, tuple(t for t in diagnosis.final.model.terms if t.identity != own)
-    )
+    joint = earlier.added.index
+    rest = refit(diagnosis.final, without(earlier.added, diagnosis.final.model.terms))
     bare = replace(diagnosis, final=rest, crossfit=cross_fit(rest))
     for left in [one for one in unlawful(bare, seed) if one.joint == joint]:
         outcome = search_joint(bare, left, other, seed)

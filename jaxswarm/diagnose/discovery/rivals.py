@@ -12,7 +12,7 @@ from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, Rival
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, without
 from jaxswarm.identify.forward.regression import Diverged
 
 # Formulas that are told beside the chosen one.
@@ -42,8 +42,7 @@ def _extends(point: Point, one: Point) -> bool:
 
 def fitted_rivals(one: Discovery) -> tuple[Rival, ...]:
     """The model with each formula that fits alike in place of the found law; without those that run away."""
-    own, found = one.added.identity, []
-    kept = tuple(t for t in one.after.model.terms if t.identity != own)
+    found, kept = [], without(one.added, one.after.model.terms)
     for point, term in one.alternatives:
         try:
             fitted = refit(one.after, (*kept, term))

@@ -13,7 +13,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.step import chain, find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, without
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 
@@ -91,7 +91,9 @@ def bared(diagnosis: Diagnosis, joint: int, whole_arm: bool = False) -> Diagnosi
             return None
     elif not own and width is None:
         return None
-    terms = tuple(t for t in final.model.terms if t.identity not in gone)
+    terms = final.model.terms
+    for step in own:
+        terms = without(step.added, terms)
     if width is None:
         rest = refit(final, terms)
     else:
@@ -128,8 +130,7 @@ def without_stand_ins(
     for step in diagnosis.kept:
         if step.added.joint != found.added.joint or step.removed:
             continue
-        own = step.added.identity
-        rest = refit(after, tuple(t for t in after.model.terms if t.identity != own))
+        rest = refit(after, without(step.added, after.model.terms))
         lin = Linearization(rest, cross_fit(rest))
         scores = score_terms(lin, [replace(step.added, values={})], seed)
         if any(passes(s, diagnosis.asked, diagnosis.rules) for s in scores):

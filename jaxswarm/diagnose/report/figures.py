@@ -10,7 +10,7 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.selection.step import Addition
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, without
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion
@@ -76,10 +76,10 @@ def evidence(step: Addition, final: Model, motion: Motion) -> Figure:
     Left against the variable the law is about, right over time; the dots are measured minus the final
     model without this effect, the line is the effect. A law about time has the right panel alone.
     """
-    others = tuple(t for t in final.terms if t.identity != step.added.identity)
-    without = step.rest or Model(final.robot, others, final.width, final.filtering, final.sigma)
+    others = without(step.added, final.terms)
+    bare = step.rest or Model(final.robot, others, final.width, final.filtering, final.sigma)
     low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
-    whole, rest = model_torque(final, motion), model_torque(without, motion)
+    whole, rest = model_torque(final, motion), model_torque(bare, motion)
     contribution = low.apply(whole - rest)
     j = _felt(step.added, contribution.std(axis=0) / np.asarray(final.sigma))
     told, partial = contribution[:, j], low.apply(motion.tau - rest)[:, j]

@@ -17,7 +17,7 @@ from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
 from jaxswarm.diagnose.selection.step import Addition, Step
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, number_of
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
     base_parameter_table,
@@ -175,10 +175,11 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
 
 
 def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
-    for term, errors in zip(final.model.terms, final.std_errors, strict=True):
-        if term.identity == added.identity:
-            return term, errors
-    return added, {}
+    terms = final.model.terms
+    if added.place not in {t.place for t in terms}:
+        return added, {}
+    number = number_of(added, terms)
+    return terms[number], final.std_errors[number]
 
 
 def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], joints) -> list[dict]:

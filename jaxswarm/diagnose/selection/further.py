@@ -7,7 +7,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, without
 from jaxswarm.identify.estimation.estimate import Estimate
 
 # Events of one kind that are looked for in a row.
@@ -40,6 +40,11 @@ def add_further(search: Search, asked: Term, most: int) -> None:
 
 
 def superseded(current: Estimate, after: Estimate) -> tuple[Term, ...]:
-    """Terms that a model no longer has."""
-    kept = {t.identity for t in after.model.terms}
-    return tuple(t for t in current.model.terms if t.identity not in kept)
+    """Terms that a model no longer has; those that the fit has moved it has."""
+    left, gone = after.model.terms, []
+    for term in current.model.terms:
+        if any(t.place == term.place and t.formula == term.formula for t in left):
+            left = without(term, left)
+        else:
+            gone.append(term)
+    return tuple(gone)

@@ -22,7 +22,7 @@ from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, number_of, without
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -70,17 +70,19 @@ def choose_again(
     return list(steps), current, False
 
 
-def _terms_with_errors(found: Estimate) -> dict[tuple, tuple[Term, dict[str, float]]]:
-    """The terms of a model with their standard errors, by identity."""
-    pairs = zip(found.model.terms, found.std_errors, strict=True)
-    return {term.identity: (term, errors) for term, errors in pairs}
+def _with_errors(term: Term, found: Estimate) -> tuple[Term, dict[str, float]] | None:
+    """A term as a model has it, with its standard errors; None: the model has none in its place."""
+    terms = found.model.terms
+    if term.place not in {t.place for t in terms}:
+        return None
+    number = number_of(term, terms)
+    return terms[number], found.std_errors[number]
 
 
 def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
     """Whether what was added is no longer certain, since clocks were moved, say."""
-    errors = _terms_with_errors(current)
-    added = [step.added.identity for step in steps]
-    return any(not is_certain(*errors[key]) for key in added if key in errors)
+    known = (_with_errors(step.added, current) for step in steps)
+    return any(not is_certain(*one) for one in known if one is not None)
 
 
 def _perhaps_simpler(steps: Sequence[Step]) -> bool:
@@ -111,21 +113,22 @@ def reconsider(
     done, changed = list(steps), False
     for step in steps:
         rivals = competitors(step)
-        errors = _terms_with_errors(current)
-        if step.removed or step.added.identity not in errors:
+        known = _with_errors(step.added, current)
+        if step.removed or known is None:
             continue
-        if not rivals and is_certain(*errors[step.added.identity]):
+        certain = is_certain(*known)
+        if not rivals and certain:
             continue
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
         own = step.added.identity
-        rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
+        rest = refit(current, without(step.added, current.model.terms))
         crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
         scores = score_terms(Linearization(rest, crossfit), terms, seed)
         passed = [s for s in scores if passes(s, asked, rules)]
         place = done.index(step)
         if not passed:
-            if _nobody_needs(step, is_certain(*errors[own]), scores, rules):
+            if _nobody_needs(step, certain, scores, rules):
                 del done[place]
                 current, changed = rest, True
             continue

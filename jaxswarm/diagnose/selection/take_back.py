@@ -11,6 +11,7 @@ from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain
 from jaxswarm.diagnose.selection.survives import harmful
+from jaxswarm.effects.term import without
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -47,8 +48,7 @@ def _take_back(search: Search, wrong: Callable[[], tuple[Step, str] | None]) -> 
 
 def _without(current: Estimate, step: Step) -> Estimate:
     """The model without an addition."""
-    own = step.added.identity
-    return refit(current, tuple(t for t in current.model.terms if t.identity != own))
+    return refit(current, without(step.added, current.model.terms))
 
 
 def _shadow(search: Search) -> tuple[Step, str] | None:
