@@ -92,6 +92,7 @@ register(
         ),
         several=True,
         identity=("n",),
+        way=lambda p: f"order {p['n']:.3g}",
         torque=lambda p, s: p["sine"] * jnp.sin(p["n"] * s.q) + p["cosine"] * jnp.cos(p["n"] * s.q),
         shown_against="position",
         # The order has a narrow valley: points lie 0.4 of an order apart.

@@ -3,6 +3,8 @@
 import pytest
 from planted import added, diagnose_log, log_with, small_arm
 
+from jaxswarm.diagnose.report.text import grouped
+from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.term import Term, number_of, without
 
 ORDERS = {9.0: 1.4, 18.0: 0.7}
@@ -28,6 +30,17 @@ def test_each_order_is_added_with_its_own_values(found):
 def test_columns_and_results_tell_them_apart(found):
     names = [n for t in found.final.model.terms for n in t.columns(small_arm().joints)]
     assert len(set(names)) == len(names)
+
+
+def test_a_sentence_tells_their_orders():
+    told = [
+        {"effect": "torque_ripple", "joint": "j1", "way": REGISTRY["torque_ripple"].way({"n": n})}
+        for n in ORDERS
+    ]
+    assert (
+        grouped(told, ["j1", "j2"])
+        == "torque_ripple (order 9) on j1, torque_ripple (order 18) on j1"
+    )
 
 
 def test_one_of_them_is_left_out_though_a_fit_has_moved_it():

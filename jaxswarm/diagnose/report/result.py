@@ -157,6 +157,7 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
     law = term.law
     return {
         **place(term, joints),
+        **({} if law.way is None else {"way": law.way(term.values)}),
         "law": law.summary,
         "meaning": law.meaning,
         "reference": law.reference,
