@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.repeating import first
@@ -69,6 +70,7 @@ class Driver:
     ):
         if not isinstance(space, Space):
             raise InputError(f"space={space!r} must be a Space, e.g. Space(x=(-5.0, 5.0)).")
+        room_for_programs()
         self.space = space
         self.num_steps = at_least("num_steps", num_steps, 1, "a search needs a step")
         self._optimizer = optimizer_for(optimizer, num_steps, state)
