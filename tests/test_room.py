@@ -14,10 +14,14 @@ from jaxswarm.identify.synthetic import demo_case, synthetic_log
 from jaxswarm.programs import Program
 from jaxswarm.robot import rx60
 from jaxswarm.room import Room, count_maps, most_maps
-from jaxswarm.swarm import Driver, Space, minimize, polish, pso
+from jaxswarm.swarm import Driver, Space, minimize, minimize_resumable, polish, pso
 
 room = importlib.import_module("jaxswarm.room")
 SPACE = Space.vector([-1.0] * 2, [1.0] * 2)
+
+
+def sphere(x, _):
+    return (x**2).sum()
 
 
 class Process:
@@ -136,7 +140,7 @@ def test_every_task_and_search_makes_room(begin, monkeypatch):
     for place in ("tasks.inputs", "swarm.search", "swarm.driver", "swarm.polish"):
         module = importlib.import_module(f"jaxswarm.{place}")
         monkeypatch.setattr(module, "room_for_programs", lambda place=place: asked.append(place))
-    key, sphere = jax.random.key(0), lambda x, _: (x**2).sum()
+    key = jax.random.key(0)
     if begin == "task":
         arm, declared, _ = demo_case(rx60(), 1)
         jaxswarm.inspect(synthetic_log(arm, declared, 1, duration=8.0), "rx60")
@@ -161,3 +165,19 @@ def test_more_searches_than_there_are_maps_for(monkeypatch):
     for k in range(12):
         minimize(lambda x, _, k=k: ((x - k) ** 2).sum(), pso(4), SPACE, key, num_steps=2)
         assert count_maps() < most
+
+
+def test_a_search_with_many_checkpoints_needs_no_program_for_each(tmp_path, caplog):
+    """Histories of growing length were joined by a program each: 2.7 maps and a tenth of a second."""
+
+    def compiled(count):
+        path = tmp_path / str(count)
+        caplog.clear()
+        with jax.log_compiles():
+            options = dict(num_steps=2 * count, every=2, path=path)
+            found = minimize_resumable(sphere, pso(4), SPACE, jax.random.key(0), **options)
+        assert isinstance(found.history, jax.Array) and found.history.shape == (2 * count,)
+        return sum("Finished XLA compilation" in record.message for record in caplog.records)
+
+    compiled(3)
+    assert compiled(30) == compiled(4)
