@@ -21,6 +21,7 @@ ALLOWED = {
     "console": {"outputs"},
     "catalog": set(),
     "memory": set(),
+    "waiting": set(),
     "work": {"claim", "console", "terminal"},
     "plots": set(),
     "program_files": set(),
@@ -32,7 +33,10 @@ ALLOWED = {
     "effects": {"robot", "programs"},
     "simulate": {"robot", "effects"},
     "logs": set(),
-    "identify": {*PHYSICS, "swarm", "memory", "outputs", "plots", "programs", "drawing", "tables"},
+    "identify": {
+        *(*PHYSICS, "swarm", "memory", "waiting"),
+        *("outputs", "plots", "programs", "drawing", "tables"),
+    },
     "diagnose": {
         *(*PHYSICS, "swarm", "identify"),
         *("memory", "outputs", "plots", "programs", "drawing", "tables", "provenance"),
@@ -54,7 +58,7 @@ ALLOWED = {
     "testing": {"effects", "swarm"},
     "howto": set(),
     "runtime": {"terminal"},
-    "cli": {"commands", "console", "work"},
+    "cli": {"commands", "console", "terminal", "work"},
     "__main__": {"cli"},
     "reference": {"effects", "swarm", "cli", "work"},
 }  # fmt: skip
