@@ -19,8 +19,9 @@ def wait_for(tree: Any) -> Any:
     [0, 1]
     """
     pause = _FIRST
-    for leaf in jax.tree.leaves(tree):
-        while isinstance(leaf, jax.Array) and not leaf.is_ready():
+    arrays: list[Any] = [leaf for leaf in jax.tree.leaves(tree) if isinstance(leaf, jax.Array)]
+    for array in arrays:
+        while not array.is_ready():
             time.sleep(pause)
             pause = min(2.0 * pause, _LAST)
     return tree
