@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from jaxswarm import __version__, console
+from jaxswarm import __version__, console, terminal
 from jaxswarm.commands import register
 from jaxswarm.work import run
 
@@ -19,7 +19,12 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
-    run(_command)
+    try:
+        run(_command)
+    except SystemExit as end:
+        if end.code in (terminal.INTERRUPTED, terminal.TERMINATED):
+            terminal.leave(end.code)
+        raise
 
 
 def _command() -> None:

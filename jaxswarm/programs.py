@@ -22,6 +22,7 @@ import jax
 import numpy as np
 
 from jaxswarm.program_files import read, write
+from jaxswarm.room import holds_programs
 
 # The folder beside JAX's own compiled code.
 FOLDER = "jaxswarm-programs"
@@ -56,6 +57,7 @@ class Program:
         self._defaults = [p.default for p in parameters.values()]
         # What is fixed is known by where it stands in memory, and so kept from being replaced there.
         self._ready: dict[tuple, tuple[Callable, tuple]] = {}
+        holds_programs(self)
 
     def __call__(self, *args: Any) -> Any:
         """What the function gives."""
@@ -68,9 +70,15 @@ class Program:
         if folder is None:
             return self._jit(*args)
         place = (_handle(fixed), tree, shapes, _CONFIG.jax_enable_x64)
-        if place not in self._ready:
-            self._ready[place] = self._program(folder, fixed, (tree, shapes), args), fixed
-        return self._ready[place][0](*data)
+        found = self._ready.get(place)
+        if found is None:  # another thread may let go of it before it is called
+            found = self._ready[place] = self._program(folder, fixed, (tree, shapes), args), fixed
+        return found[0](*data)
+
+    def forget(self) -> None:
+        """Let go of the programs of this process; what is kept on disk stays."""
+        self._ready.clear()
+        self._jit.clear_cache()
 
     @property
     def made(self) -> int:

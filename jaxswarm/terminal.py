@@ -9,13 +9,15 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import NoReturn
 
 from jaxswarm.errors import Notice
 
 INTERRUPTED, TERMINATED, PIPE_CLOSED = 130, 143, 141  # 128 and the number of the signal
 
+_LENT: list[str] = []  # homes that end with this process
 _AGAIN = 3.0  # seconds after which a termination that was not heeded is repeated
 
 
@@ -90,6 +92,20 @@ def catch_termination() -> Iterator[None]:
             signal.signal(number, former)
 
 
+def leave(code: int) -> NoReturn:
+    """End this process as it is, with its streams written out.
+
+    Compiled code goes on in threads of its own after a signal has ended the work: Python would wait for it, for
+    minutes, or end in an abort when it calls back.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    for home in _LENT:
+        shutil.rmtree(home, ignore_errors=True)
+    os._exit(code)
+
+
 def find_home() -> Path | None:
     """The user's home, or None where there is none: then a private one is lent for this process.
 
@@ -101,6 +117,7 @@ def find_home() -> Path | None:
     except RuntimeError:
         home = tempfile.mkdtemp(prefix="jaxswarm-home-")
         atexit.register(shutil.rmtree, home, ignore_errors=True)
+        _LENT.append(home)
         os.environ["HOME"] = home
         return None
 

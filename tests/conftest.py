@@ -9,6 +9,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import jax  # noqa: E402
 import pytest  # noqa: E402
 
+from jaxswarm.room import room_for_programs  # noqa: E402
+
 jax.config.update("jax_enable_x64", True)
 
 
@@ -24,18 +26,10 @@ def data_root() -> Path:
     return root
 
 
-# A compiled program takes about six memory maps, of which Linux allows a process 65,530 (vm.max_map_count):
-# beyond them the next one ends in a segmentation fault, after some five thousand functions in one process.
-_MANY_MAPS = 30_000
-
-
 @pytest.fixture(autouse=True, scope="module")
 def _room_for_programs():
-    """Let go of the programs of former tests before there are too many."""
-    yield
-    maps = Path("/proc/self/maps")
-    if maps.exists() and maps.read_bytes().count(b"\n") > _MANY_MAPS:
-        jax.clear_caches()
+    """Let go of the programs of former tests before the system has no memory maps left for more."""
+    room_for_programs()
 
 
 @pytest.fixture

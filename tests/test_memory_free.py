@@ -8,7 +8,15 @@ from jaxswarm.errors import InputError
 from jaxswarm.fleet.schedule import Cluster, connected
 from jaxswarm.identify.synthetic import demo_case, synthetic_log
 from jaxswarm.robot import rx60
-from jaxswarm.swarm import Space, minimize, minimize_runs, pso
+from jaxswarm.swarm import (
+    Driver,
+    Space,
+    minimize,
+    minimize_resumable,
+    minimize_runs,
+    minimize_sharded,
+    pso,
+)
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.tasks.simulation import resampled
 
@@ -30,6 +38,43 @@ def test_more_runs_steps_or_particles_than_memory_holds(small):
             minimize(
                 lambda x, _: (x**2).sum(), pso(particles), SPACE, jax.random.key(0), num_steps=steps
             )
+
+
+def test_every_way_of_searching_says_what_it_needs(small, tmp_path):
+    def told(fn, optimizer, steps):
+        with pytest.raises(
+            InputError, match=r"takes about .* GiB, and 0\.25 GiB are free; ask for fewer"
+        ):
+            fn(optimizer, steps)
+
+    def sphere(x, _):
+        return (x**2).sum()
+
+    key, path = jax.random.key(0), tmp_path / "search"
+    keys = jax.random.split(key, 4)
+
+    def resumable(optimizer, steps, key=key):
+        minimize_resumable(sphere, optimizer, SPACE, key, num_steps=steps, path=path)
+
+    told(resumable, pso(20), 2**31 - 1)
+    told(resumable, pso(10**9), 1)
+    told(lambda *asked: resumable(*asked, keys), pso(20), 2**28)
+    told(
+        lambda optimizer, steps: minimize_sharded(sphere, optimizer, SPACE, keys, num_steps=steps),
+        pso(20),
+        2**28,
+    )
+    told(
+        lambda optimizer, steps: Driver(optimizer, SPACE, key, num_steps=steps),
+        pso(10**9),
+        2**31 - 1,
+    )
+    assert not path.exists()
+
+
+def test_a_driver_keeps_no_history_beforehand(small):
+    """Its number of steps is an upper limit, of which a user may end at any."""
+    assert Driver(pso(4), SPACE, jax.random.key(0), num_steps=2**31 - 1).size == 4
 
 
 def test_a_search_that_fits_is_not_refused(small):

@@ -21,4 +21,7 @@ whatever the length. Searches of the swarm engine run by the thousand on one dev
 
 ``minimize_sharded`` spreads the runs over devices with the same numbers, ``minimize_resumable`` keeps them on
 disk, and ``Driver`` hands candidates to programs that JAX cannot trace.
+
+Thousands of tasks and searches fit into one process: compiled programs are let go of before Linux has no
+memory maps left for it, and what is called again is compiled again.
 """

@@ -13,6 +13,12 @@ NAME = "spikes"
 # A spike is off by this many times the deviation that three quarters of the samples stay below. On 110 clean
 # logs, measured ones among them, no sample is off by 20 times; real spikes are by hundreds.
 _FAR = 24.0
+# Or by so many, where nothing else is off by a part of that: on 100 logs, measured ones among them, one sample
+# of one (KUKA KR300) is off by 16 times and by 3.1 times what is elsewhere. Spikes as high as a torque's whole
+# range, under noise of a twentieth of it, are off by 16 and by 4.6 times that.
+_CLEAR, _ELSEWHERE = 12.0, 4.0
+# Samples whose deviation a spike disturbs.
+_DISTURBED = 5
 # Share of samples whose deviation counts as usual: a spike disturbs five, so five percent of spikes spare it.
 _USUAL = 0.75
 # More spikes than this share are no accidents: the rest of the channel is not to be trusted either.
@@ -40,8 +46,18 @@ def find_spikes(values: np.ndarray) -> np.ndarray:
     height = np.minimum(np.abs(inner - near[0]), np.abs(inner - near[1]))
     peak = (inner - near[0]) * (inner - near[1]) > 0
     alike = np.abs(near[0] - near[1]) < _ALIKE * height
-    found[2:-2] = peak & alike & (np.minimum(np.abs(off), height) > _FAR * usual)
+    size = np.where(peak & alike, np.minimum(np.abs(off), height), 0.0)
+    found[2:-2] = (size > _FAR * usual) | _stands_out(size, np.abs(off), usual)
     return found if usual > 0.0 else np.zeros(len(values), dtype=bool)
+
+
+def _stands_out(size: np.ndarray, off: np.ndarray, usual: float) -> np.ndarray:
+    """Samples that are clearly off where all the others, but for those beside them, are far less so."""
+    clear = size > _CLEAR * usual
+    others = off[np.convolve(clear, np.ones(_DISTURBED), "same") < 0.5]
+    if not clear.any() or not others.size:
+        return np.zeros_like(clear)
+    return clear & bool(size[clear].min() > _ELSEWHERE * others.max())
 
 
 def bridged(log: Log) -> tuple[Log, list[Finding]]:

@@ -18,6 +18,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.room import room_for_programs
+from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.repeating import first
@@ -47,6 +49,9 @@ class Driver:
       history: best value after every step, a list of floats.
       num_timeouts: candidates so far that were given up by :meth:`run`.
 
+    Raises:
+      InputError: as ``minimize``.
+
     >>> import numpy as np
     >>> from jaxswarm.swarm import pso
     >>> driver = Driver(pso(8), Space(x=(-5.0, 5.0)), jax.random.key(0), num_steps=40)
@@ -69,9 +74,11 @@ class Driver:
     ):
         if not isinstance(space, Space):
             raise InputError(f"space={space!r} must be a Space, e.g. Space(x=(-5.0, 5.0)).")
+        room_for_programs()
         self.space = space
         self.num_steps = at_least("num_steps", num_steps, 1, "a search needs a step")
         self._optimizer = optimizer_for(optimizer, num_steps, state)
+        refuse_too_many(self._optimizer, space, 0)
         self._key, self._stop = key, rule(stop)
         begin = start_for(space, start, state)
         self._carry = going_on(state, self._stop)

@@ -27,7 +27,7 @@ def refuse_too_many(optimizer: Any, space: Any, num_steps: int, runs: int = 1) -
     """Refuse a search whose states and history alone would not fit into memory.
 
     Args:
-      num_steps: each keeps a number a run.
+      num_steps: each keeps a number a run; 0: none is kept beforehand.
       runs: searches side by side.
 
     Raises:
@@ -38,5 +38,6 @@ def refuse_too_many(optimizer: Any, space: Any, num_steps: int, runs: int = 1) -
         return
     history = COPIES * NUMBER * runs * num_steps
     states = COPIES * runs * state_bytes(optimizer, space.size, space.dtype)
-    what = f"a search in {space.size} dimensions, {runs} times {num_steps} steps, takes"
+    steps = f", {runs} times {num_steps} steps," if num_steps else ""
+    what = f"a search in {space.size} dimensions{steps} takes"
     refuse_beyond_free((history + states) / GIB, what, "ask for fewer runs, particles or steps")

@@ -25,6 +25,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
+from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.space import Space
 
@@ -84,6 +85,7 @@ def polish(
     >>> bool(polish(rosenbrock, space, result.state).value < 1e-10)
     True
     """
+    room_for_programs()
     if method not in METHODS:
         raise InputError(f"method={method!r} is unknown. {nearest(str(method), METHODS)}")
     at_least("num_steps", num_steps, 1, "a method needs a step")

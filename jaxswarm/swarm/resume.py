@@ -23,6 +23,7 @@ from jaxswarm.swarm.checkpoint import header_of, restore, save
 from jaxswarm.swarm.fingerprint import fingerprint
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.minimize import axes_of_runs
+from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.pytree import replace
 from jaxswarm.swarm.repeating import held
@@ -74,7 +75,7 @@ def minimize_resumable(
       InputError: the checkpoint belongs to another optimizer, space, key, objective, stop rule or
         number of steps. A search goes on beyond the ``num_steps`` it was begun with only if its
         schedules have lengths of their own: those that last as long as the run would have been
-        others from the start.
+        others from the start. Or too little memory.
     """
     at_least("every", every, 1, "a checkpoint follows a step")
     runs = _is_runs(key)
@@ -83,23 +84,28 @@ def minimize_resumable(
     loop = the_loop(fn, space, num_steps, **options)
     # Once, for all pieces: a schedule that lasts as long as the run must know the whole of it.
     optimizer = optimizer_for(optimizer, num_steps)
+    refuse_too_many(optimizer, space, loop.num_steps, key.shape[0] if runs else 1)
     stop, begin = rule(stop), start_for(space, start)
     rest = (optimizer, space, key, args, stop, begin)
     header = _header(loop, fn, *rest)
-    result: Any = None
-    carry: Any = None
-    done = 0
-    if Path(path).exists():
-        # The prototype's history grows with the steps done, which only the file knows.
-        done = min(_steps_done(path), loop.num_steps)
-        result, carry = _restored(path, loop, rest, done, header)
+    done, result, carry = _kept(path, loop, rest, header)
     while done < loop.num_steps and not (carry is not None and bool(jnp.all(carry.done))):
         size = min(every, loop.num_steps - done)
         new, carry = search(replace(loop, num_steps=size), *rest, carry)
         result = new if result is None else _joined(result, new, runs)
         done += size
         save(path, (result, carry), steps=done, **header)
+    result = dataclasses.replace(result, history=jax.tree.map(jnp.asarray, result.history))
     return result if stop is None else _whole(result, carry, loop)
+
+
+def _kept(path, loop, rest, header) -> tuple[int, Any, Any]:
+    """Steps done, result and carry of the checkpoint; without one there is nothing of it."""
+    if not Path(path).exists():
+        return 0, None, None
+    # The prototype's history grows with the steps done, which only the file knows.
+    done = min(_steps_done(path), loop.num_steps)
+    return done, *_restored(path, loop, rest, done, header)
 
 
 def _restored(path, loop, rest, done, header):
@@ -116,8 +122,9 @@ def _restored(path, loop, rest, done, header):
 
 
 def _joined(old: Result, new: Result, runs: bool) -> Result:
+    """The newer result with the history of both; on the host, where a longer one is no other program."""
     axis = 1 if runs else 0
-    history = jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis), old.history, new.history)
+    history = jax.tree.map(lambda a, b: np.concatenate([a, b], axis), old.history, new.history)
     return dataclasses.replace(new, history=history)
 
 

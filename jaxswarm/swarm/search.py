@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
+from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
 from jaxswarm.swarm.pytree import as_part
@@ -81,7 +82,8 @@ def the_loop(
     noisy=False,
     args_axes=None,
 ) -> Loop:
-    """Check and collect what a search depends on besides numbers."""
+    """Check and collect what a search depends on besides numbers; room is made for its program."""
+    room_for_programs()
     if not callable(fn):
         raise InputError(f"fn={fn!r} must be a function of (params, args).")
     if not isinstance(space, Space):

@@ -24,6 +24,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.minimize import axes_of_runs
+from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.search import optimizer_for, rule, search, start_for, the_loop
 from jaxswarm.swarm.space import Space
@@ -65,7 +66,7 @@ def minimize_sharded(
       A ``Result`` with a leading axis of runs, equal to that of ``minimize_runs``.
 
     Raises:
-      InputError: runs that do not divide evenly among the devices.
+      InputError: runs that do not divide evenly among the devices, too little memory.
     """
     devices = jax.devices() if devices is None else list(devices)
     if keys.shape[0] % len(devices):
@@ -79,9 +80,18 @@ def minimize_sharded(
     telling = dict(progress=progress, progress_every=progress_every)
     loop = the_loop(fn, space, num_steps, **options, **telling)
     optimizer = optimizer_for(optimizer, num_steps)
+    refuse_too_many(
+        optimizer, space, loop.num_steps, keys.shape[0] * _here(devices) // len(devices)
+    )
     rest = loop, optimizer, space, rule(stop), start_for(space, start)
     run = _sharded(mesh, axes)
     return run(_placed(keys, mesh, SPLIT), _by_axes(_placed, args, axes, mesh), _placed(rest, mesh))
+
+
+def _here(devices) -> int:
+    """How many of the devices compute in the memory of this host."""
+    host = jax.process_index()
+    return sum(one.platform == "cpu" and one.process_index == host for one in devices)
 
 
 @cache

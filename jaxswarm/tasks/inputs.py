@@ -12,6 +12,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model, load_model
 from jaxswarm.logs import Log, LogChoice, read_log
 from jaxswarm.robot import Robot, RobotChoice, load_robot
+from jaxswarm.room import room_for_programs
 
 OneLog = Log | LogChoice | str | Path
 Logs = OneLog | Sequence[OneLog]
@@ -20,10 +21,14 @@ T = TypeVar("T")
 
 
 def in_double(function: Callable[P, T]) -> Callable[P, T]:
-    """Run a task in double precision: in single precision columns of a robot look dependent that are not."""
+    """Run a task in double precision: in single precision columns of a robot look dependent that are not.
+
+    It begins with room for its programs, so that thousands of tasks can run in one process.
+    """
 
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> T:
+        room_for_programs()
         with jax.enable_x64(True):
             return function(*args, **kwargs)
 

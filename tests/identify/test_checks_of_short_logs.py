@@ -9,6 +9,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.checks.channels import _is_valley, wrong_unit
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import ROWS_THAT_HOLD, Rough, Tried, samples_of
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs import Log
@@ -62,6 +63,15 @@ def test_a_short_log_that_is_right_is_not_doubted(arm, short):
 )
 def test_what_is_wrong_by_far_is_told_of_a_short_log(arm, short, check, spoil):
     assert told(arm, spoil(short)) == [check]
+
+
+@pytest.mark.parametrize("joint", [3, 5])
+def test_halves_of_a_short_log_are_asked_with_one_arm(arm, short, joint):
+    """A half of its own bends its own arm until nothing is late: joint 3 was not told."""
+    late = column(short.tau, joint, lambda x: np.interp(short.t - 0.02, short.t, x))
+    _, motions = prepare_segments(replace(short, tau=late), Filtering(torque_cutoff=5.0))
+    found = late_torque(arm, Rough(arm, samples_of(motions)))
+    assert found is not None and f"the torque of {arm.joints[joint]} is " in found.what
 
 
 def test_a_late_torque_is_told_beside_a_unit_that_may_be_another(arm, short):

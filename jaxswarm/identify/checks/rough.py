@@ -1,12 +1,13 @@
 """A rough model of a log: rigid body, and rotor, friction and spring of every joint, to try guesses on."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from jaxswarm.identify.checks.bristles import bristles
+from jaxswarm.identify.checks.lateness import Lateness, late_by
 from jaxswarm.identify.estimation.least_squares import triangular_factor
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
@@ -30,6 +31,7 @@ _CHANCE = 6.0
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
 # rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
 _VISCOUS, _DRY, _OWN = 0, 1, 5
+_HALVES = 2
 
 
 @dataclass(frozen=True)
@@ -41,19 +43,6 @@ class Samples:
     ddq: np.ndarray
     tau: np.ndarray
     tau_rate: np.ndarray
-
-
-@dataclass(frozen=True)
-class Lateness:
-    """By how much every joint's torque is late against its motion, all found at once, to first order.
-
-    Attributes:
-        seconds: Time [s], (n,).
-        gain: Logarithm of what is left with it over what is left without, (n,).
-    """
-
-    seconds: np.ndarray
-    gain: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -124,28 +113,21 @@ class Rough:
         dry, offset = np.tanh(samples.dq / width), np.ones_like(samples.dq)
         laws = np.stack([samples.dq, dry, offset, samples.q, samples.ddq], axis=2)
         memory = bristles(samples.q)
+        second = np.arange(len(laws)) >= len(laws) // 2
+        rates = samples.tau_rate[:, None, :] * np.stack([~second, second], axis=1)[:, :, None]
         self._size, self._memory = rigid.shape[2], memory.shape[2]
         self._factors = []
         for j in range(joints):
             own = np.zeros((len(laws), _OWN * joints))
             own[:, _OWN * j : _OWN * (j + 1)] = laws[:, j]
             block = np.concatenate(
-                [rigid[:, j], own, samples.tau, samples.tau_rate[:, j : j + 1], memory[:, j]],
+                [rigid[:, j], own, samples.tau, rates[:, :, j], memory[:, j]],
                 axis=1,
             )
             factor = triangular_factor(block)
             missing = block.shape[1] - len(factor)
             self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
         self._rows = len(laws)
-
-    def halves(self) -> "tuple[Rough, Rough]":
-        """The same of either half of the log."""
-        middle = len(self.samples.q) // 2
-        first, second = (
-            Samples(*(getattr(self.samples, f.name)[rows] for f in fields(Samples)))
-            for rows in (slice(0, middle), slice(middle, None))
-        )
-        return Rough(self._robot, first), Rough(self._robot, second)
 
     @property
     def rows_per_parameter(self) -> float:
@@ -204,22 +186,34 @@ class Rough:
         Args:
             sigma: Standard deviation of every joint's residual [N m or N], (n,).
         """
+        left, first, second = self._against_rates(sigma)
+        return late_by(left, first + second)[0]
+
+    def lateness_in_halves(self, sigma: np.ndarray) -> list[Lateness]:
+        """The same of either half of the log, with one arm and one friction for both.
+
+        A half of its own would often bend its own arm until nothing is late.
+        """
+        left, first, second = self._against_rates(sigma)
+        return late_by(left, first, second)
+
+    def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Torques (R,), and their derivatives in the first and second half (R, n), freed of all columns."""
         joints, (u, _) = len(self._factors), self._solved(sigma)
-        first = self._size + _OWN * joints
-        last, extra = first + joints, self._memory
-        right = np.zeros((joints, len(self._factors[0]), 1 + joints * (1 + extra)))
+        torque = self._size + _OWN * joints
+        last, extra = torque + joints, self._memory
+        right = np.zeros((joints, len(self._factors[0]), 1 + joints * (_HALVES + extra)))
         for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True)):
-            right[j, :, 0], right[j, :, 1 + j] = f[:, first + j] / s, f[:, last] / s
-            place = 1 + joints + extra * j
-            right[j, :, place : place + extra] = f[:, last + 1 :] / s
+            right[j, :, 0] = f[:, torque + j] / s
+            for half in range(_HALVES):
+                right[j, :, 1 + half * joints + j] = f[:, last + half] / s
+            place = 1 + _HALVES * joints + extra * j
+            right[j, :, place : place + extra] = f[:, last + _HALVES :] / s
         flat = right.reshape(-1, right.shape[2])
         left = flat - u @ (u.T @ flat)
-        left, memory = left[:, : 1 + joints], left[:, 1 + joints :]
+        left, memory = np.split(left, [1 + _HALVES * joints], axis=1)
         left = left - memory @ np.linalg.lstsq(memory, left, rcond=_DEPENDENT)[0]
-        seconds = np.linalg.lstsq(left[:, 1:], -left[:, 0], rcond=None)[0]
-        after = left[:, 0] + left[:, 1:] @ seconds
-        size, was = (np.linalg.norm(x.reshape(joints, -1), axis=1) for x in (after, left[:, 0]))
-        return Lateness(seconds, np.log(np.maximum(size, 1e-12) / np.maximum(was, 1e-12)))
+        return left[:, 0], left[:, 1 : 1 + joints], left[:, 1 + joints :]
 
     def likely_order(self) -> tuple[int, ...]:
         """For each joint the torque that its own columns explain best, every torque once."""

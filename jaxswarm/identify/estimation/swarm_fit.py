@@ -19,6 +19,7 @@ from jaxswarm.identify.estimation.least_squares import Fit, base_bounds
 from jaxswarm.swarm import Space, find_optimizer, minimize_runs
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.products import over_columns
+from jaxswarm.waiting import wait_for
 
 # Half width of the search box, in units of the value at which one parameter alone explains the torque.
 _REACH = 3.0
@@ -106,6 +107,7 @@ def swarm_fit(
     result = minimize_runs(
         torque_cost, optimizer, space, jax.random.split(key, runs), problem, num_steps=num_steps
     )
+    wait_for(result)  # millions of steps are one program
     costs = np.asarray(result.value)
     found = np.asarray(result.params)[int(np.argmin(costs))]
     values = scipy.linalg.solve_triangular(solution.factor, found) if whiten else found
