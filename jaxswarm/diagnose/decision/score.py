@@ -24,6 +24,7 @@ import scipy
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, MOST_TAKEN, SELECTED, WEIGHTY, Rules
 from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
+from jaxswarm.diagnose.folds.free_parts import free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.identify.estimation.covariance import correlation_length
 
@@ -91,21 +92,28 @@ def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = Non
     return np.linalg.lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6)[0] / scale
 
 
-def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Score:
+def score(
+    candidate: Candidate,
+    crossfit: CrossFit,
+    interval: float = 0.0,
+    parts: Sequence[np.ndarray] | None = None,
+) -> Score:
     """Fit a candidate on each half and score it on the other.
 
-    ``interval`` is the log's sampling interval [s], by which a delay is told from the log's own.
+    ``interval`` is the log's sampling interval [s], by which a delay is told from the log's own; ``parts`` are
+    the free parts of its columns on all folds, where they are known.
     """
+    if parts is None:
+        parts = next(free_parts([candidate.columns], crossfit))
     if candidate.term.law.recurring:
-        return _score_event(candidate, crossfit)
+        return _score_event(candidate, crossfit, parts[0])
     count = int(crossfit.block.max()) + 1
     joints = crossfit.weight.shape[1]
     gains = np.zeros((count, joints))
     before = np.zeros(joints)
     inner, square = np.zeros((count, joints)), np.zeros((count, joints))
     signs, trained = [], 0.0
-    for fold, columns in zip(crossfit.halves, candidate.columns[1:], strict=True):
-        free = fold.free_part(columns)
+    for fold, free in zip(crossfit.halves, parts[1:], strict=True):
         a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
         signs.append(a)
         out = ~fold.train
@@ -117,7 +125,7 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
         np.add.at(inner, crossfit.block[out], predicted * residual)
         np.add.at(square, crossfit.block[out], predicted**2)
         before += (residual**2).sum(axis=0)
-    whole = coefficients(crossfit.whole.free_part(candidate.columns[0]), crossfit.whole)
+    whole = coefficients(parts[0], crossfit.whole)
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)
     joint, told = candidate.term.joint, slice(None)
@@ -161,7 +169,7 @@ def _can_be(
     return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))
 
 
-def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
+def _score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> Score:
     """What a window of time is worth: no other time can tell, so that it has to stand out by itself.
 
     The share is that of the squared torque, not bounded as in the gain: the few samples of an event are
@@ -170,8 +178,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     whole, weight = crossfit.whole, crossfit.weight
     inside = candidate.columns[0].any(axis=(1, 2))
     timing = crossfit.timing
-    free, residual = whole.free_part(candidate.columns[0]), whole.residual * timing
-    free = free * timing[:, :, None]
+    free, residual = free * timing[:, :, None], whole.residual * timing
     a = coefficients(free, whole, residual)
     predicted = free @ a
     fall = residual**2 - (residual - predicted) ** 2
