@@ -5,7 +5,6 @@ half a second to load. Orders go through files of a temporary folder, so that ne
 other before the end. What the other process cannot do is drawn here.
 """
 
-import gc
 import importlib
 import os
 import pickle
@@ -134,9 +133,6 @@ def serve() -> None:
 
 
 def _serve() -> None:
-    # Figures are thousands of objects that stay until they are drawn: to look for garbage among them after every
-    # 700 takes as long as a third of the drawing.
-    gc.set_threshold(100_000, 20, 20)
     importlib.import_module("jaxswarm.plots")
     for line in sys.stdin.buffer:
         place = Path(line.decode().rstrip("\n"))

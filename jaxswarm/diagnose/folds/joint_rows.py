@@ -62,6 +62,4 @@ def joint_rows(fold: Fold, joint: int) -> JointRows:
     inside = known[train]
     twice = 2.0 * np.eye(inside.shape[1]) - inside.T @ inside
     told = inside.T @ residual[train]
-    return JointRows(
-        train, inside, known[~train], residual[train], residual[~train], twice, told
-    )
+    return JointRows(train, inside, known[~train], residual[train], residual[~train], twice, told)
