@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import chex
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -183,12 +182,12 @@ def _require_like(old, new):
     named = jax.tree_util.tree_flatten_with_path(old)[0]
     for (path, a), b in zip(named, jax.tree.leaves(new), strict=True):
         with _saying(f"update changes state{jax.tree_util.keystr(path)}"):
-            chex.assert_trees_all_equal_shapes_and_dtypes(a, b)
+            _chex().assert_trees_all_equal_shapes_and_dtypes(a, b)
 
 
 def _same(a, b):
     try:
-        chex.assert_trees_all_equal(a, b)
+        _chex().assert_trees_all_equal(a, b)
     except AssertionError:
         return False
     return True
@@ -199,7 +198,13 @@ def _require_close(a, b, message):
     for (path, x), y in zip(named, jax.tree.leaves(b), strict=True):
         tolerance = 1e-4 if x.dtype == jnp.float32 else 1e-9
         with _saying(f"{message} in state{jax.tree_util.keystr(path)}"):
-            chex.assert_trees_all_close(x, y, rtol=tolerance, atol=tolerance)
+            _chex().assert_trees_all_close(x, y, rtol=tolerance, atol=tolerance)
+
+
+def _chex() -> Any:
+    import chex  # here: its tools for tests would be a tenth of the time in which every command starts
+
+    return chex
 
 
 @contextmanager

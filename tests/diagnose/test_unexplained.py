@@ -7,12 +7,11 @@ import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.decision.unexplained import (
-    _RIDGE,
-    _ridge,
     find_unexplained,
     residual_variables,
     with_smooth_terms,
 )
+from jaxswarm.diagnose.folds.joint_rows import _RIDGE, JointRows
 from jaxswarm.identify import load_model, model_torque, save_model
 from jaxswarm.logs.motion import prepare
 
@@ -110,4 +109,7 @@ def test_a_ridge_loses_no_digits_to_its_squares():
     held = np.sqrt(_RIDGE * (free**2).sum() / free.shape[1])
     rows = np.concatenate([free, held * np.eye(20)])
     exact = np.linalg.lstsq(rows, np.append(residual, np.zeros(20)), rcond=None)[0]
-    np.testing.assert_allclose(_ridge(free, residual), exact, rtol=1e-10, atol=1e-14)
+    nothing, none = np.zeros((len(free), 0)), np.zeros(0)
+    train = np.ones(len(free), bool)
+    rows = JointRows(train, nothing, nothing[:0], residual, none, np.zeros((0, 0)), none)
+    np.testing.assert_allclose(rows.coefficients(free)[0], exact, rtol=1e-10, atol=1e-14)

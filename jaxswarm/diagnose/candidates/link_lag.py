@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
@@ -20,8 +19,9 @@ from jaxswarm.programs import program
 # Shares of a joint's inertia that its rotor may hold.
 ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
 _MOST_LAG = 1.0
-# Options are filled up to the first or to multiples of the second, so that two programs serve all lattices:
-# an option more costs a tenth of a millisecond, a program a tenth of a second.
+# Options are filled up to the first, where each feels something of its own, or to multiples of the second, so
+# that few programs serve all lattices: an option more costs a tenth of a millisecond, a program a tenth of a
+# second.
 _FEW, _MANY = 24, 72
 # Numbers that a torque of all options may hold: of a long log some options pass at a time.
 MOST_NUMBERS = 2**24
@@ -82,14 +82,19 @@ def _changed(
     torque, by_q, by_dq, by_ddq = sensed
     joint, count = 0 if own else moving, len(gear[0])
     felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), gear)
-    lags = _lags(*felt, *gear, 1.0 / motion.rate, substeps)
-    e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in lags)
+    swings = _lags(*felt, *gear, 1.0 / motion.rate, substeps)
+    e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in swings)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
-    e, v, a = (np.where(alive, x, 0.0)[:, None] for x in (e, v, a))
-    change = e * by_q
-    change += v * by_dq
-    change += a * by_ddq
+    lags = np.stack([np.where(alive, x, 0.0) for x in (e, v, a)], axis=1)
+    if (
+        by_q.shape[2] == 1
+    ):  # one small product a sample: the numbers pass through memory once, not five times
+        change = np.concatenate(sensed[1:], axis=2) @ lags
+    else:
+        change = lags[:, :1] * by_q
+        change += lags[:, 1:2] * by_dq
+        change += lags[:, 2:] * by_ddq
     told = report_own(terms, motion, change[:, 0], moving) if own else change
     told = told[:, None] if own else report(terms, motion, told)
     return -np.moveaxis(motion.decimator.apply(told), 2, 0)
@@ -97,26 +102,28 @@ def _changed(
 
 def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
     """What the joint feels (T, 1 or m) and gears (m,) with samples and options filled up by the last."""
-    count = len(gear[0])
-    few = count <= _FEW
-    more = -count % (_FEW if few else _MANY)
+    count, own = len(gear[0]), felt[0].shape[1] > 1
+    more = -count % (_FEW if own and count <= _FEW else _MANY)
     felt = filled(felt)
-    if few:  # one program whether the options share what the joint feels or not
-        felt = tuple(np.broadcast_to(x, (len(x), count)) for x in felt)
-    if few or felt[0].shape[1] > 1:
+    if own:
         felt = tuple(np.pad(x, ((0, 0), (0, more)), mode="edge") for x in felt)
     return felt, tuple(np.pad(x, (0, more), mode="edge") for x in gear)
 
 
 @program("substeps")
 def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, substeps):
-    """Lags (T, m) and their derivatives of m options; see :func:`deflection`."""
+    """Lags (T, m) and their derivatives of m options; see :func:`deflection`.
+
+    What all options feel alike, (T, 1), stays one signal: written out for each it is most of the work.
+    """
 
     def lag(tau, s, c, m, *gear):
         return deflection(m, c, s, tau, *gear, step, substeps)
 
-    driven = (jnp.broadcast_to(x, (len(x), len(k))) for x in (torque, by_q, by_dq, by_ddq))
-    return jax.vmap(lag, in_axes=(1, 1, 1, 1, 0, 0, 0, 0), out_axes=1)(*driven, k, d, gap, hard)
+    alike = torque.shape[1] == 1
+    felt = (x[:, 0] if alike else x for x in (torque, by_q, by_dq, by_ddq))
+    axes = (*(None if alike else 1,) * 4, *(0,) * 4)
+    return jax.vmap(lag, in_axes=axes, out_axes=1)(*felt, k, d, gap, hard)
 
 
 def gears(law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray) -> Gears:

@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.lattice import BATCH, batch_of, lattice_of, points_of
-from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
+from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained, explained_of
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
@@ -83,17 +83,16 @@ def _survey(
 
     def look(k, best):
         points = jax.lax.dynamic_slice_in_dim(lattice, k * batch, batch)
-        columns = jax.vmap(at)(points)
+        gains = explained_of(jax.vmap(at)(points), task.folds, task.positive)
+        # A law may have no finite torque at a point; it must not hide the others.
+        gains = jnp.where(jnp.isnan(gains), -jnp.inf, gains)
 
-        def one_fold(fold, point, most):
-            gains = jax.vmap(lambda c: explained(c, fold, task.positive))(columns)
-            # A law may have no finite torque at a point; it must not hide the others.
-            gains = jnp.where(jnp.isnan(gains), -jnp.inf, gains)
+        def one_fold(gains, point, most):
             pick = jnp.argmax(gains)
             better = gains[pick] > most
             return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
 
-        return jax.vmap(one_fold)(task.folds, *best)
+        return jax.vmap(one_fold)(gains, *best)
 
     folds, kind = task.folds.residual.shape[0], task.folds.residual.dtype
     nowhere = jnp.full((folds, lattice.shape[1]), 0.5, kind), jnp.full(folds, -jnp.inf, kind)

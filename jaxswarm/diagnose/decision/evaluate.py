@@ -8,6 +8,7 @@ import jax
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.decision.score import Score, score
+from jaxswarm.diagnose.folds.free_parts import free_parts
 from jaxswarm.effects.term import Term
 
 
@@ -27,7 +28,10 @@ def score_terms(
     """
     interval = max(m.interval for m in lin.found.motions)
     candidates = propose_all(lin, tuple(terms), jax.random.key(seed))
-    scores = [score(replace(c, signed=signed(c.term)), lin.crossfit, interval) for c in candidates]
+    told = [replace(c, signed=signed(c.term)) for c in candidates]
+    parts = free_parts([c.columns for c in told], lin.crossfit)
+    pairs = zip(told, parts, strict=True)
+    scores = [score(c, lin.crossfit, interval, free) for c, free in pairs]
     for one in scores:
         lin.memory.explained(one.candidate.term, one.trained)
     return scores

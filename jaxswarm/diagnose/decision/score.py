@@ -22,9 +22,11 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, MOST_TAKEN, SELECTED, WEIGHTY, Rules
-from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
+from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, MOST_TAKEN, SELECTED, Rules
+from jaxswarm.diagnose.decision.significance import certainty, helped, slope_p_value
+from jaxswarm.diagnose.folds.free_parts import free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 
 
@@ -91,21 +93,26 @@ def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = Non
     return np.linalg.lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6)[0] / scale
 
 
-def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Score:
+def score(
+    candidate: Candidate,
+    crossfit: CrossFit,
+    interval: float = 0.0,
+    parts: Sequence[np.ndarray] | None = None,
+) -> Score:
     """Fit a candidate on each half and score it on the other.
 
-    ``interval`` is the log's sampling interval [s], by which a delay is told from the log's own.
+    ``interval``: the log's [s], by which a delay is told from its own; ``parts``: free parts where known.
     """
+    parts = parts or next(free_parts([candidate.columns], crossfit))
     if candidate.term.law.recurring:
-        return _score_event(candidate, crossfit)
+        return _score_event(candidate, crossfit, parts[0])
     count = int(crossfit.block.max()) + 1
     joints = crossfit.weight.shape[1]
     gains = np.zeros((count, joints))
     before = np.zeros(joints)
     inner, square = np.zeros((count, joints)), np.zeros((count, joints))
     signs, trained = [], 0.0
-    for fold, columns in zip(crossfit.halves, candidate.columns[1:], strict=True):
-        free = fold.free_part(columns)
+    for fold, free in zip(crossfit.halves, parts[1:], strict=True):
         a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
         signs.append(a)
         out = ~fold.train
@@ -117,22 +124,16 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
         np.add.at(inner, crossfit.block[out], predicted * residual)
         np.add.at(square, crossfit.block[out], predicted**2)
         before += (residual**2).sum(axis=0)
-    whole = coefficients(crossfit.whole.free_part(candidate.columns[0]), crossfit.whole)
+    whole = coefficients(parts[0], crossfit.whole)
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)
-    joint, told = candidate.term.joint, slice(None)
-    if joint is None or not candidate.term.law.shows_on_own_joint:
-        joint = int(np.argmax(per_joint / before))
-    else:
-        # A joint effect is a matter of its own joint; others may gain, or lose, through shared parameters,
-        # which a short log knows badly: a ripple of 94 % of its joint's error drowned in that of five others.
-        told = slice(joint, joint + 1)
+    joint, told = _told_on(candidate.term, per_joint / before)
     share = float(per_joint[joint] / before[joint])
-    rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
-    rms /= crossfit.weight[:, joint].max()
+    rms = (
+        np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight)) / crossfit.weight[:, joint].max()
+    )
     p_value = slope_p_value(inner[:, told].sum(axis=1), square[:, told].sum(axis=1))
     own = gains[:, told].sum(axis=1)
-    weighty = np.abs(own) > WEIGHTY * abs(own.mean())
     return Score(
         candidate=candidate,
         gain=float(blocks.sum()),
@@ -142,13 +143,24 @@ def score(candidate: Candidate, crossfit: CrossFit, interval: float = 0.0) -> Sc
         trained=trained,
         joint=joint,
         p_value=p_value,
-        repeats=float((own[weighty] > 0).mean()) if weighty.any() else 0.0,
+        repeats=helped(own),
         coefficients=whole,
         allowed=_can_be(candidate, [*signs, whole], p_value, interval),
         over_noise=float(rms / crossfit.noise[joint]),
         over_torque=float(rms / max(crossfit.size[joint], 1e-300)),
         own=None if told == slice(None) else own,
     )
+
+
+def _told_on(term: Term, shares: np.ndarray) -> tuple[int, slice]:
+    """Where a law shows most, by shares (n,), and the joints by which it is judged.
+
+    A joint effect is a matter of its own joint; others may gain, or lose, through shared parameters, which a
+    short log knows badly: a ripple of 94 % of its joint's error drowned in that of five others.
+    """
+    if term.joint is None or not term.law.shows_on_own_joint:
+        return int(np.argmax(shares)), slice(None)
+    return term.joint, slice(term.joint, term.joint + 1)
 
 
 def _can_be(
@@ -161,7 +173,7 @@ def _can_be(
     return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))
 
 
-def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
+def _score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> Score:
     """What a window of time is worth: no other time can tell, so that it has to stand out by itself.
 
     The share is that of the squared torque, not bounded as in the gain: the few samples of an event are
@@ -170,8 +182,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
     whole, weight = crossfit.whole, crossfit.weight
     inside = candidate.columns[0].any(axis=(1, 2))
     timing = crossfit.timing
-    free, residual = whole.free_part(candidate.columns[0]), whole.residual * timing
-    free = free * timing[:, :, None]
+    free, residual = free * timing[:, :, None], whole.residual * timing
     a = coefficients(free, whole, residual)
     predicted = free @ a
     fall = residual**2 - (residual - predicted) ** 2
@@ -201,9 +212,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit) -> Score:
 
 
 def _stands_out(share: float, time: float) -> bool:
-    """Whether a share of the squared error in a share of the time is an event: much in little, or nearly all.
-
-    Of a long window in a short log no share is many times its time; there little may be left beside it.
+    """Whether a share of the squared error in a share of time is an event: much in little, or nearly all.
 
     >>> _stands_out(0.5, 0.1), _stands_out(0.5, 0.2), _stands_out(0.9, 0.4), _stands_out(0.9, 0.7)
     (True, False, True, False)

@@ -3,6 +3,8 @@
 import numpy as np
 import scipy
 
+from jaxswarm.diagnose.decision.rules import WEIGHTY
+
 
 def certainty(p_value: float) -> float:
     """Standard errors that a one-sided p-value is worth; below zero where it is above a half."""
@@ -28,3 +30,13 @@ def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
     slopes = (inner.sum() - inner) / rest
     spread = np.sqrt((count - 1) / count * ((slopes - slopes.mean()) ** 2).sum())
     return float(scipy.special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
+
+
+def helped(gains: np.ndarray) -> float:
+    """Share of the blocks whose gain (B,) counts in which something is gained.
+
+    >>> helped(np.array([3.0, -1.0, 2.0, 0.01]))
+    0.6666666666666666
+    """
+    weighty = np.abs(gains) > WEIGHTY * abs(gains.mean())
+    return float((gains[weighty] > 0).mean()) if weighty.any() else 0.0

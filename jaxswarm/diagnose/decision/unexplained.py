@@ -12,19 +12,17 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.significance import slope_p_value
+from jaxswarm.diagnose.folds.joint_rows import JointRows, joint_rows
 from jaxswarm.diagnose.folds.other_motion import regions
-from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.forward.smooth import QUANTITIES, Smooth, features
 
 _FEATURES = {1: 14, 2: 96}
-# Ridge, in units of the mean squared feature; less fits the noise of one half and fails on the other.
-_RIDGE = 0.03
 
 
 @dataclass(frozen=True)
@@ -99,18 +97,20 @@ def _look(
     found: Estimate, crossfit: CrossFit, joint: int, table: dict[str, "_Input"], seed: int
 ) -> Unexplained | None:
     """The structure of one joint."""
-    singles = [(_try(crossfit, joint, [table[n]], seed), (n,)) for n in table]
+    halves = [joint_rows(fold, joint) for fold in crossfit.halves]
+    weight = crossfit.weight[:, joint, None]
+
+    def tried(*names: str) -> tuple[float, float]:
+        rows = _features([table[n] for n in names], seed) * weight
+        return _held_out(halves, crossfit.block, rows)
+
+    singles = [(tried(n), (n,)) for n in table]
     singles.sort(key=lambda item: -item[0][0])
     best, pick = singles[0][0], tuple[str, ...](singles[0][1])
     # Pairs with each of the three most telling variables, and with the joint's own velocity.
     own = f"dq_{found.model.robot.joints[joint]}"
     leads = dict.fromkeys([*(item[1][0] for item in singles[:3]), own])
-    pairs = [
-        (_try(crossfit, joint, [table[a], table[b]], seed), (a, b))
-        for a in leads
-        for b in table
-        if a in table and b != a
-    ]
+    pairs = [(tried(a, b), (a, b)) for a in leads for b in table if a in table and b != a]
     asked = len(singles) + len(pairs)
     pairs.sort(key=lambda item: -item[0][0])
     if pairs and pairs[0][0][0] > best[0] + SECOND_VARIABLE:
@@ -134,7 +134,7 @@ def _unexplained(found, crossfit, joint, pick, worth, table, seed) -> Unexplaine
     inputs = [table[n] for n in pick]
     weight, whole = crossfit.weight[:, joint, None], crossfit.whole
     rows = _features(inputs, seed) * weight
-    a = _ridge(whole.free_rows(rows, joint), whole.residual[:, joint])
+    a, _ = joint_rows(whole, joint).coefficients(rows)
     torque = np.zeros(crossfit.weight.shape)
     torque[:, joint] = rows @ a
     change = np.zeros(len(found.fit.theta))
@@ -165,10 +165,10 @@ def _in_other_regions(
         return None
     gain = before = 0.0
     for one in np.unique(label):
-        fold = crossfit.whole.trained_on(label != one)
-        residual, said = _predicted(fold, rows, joint)
-        gain += float((residual**2 - (residual - said) ** 2).sum())
-        before += float((residual**2).sum())
+        own = joint_rows(crossfit.whole.trained_on(label != one), joint)
+        left = own.unseen - own.predicted(rows[own.train], rows[~own.train])
+        gain += float((own.unseen**2 - left**2).sum())
+        before += float((own.unseen**2).sum())
     return gain / max(before, 1e-300)
 
 
@@ -199,35 +199,18 @@ def _features(inputs: list[_Input], seed: int) -> np.ndarray:
     return features(x, sides, *_waves(len(inputs), seed))
 
 
-def _ridge(free: np.ndarray, residual: np.ndarray) -> np.ndarray:
-    """Coefficients (f,) of free columns (T, f), held back by a share of their mean square."""
-    # Squares are safe here: the ridge bounds the condition number by f / 0.03, some thousands.
-    square = free.T @ free
-    held = _RIDGE * np.trace(square) / len(square)
-    if held <= 0.0:
-        return np.zeros(len(square))
-    whole = scipy.linalg.cho_factor(square + held * np.eye(len(square)), check_finite=False)
-    return scipy.linalg.cho_solve(whole, free.T @ residual, check_finite=False)
-
-
-def _try(crossfit: CrossFit, joint: int, inputs, seed: int) -> tuple[float, float]:
-    """Held-out share of the joint's squared error, and its p-value over blocks."""
-    rows = _features(inputs, seed) * crossfit.weight[:, joint, None]
-    count = int(crossfit.block.max()) + 1
+def _held_out(
+    halves: Sequence[JointRows], block: np.ndarray, rows: np.ndarray
+) -> tuple[float, float]:
+    """Share of a joint's squared error held out that weighted features (T, f) take off, and its p-value."""
+    count = int(block.max()) + 1
     gains, before = np.zeros(count), 0.0
     inner, square = np.zeros(count), np.zeros(count)
-    for fold in crossfit.halves:
-        r, said = _predicted(fold, rows, joint)
-        block = crossfit.block[~fold.train]
-        gains += np.bincount(block, r**2 - (r - said) ** 2, count)
-        inner += np.bincount(block, said * r, count)
-        square += np.bincount(block, said**2, count)
+    for half in halves:
+        r, said = half.unseen, half.predicted(rows[half.train], rows[~half.train])
+        own = block[~half.train]
+        gains += np.bincount(own, r**2 - (r - said) ** 2, count)
+        inner += np.bincount(own, said * r, count)
+        square += np.bincount(own, said**2, count)
         before += float((r**2).sum())
     return float(gains.sum() / before), slope_p_value(inner, square)
-
-
-def _predicted(fold: Fold, rows: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
-    """Residual of a joint off a fold's rows, and what weighted features (T, f) fitted to those say of it."""
-    free = fold.free_rows(rows, joint)
-    a = _ridge(free[fold.train], fold.residual[fold.train, joint])
-    return fold.residual[~fold.train, joint], free[~fold.train] @ a

@@ -38,17 +38,43 @@ def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) ->
 
     Columns of zeros say nothing. ``positive`` refuses a negative coefficient of the first column.
     """
-    columns = columns * fold.train[:, None]
-    inner = fold.basis.T @ columns
-    gram = columns.T @ columns - inner.T @ inner
-    size = jnp.sqrt(jnp.diag(columns.T @ columns)) + 1e-300
-    gram = gram / size / size[:, None] + 1e-9 * jnp.eye(columns.shape[1])
-    right = (columns.T @ fold.residual) / size
-    refused = jnp.logical_and(positive, right[0] <= 0)
-    gain: float | jax.Array = 0.0
+    folds = jax.tree.map(lambda x: jnp.asarray(x)[None], fold)
+    return explained_of(columns[None], folds, positive)[0, 0]
+
+
+def explained_of(columns: jax.Array, folds: FoldData, positive: bool | jax.Array) -> jax.Array:
+    """What :func:`explained` says of many columns (m, T', k) on all folds (S, ...): (S, m).
+
+    One product for all of them: products of a few columns at a time take four times as long.
+    """
+    count, rows, width = columns.shape
+    flat = jnp.moveaxis(columns, 1, 0).reshape(rows, count * width)
+    # The residual beside the basis; both are zero outside the training rows.
+    known = jnp.concatenate([folds.basis, folds.residual[:, :, None]], axis=2)
+    inner = jnp.einsum("stb,tc->sbc", known, flat).reshape(len(known), -1, count, width)
+    inner, right = inner[:, :-1], inner[:, -1]
+    pairs = [(i, j) for i in range(width) for j in range(i + 1)]
+    products = jnp.stack([columns[:, :, i] * columns[:, :, j] for i, j in pairs], axis=2)
+    sums = jnp.einsum("st,mtp->smp", folds.train, products)
+    squares = {i: sums[:, :, p] for p, (i, j) in enumerate(pairs) if i == j}
+    # A column of zeros keeps its size: the compiler multiplies divisors, and the square of a tiny one is zero.
+    size = {i: jnp.where(x > 0.0, jnp.sqrt(x), 1.0) for i, x in squares.items()}
+    gram = {}
+    for p, (i, j) in enumerate(pairs):
+        left = sums[:, :, p] - (inner[..., i] * inner[..., j]).sum(axis=1)
+        gram[i, j] = gram[j, i] = left / size[i] / size[j] + (1e-9 if i == j else 0.0)
+    told = [right[:, :, i] / size[i] for i in range(width)]
+    refused = jnp.logical_and(positive, told[0] <= 0)
+    gain = jnp.zeros(told[0].shape)
     # Column after column, each freed of those before: for one to three of them a solver has no part to do.
-    for k in range(columns.shape[1]):
-        share = gram[k] / gram[k, k]
-        gain += right[k] ** 2 / gram[k, k]
-        right, gram = right - right[k] * share, gram - share[:, None] * gram[k]
+    for k in range(width):
+        gain += told[k] ** 2 / gram[k, k]
+        share = {i: gram[k, i] / gram[k, k] for i in range(k + 1, width)}
+        for i in range(k + 1, width):
+            told[i] = told[i] - told[k] * share[i]
+        gram |= {
+            (i, j): gram[i, j] - share[i] * gram[k, j]
+            for i in range(k + 1, width)
+            for j in range(k + 1, width)
+        }
     return jnp.where(refused, 0.0, gain)

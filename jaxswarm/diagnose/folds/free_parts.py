@@ -1,0 +1,54 @@
+"""What a model cannot imitate of the columns of many candidates, found for many at a time.
+
+For each candidate by itself the factors of the folds, some megabytes, pass through the processor once a column.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
+
+# Numbers of the columns that pass at a time: they stay in the cache beside the factors.
+_AT_ONCE = 2**19
+
+
+def free_parts(
+    candidates: Sequence[tuple[np.ndarray, ...]], crossfit: CrossFit
+) -> Iterator[tuple[np.ndarray, ...]]:
+    """The free part of every candidate's columns on every fold, in their order.
+
+    Args:
+        candidates: Of each the weighted columns (T, n, k), one array a fold.
+        crossfit: The folds.
+    """
+    some: list[tuple[np.ndarray, ...]] = []
+    numbers = 0
+    for columns in candidates:
+        if some and numbers + columns[0].size > _AT_ONCE:
+            yield from _together(some, crossfit)
+            some, numbers = [], 0
+        some.append(columns)
+        numbers += columns[0].size
+    yield from _together(some, crossfit)
+
+
+def _together(
+    candidates: Sequence[tuple[np.ndarray, ...]], crossfit: CrossFit
+) -> Iterator[tuple[np.ndarray, ...]]:
+    if not candidates:
+        return
+    per_fold = zip(crossfit.folds, zip(*candidates, strict=True), strict=True)
+    yield from zip(*(_of_fold(fold, columns) for fold, columns in per_fold), strict=True)
+
+
+def _of_fold(fold: Fold, columns: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The free parts of columns (T, n, k) on one fold."""
+    shape = columns[0].shape[:2]
+    # A column a row, so that each of them stands in one piece.
+    rows = np.concatenate([c.reshape(-1, c.shape[2]).T for c in columns])
+    known = fold.project.reshape(rows.shape[1], -1)
+    inner = rows @ fold.basis.reshape(rows.shape[1], -1)
+    rows -= inner @ known.T
+    ends = np.cumsum([c.shape[2] for c in columns])[:-1]
+    return [np.ascontiguousarray(part.T).reshape(*shape, -1) for part in np.split(rows, ends)]
