@@ -87,9 +87,8 @@ def _changed(
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
     lags = np.stack([np.where(alive, x, 0.0) for x in (e, v, a)], axis=1)
-    if (
-        by_q.shape[2] == 1
-    ):  # one small product a sample: the numbers pass through memory once, not five times
+    if by_q.shape[2] == 1:
+        # One small product a sample: the numbers pass through memory once, not five times.
         change = np.concatenate(sensed[1:], axis=2) @ lags
     else:
         change = lags[:, :1] * by_q

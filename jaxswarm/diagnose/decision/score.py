@@ -129,9 +129,8 @@ def score(
     blocks = gains.sum(axis=1)
     joint, told = _told_on(candidate.term, per_joint / before)
     share = float(per_joint[joint] / before[joint])
-    rms = (
-        np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight)) / crossfit.weight[:, joint].max()
-    )
+    rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
+    rms /= crossfit.weight[:, joint].max()
     p_value = slope_p_value(inner[:, told].sum(axis=1), square[:, told].sum(axis=1))
     own = gains[:, told].sum(axis=1)
     return Score(
