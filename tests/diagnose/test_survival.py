@@ -15,6 +15,7 @@ from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import harmful, survives
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation.validate import least_known, time_blocks
 from jaxswarm.logs.motion import prepare
 
 SPRING = Term("cubic_spring", 1, values={"q0": 0.2, "k3": 25.0})
@@ -52,6 +53,19 @@ def test_a_law_that_raises_an_error_on_other_motion_is_refused_and_named(fits):
     found, why = harmful(fits[0], [step(SPRING, fits[0], true), bent], wrong, [other])
     assert found is bent
     assert "joint1" in why and other.source in why
+
+
+@pytest.mark.parametrize("begin", [3.0, 5.7])
+def test_a_change_that_a_stretch_alone_tells_is_not_judged_without_it(begin):
+    # Of twelve seconds: what comes after the change does not know what was before.
+    change = Term("friction_change", 0, values={"fc": 1.5, "t0": begin})
+    motion = prepare(log_with(change), BAND)
+    before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    true = refit(before, (*before.model.terms, change))
+    own, log = set(true.regression.names) - set(before.regression.names), true.regression.log
+    assert least_known(true, own, time_blocks(log, 2)) < 0.01
+    assert (least_known(true, own, time_blocks(log, 4)) > 0.4) == (begin > 3.0)
+    assert survives(before, true, 0) is None
 
 
 def test_an_addition_that_changes_nothing_does_not_survive(fits):

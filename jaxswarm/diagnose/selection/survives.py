@@ -17,6 +17,7 @@ from jaxswarm.diagnose.decision.rules import (
     GAIN,
     HARM,
     HARM_ON_THE_WAY,
+    KNOWN,
     NEARLY_ALL,
     PREDICTABLE,
     SMALL_PART,
@@ -40,7 +41,7 @@ from jaxswarm.diagnose.selection.elsewhere import (
 )
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.validate import held_out_residual, time_blocks
+from jaxswarm.identify.estimation.validate import held_out_residual, least_known, time_blocks
 from jaxswarm.logs.motion import Motion
 
 
@@ -119,14 +120,15 @@ def _predicted_stretches(
 ) -> list[tuple[float, float]]:
     """RMS errors of a joint on stretches of time fitted to the others, without and with an addition.
 
-    A pair for each number of stretches, where the rest of the log predicts them.
+    A pair for each number of stretches, where the rest of the log predicts them and knows the addition.
     """
+    added = set(after.regression.names) - set(before.regression.names)
     used = rows_of_both(before, after)
     fitted, pairs = rms(before.fit.residual[used, joint]), []
     for count in STRETCHES:
         stretch = time_blocks(before.regression.log, count)
         one, two = (rms(held_out_residual(e, block=stretch)[used, joint]) for e in (before, after))
-        if one < PREDICTABLE * fitted:
+        if one < PREDICTABLE * fitted and least_known(after, added, stretch) > KNOWN:
             pairs.append((float(one), float(two)))
     return pairs
 

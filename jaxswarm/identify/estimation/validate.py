@@ -1,9 +1,12 @@
 """Errors on motion that was not fitted: another log, or blocks of time held out one after the other."""
 
+from collections.abc import Collection
+
 import numpy as np
+import scipy
 
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import joint_factors, values_on
+from jaxswarm.identify.estimation.least_squares import joint_factors, triangular_factor, values_on
 from jaxswarm.identify.forward.metrics import is_moving, torque_errors
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
@@ -72,6 +75,37 @@ def held_out_residual(
         columns = regression.columns[out]
         residual[out] = regression.target[out] - columns @ solution.base.expand(values)
     return residual
+
+
+def least_known(found: Estimate, names: Collection[str], block: np.ndarray) -> float:
+    """Least part of what a log tells of some columns that is left where one of its blocks is held out.
+
+    Of what the other columns cannot imitate, in the direction that is known least; 1 for no columns.
+
+    Args:
+        found: The fit.
+        names: Names of the columns.
+        block: Number of every row's block, (T,).
+    """
+    regression, base = found.regression, found.fit.base
+    own = [k for k, name in enumerate(regression.names) if name in names]
+    if not own:
+        return 1.0
+    order = [k for k in base.kept if k not in own] + own
+    columns = regression.columns[:, :, order] / found.fit.sigma[:, None]
+    factors = [
+        triangular_factor(columns[block == b].reshape(-1, len(order))) for b in np.unique(block)
+    ]
+
+    def free(parts: list[np.ndarray]) -> np.ndarray:
+        return triangular_factor(np.concatenate(parts))[-len(own) :, -len(own) :]
+
+    whole = free(factors)
+    rest = [free(factors[:k] + factors[k + 1 :]) for k in range(len(factors))]
+    if len(factors) < 2 or not np.diag(whole).all():
+        return 0.0
+    left = [scipy.linalg.solve_triangular(whole, r.T, trans="T") for r in rest]
+    return min(float(np.linalg.norm(x, -2) ** 2) for x in left)
 
 
 def held_out_errors(found: Estimate, count: int = 5) -> dict:
