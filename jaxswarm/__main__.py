@@ -1,5 +1,5 @@
 """``python -m jaxswarm``."""
 
-from jaxswarm.cli import main
+from jaxswarm.cli import command_line
 
-main()
+command_line()

@@ -19,8 +19,13 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
+    run(_command)
+
+
+def command_line() -> None:
+    """The same as a process of its own, which is left at once where a signal has ended the work."""
     try:
-        run(_command)
+        main()
     except SystemExit as end:
         if end.code in (terminal.INTERRUPTED, terminal.TERMINATED):
             terminal.leave(end.code)

@@ -22,7 +22,7 @@ def work():
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(5.0)
 cli._command = work
-cli.main()
+cli.command_line()
 """
 
 
