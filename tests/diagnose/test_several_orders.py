@@ -7,7 +7,7 @@ from jaxswarm.diagnose.report.text import grouped
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.term import Term, number_of, without
 
-ORDERS = {9.0: 1.4, 18.0: 0.7}
+ORDERS = {17.0: 1.4, 34.0: 0.7}
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_a_sentence_tells_their_orders():
     ]
     assert (
         grouped(told, ["j1", "j2"])
-        == "torque_ripple (order 9) on j1, torque_ripple (order 18) on j1"
+        == "torque_ripple (order 17) on j1, torque_ripple (order 34) on j1"
     )
 
 

@@ -111,8 +111,8 @@ class Known:
         left[1] = self.left
         return Tried(left, np.ones(6)), np.ones(6)
 
-    def halves(self):
-        return self, self
+    def lateness_in_halves(self, sigma):
+        return [self.lateness(sigma)] * 2
 
     def lateness(self, sigma):
         seconds, gain = np.array([1.0, 18.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
@@ -150,7 +150,8 @@ def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, told):
 def test_a_delay_is_one_that_both_halves_of_a_log_tell(arm, first, second, told):
     """A wrong drive gain left 15 ms on a joint of a world, and 11 and 23 ms of the other sign in its halves."""
     rough = Known(0.02, -0.4)
-    rough.halves = lambda: tuple(Late(seconds) for seconds in (first, second))
+    halves = [Late(seconds).lateness(None) for seconds in (first, second)]
+    rough.lateness_in_halves = lambda sigma: halves
     found = late_torque(arm, rough)
     assert (found is not None) == told
 
@@ -164,7 +165,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
         as_logged=lambda: (Tried(np.full(3, 0.03), np.ones(3)), np.ones(3)),
         lateness=lambda sigma: Lateness(seconds, gain),
     )
-    rough.halves = lambda: (rough, rough)
+    rough.lateness_in_halves = lambda sigma: [rough.lateness(sigma)] * 2
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
     assert late_torque(robot, rough) is None
 
@@ -174,6 +175,6 @@ def test_the_other_joint_of_two_is_the_clock():
     both = Tried(np.full(2, 0.04), np.ones(2)), np.ones(2)
     late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
-    pair.halves = lambda: (pair, pair)
+    pair.lateness_in_halves = lambda sigma: [late, late]
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair)
     assert found is not None and "b is 12 ms late" in found.what

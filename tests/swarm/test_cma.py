@@ -108,12 +108,13 @@ def test_restart_leaves_a_search_alone_until_it_has_ended():
         return jnp.sum(100.0 * (10.0 * (x[1:] - x[:-1] ** 2)) ** 2 + (1.0 - x[:-1]) ** 2)
 
     space = Space.vector([-2.0] * 8, [2.0] * 8)
-    values = [
-        minimize(banana, optimizer, space, jax.random.key(1), num_steps=1500)
-        for optimizer in (restart(cma_es(8)), restart(cma_es(8), patience=10, diversity=1e-6))
-    ]
-    assert float(values[0].value) < 1e-8 < float(values[1].value)
-    assert int(values[1].state.restarts) > int(values[0].state.restarts)
+    for seed in range(1, 4):
+        its_own, hasty = (
+            minimize(banana, optimizer, space, jax.random.key(seed), num_steps=1500)
+            for optimizer in (restart(cma_es(8)), restart(cma_es(8), patience=10, diversity=1e-6))
+        )
+        assert float(its_own.value) < 0.1 * float(hasty.value)
+        assert int(hasty.state.restarts) > int(its_own.state.restarts)
 
 
 def test_who_has_ended_is_known_through_wrappers():

@@ -10,6 +10,10 @@ from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
+# Periods of an order that its joint goes through at least for another one to be asked beside it: with less,
+# orders are a series that imitates any law of the position. Two took the place of a magnet's formula.
+_PERIODS = 4.0
+
 
 def eligible_terms(
     model: Model, motions: tuple[Motion, ...], against_model: bool = False
@@ -52,7 +56,8 @@ def eligible_terms(
         if law.extends:
             held = {t.place for t in model.terms}
             terms = [t for t in terms if held & {(n, t.joint, t.other) for n in law.extends}]
-        eligible += [t for t in terms if again or not _is_settled(t, law, model.terms)]
+        present = tuple(t for t in model.terms if not (law.several and _repeats(t, motions)))
+        eligible += [t for t in terms if again or not _is_settled(t, law, present)]
     return tuple(eligible)
 
 
@@ -65,10 +70,19 @@ def longest_rest(motions: tuple[Motion, ...], joint: int) -> float:
     return longest
 
 
+def _repeats(term: Term, motions: tuple[Motion, ...]) -> bool:
+    """Whether a term is one of several orders, and its joint goes through enough of its periods to say so."""
+    if not term.law.several:
+        return False
+    order = max((term.values.get(name, 0.0) for name in term.law.identity), default=0.0)
+    way = max(float(np.ptp(m.q[:, term.index])) for m in motions)
+    return order * way > 2.0 * np.pi * _PERIODS
+
+
 def _is_settled(term: Term, law: Effect, present: tuple[Term, ...]) -> bool:
     """Whether a model's terms hold, contain or rule out this one."""
     return any(
-        (t.place == term.place and not law.several)
+        t.place == term.place
         or (
             t.joint == term.joint
             and (law.excludes(t.law) or (law.name in t.law.contains and term.other is None))
