@@ -1,5 +1,7 @@
 """Who could have done it: every effect of the registry on every joint where it says something new."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from jaxswarm.effects import REGISTRY
@@ -56,7 +58,7 @@ def eligible_terms(
         if law.extends:
             held = {t.place for t in model.terms}
             terms = [t for t in terms if held & {(n, t.joint, t.other) for n in law.extends}]
-        present = tuple(t for t in model.terms if not (law.several and _repeats(t, motions)))
+        present = [t for t in model.terms if not (t.law is law and _repeats(t, motions))]
         eligible += [t for t in terms if again or not _is_settled(t, law, present)]
     return tuple(eligible)
 
@@ -79,7 +81,7 @@ def _repeats(term: Term, motions: tuple[Motion, ...]) -> bool:
     return order * way > 2.0 * np.pi * _PERIODS
 
 
-def _is_settled(term: Term, law: Effect, present: tuple[Term, ...]) -> bool:
+def _is_settled(term: Term, law: Effect, present: Sequence[Term]) -> bool:
     """Whether a model's terms hold, contain or rule out this one."""
     return any(
         t.place == term.place

@@ -50,12 +50,10 @@ def noise_of(found: Estimate) -> np.ndarray:
 
 def row_noise(found: Estimate) -> np.ndarray:
     """The same of every row, (T', n)."""
-    if any(m.model_noise is None for m in found.motions):
-        return _with_sensor(found, lambda m: np.zeros(1))
-    steady = np.min([_known(m.steady_noise) for m in found.motions], axis=0)
-    slow = np.sqrt(np.maximum(steady**2 - _sensor(found) ** 2, 0.0))
 
     def part(motion: Motion) -> np.ndarray:
+        steady = np.min([_known(m.steady_noise) for m in found.motions], axis=0)
+        slow = np.sqrt(np.maximum(steady**2 - _sensor(found) ** 2, 0.0))
         # What is steady is seen above the band once more, where what is sharp is read off.
         sharp = np.sqrt(np.maximum(_known(motion.sharp_noise) ** 2 - slow**2, 0.0))
         return np.hypot(slow, np.maximum(_known(motion.model_noise), sharp))

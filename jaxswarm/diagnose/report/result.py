@@ -16,8 +16,8 @@ from jaxswarm.diagnose.report.experiment import best_experiment, separating_comm
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
-from jaxswarm.diagnose.selection.step import Addition, Step
-from jaxswarm.effects.term import Term, number_of
+from jaxswarm.diagnose.selection.step import Addition, Step, with_errors
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
     base_parameter_table,
@@ -151,7 +151,7 @@ def _ranked(scores: Sequence[Score]) -> list[Score]:
 
 
 def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
-    term, errors = _final_term(step.added, final)
+    term, errors = with_errors(step.added, final) or (step.added, {})
     parameters = with_intervals(term_parameters(term, final.model.robot, errors))
     total = float(step.score.gain)
     law = term.law
@@ -173,14 +173,6 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
             for s in step.others[:5]
         ],
     }
-
-
-def _final_term(added: Term, final: Estimate) -> tuple[Term, dict]:
-    terms = final.model.terms
-    if added.place not in {t.place for t in terms}:
-        return added, {}
-    number = number_of(added, terms)
-    return terms[number], final.std_errors[number]
 
 
 def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], joints) -> list[dict]:

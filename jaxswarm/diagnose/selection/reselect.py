@@ -21,8 +21,8 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
-from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
-from jaxswarm.effects.term import Term, number_of, without
+from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
+from jaxswarm.effects.term import without
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -70,18 +70,9 @@ def choose_again(
     return list(steps), current, False
 
 
-def _with_errors(term: Term, found: Estimate) -> tuple[Term, dict[str, float]] | None:
-    """A term as a model has it, with its standard errors; None: the model has none in its place."""
-    terms = found.model.terms
-    if term.place not in {t.place for t in terms}:
-        return None
-    number = number_of(term, terms)
-    return terms[number], found.std_errors[number]
-
-
 def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
     """Whether what was added is no longer certain, since clocks were moved, say."""
-    known = (_with_errors(step.added, current) for step in steps)
+    known = (with_errors(step.added, current) for step in steps)
     return any(not is_certain(*one) for one in known if one is not None)
 
 
@@ -113,7 +104,7 @@ def reconsider(
     done, changed = list(steps), False
     for step in steps:
         rivals = competitors(step)
-        known = _with_errors(step.added, current)
+        known = with_errors(step.added, current)
         if step.removed or known is None:
             continue
         certain = is_certain(*known)

@@ -107,6 +107,15 @@ def chain(steps: Sequence[Step]) -> list[Step]:
     return done
 
 
+def with_errors(term: Term, found: Estimate) -> tuple[Term, dict[str, float]] | None:
+    """A term as a model has it, with its standard errors; None: the model has none in its place."""
+    terms = found.model.terms
+    if term.place not in {t.place for t in terms}:
+        return None
+    number = number_of(term, terms)
+    return terms[number], found.std_errors[number]
+
+
 def find_term(found: Estimate, term: Term) -> Term:
     """A term of a model with its fitted values."""
     return found.model.terms[number_of(term, found.model.terms)]
