@@ -1,6 +1,6 @@
 """Terms: which law acts on which joint, and the ``name[@joint[:partner]],...`` lists that declare them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -173,18 +173,6 @@ def parse_terms(text: str, joints: tuple[str, ...]) -> tuple[Term, ...]:
                 raise InputError(f"effect {term.label(joints)} is listed twice; name it once")
             terms.append(term)
     return tuple(terms)
-
-
-def number_of(term: Term, terms: Sequence[Term]) -> int:
-    """Where a term stands among the terms of a model that has it, though a fit may have moved its event."""
-    same = [k for k, t in enumerate(terms) if (t.place, t.formula) == (term.place, term.formula)]
-    return min(same, key=lambda k: terms[k].apart(term))
-
-
-def without(term: Term, terms: Sequence[Term]) -> tuple[Term, ...]:
-    """The terms of a model that has it but this one."""
-    gone = number_of(term, terms)
-    return tuple(t for k, t in enumerate(terms) if k != gone)
 
 
 def of_kind(terms: Iterable, kind: type[Effect]) -> list:

@@ -5,7 +5,8 @@ from planted import added, diagnose_log, log_with, small_arm
 
 from jaxswarm.diagnose.report.text import grouped
 from jaxswarm.effects import REGISTRY
-from jaxswarm.effects.term import Term, number_of, without
+from jaxswarm.effects.alike import number_of, without
+from jaxswarm.effects.term import Term
 
 ORDERS = {17.0: 1.4, 34.0: 0.7}
 

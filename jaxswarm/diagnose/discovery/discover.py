@@ -25,7 +25,7 @@ from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stan
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.term import without
+from jaxswarm.effects.alike import without
 from jaxswarm.logs.motion import Motion
 
 

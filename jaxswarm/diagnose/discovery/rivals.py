@@ -12,7 +12,8 @@ from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, Rival
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.term import Term, without
+from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.regression import Diverged
 
 # Formulas that are told beside the chosen one.

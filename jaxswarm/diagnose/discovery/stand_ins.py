@@ -13,7 +13,8 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.step import chain, find_term
-from jaxswarm.effects.term import Term, without
+from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 

@@ -10,7 +10,8 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.report.numbers import percent
 from jaxswarm.diagnose.report.stages import stages
 from jaxswarm.diagnose.selection.step import Addition
-from jaxswarm.effects.term import Term, without
+from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion

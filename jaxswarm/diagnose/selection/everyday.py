@@ -24,7 +24,8 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.effects.term import Term, number_of
+from jaxswarm.effects.alike import number_of
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 

@@ -7,8 +7,8 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.effects.term import Term, without
-from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.effects.alike import lacking
+from jaxswarm.effects.term import Term
 
 # Events of one kind that are looked for in a row.
 MOST_EVENTS = 20
@@ -33,18 +33,7 @@ def add_further(search: Search, asked: Term, most: int) -> None:
         after = refit_with(current, told[0])
         if after is None:
             return
-        removed = superseded(current, after)
+        removed = lacking(current.model.terms, after.model.terms)
         added = find_term(after, told[0].candidate.term)
         search.steps.append(Step(added, told[0], (), (), current, after, removed))
         search.current = after
-
-
-def superseded(current: Estimate, after: Estimate) -> tuple[Term, ...]:
-    """Terms that a model no longer has; those that the fit has moved it has."""
-    left, gone = after.model.terms, []
-    for term in current.model.terms:
-        if any(t.place == term.place and t.formula == term.formula for t in left):
-            left = without(term, left)
-        else:
-            gone.append(term)
-    return tuple(gone)

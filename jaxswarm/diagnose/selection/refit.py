@@ -15,8 +15,9 @@ from jaxswarm.diagnose.decision.rules import (
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
+from jaxswarm.effects.alike import number_of
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
-from jaxswarm.effects.term import Term, number_of
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths

@@ -22,7 +22,7 @@ from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
-from jaxswarm.effects.term import without
+from jaxswarm.effects.alike import without
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 

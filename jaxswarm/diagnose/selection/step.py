@@ -9,7 +9,8 @@ from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.term import Term, number_of
+from jaxswarm.effects.alike import number_of
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
 

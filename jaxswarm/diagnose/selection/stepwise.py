@@ -23,7 +23,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
-from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further, superseded
+from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
@@ -33,6 +33,7 @@ from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back_harm, take_back_shadows
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
+from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -193,7 +194,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if search.other and near:
         chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
         term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
-    removed = superseded(current, after)
+    removed = lacking(current.model.terms, after.model.terms)
     why = None
     if not term.law.in_one_log:
         why = survives(current, after, chosen.joint, search.other, search.rules)

@@ -40,6 +40,7 @@ from jaxswarm.diagnose.selection.elsewhere import (
     rows_of_both,
 )
 from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.effects.alike import lacking
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual, least_known, time_blocks
 from jaxswarm.logs.motion import Motion
@@ -122,7 +123,9 @@ def _predicted_stretches(
 
     A pair for each number of stretches, where the rest of the log predicts them and knows the addition.
     """
-    added = set(after.regression.names) - set(before.regression.names)
+    robot = after.model.robot
+    terms = lacking(after.model.terms, before.model.terms)
+    added = {name for term in terms for name in term.columns(robot.joints)}
     used = rows_of_both(before, after)
     fitted, pairs = rms(before.fit.residual[used, joint]), []
     for count in STRETCHES:

@@ -11,7 +11,7 @@ from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain
 from jaxswarm.diagnose.selection.survives import harmful
-from jaxswarm.effects.term import without
+from jaxswarm.effects.alike import without
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
