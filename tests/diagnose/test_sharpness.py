@@ -11,7 +11,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import passes
-from jaxswarm.diagnose.decision.sharpness import only_sharp
+from jaxswarm.diagnose.decision.sharpness import only_sharp, score_softly
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term
@@ -26,8 +26,8 @@ LAWS = {
 }
 
 
-def asked(effect: str, sharp: float):
-    """A log with a law of joint 2, its scores that pass, and those of them that are sharp alone."""
+def scored(effect: str, sharp: float):
+    """A log with a law of joint 2: its scores that pass, its fit and its folds."""
     log = log_with(Term(effect, 1, values=LAWS[effect]))
     found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
     (motion,) = found.motions
@@ -37,8 +37,23 @@ def asked(effect: str, sharp: float):
     crossfit = cross_fit(found)
     terms = eligible_terms(found.model, found.motions)
     scores = score_terms(Linearization(found, crossfit), terms, 0)
-    passed = [s for s in scores if passes(s, len(scores), Rules())]
-    return passed, only_sharp(passed, found, crossfit, len(scores), Rules())
+    return [s for s in scores if passes(s, len(scores), Rules())], found, crossfit
+
+
+def asked(effect: str, sharp: float):
+    """The scores that pass, and those of them that are sharp alone."""
+    passed, found, crossfit = scored(effect, sharp)
+    return passed, only_sharp(passed, found, crossfit, len(passed), Rules())
+
+
+def test_how_large_a_law_is_beside_the_torque_is_no_question_of_sharpness():
+    """A true soft joint of a thousandth of the torque went, as quieter rows made it seem smaller."""
+    passed, found, crossfit = scored("quadratic_drag", SHARP)
+    (drag,) = [s for s in passed if s.candidate.term.effect == "quadratic_drag" and s.joint == 1]
+    (softly,) = score_softly([drag], found, crossfit)
+    rules = replace(Rules(), over_torque=drag.over_torque)
+    assert softly.over_torque < drag.over_torque
+    assert only_sharp([drag], found, crossfit, len(passed), rules) == []
 
 
 def names(scores) -> set[str]:

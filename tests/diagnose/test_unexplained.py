@@ -43,6 +43,20 @@ def test_law_outside_the_catalog_is_unexplained_with_its_variables(other, law):
     assert left[0].variables.shape == (len(left[0].smooth), 2)
 
 
+def test_what_sits_at_one_place_is_a_function_of_the_position():
+    """A magnet of 0.2 rad, of which functions as wide as the motion follow a part."""
+
+    def magnet(q, dq):
+        x = (q[:, 1] - 0.2) / 0.2
+        return 4.0 * x * np.exp(-(x**2))
+
+    found = diagnose_log(with_extra(magnet))
+    (left,) = [u for u in find_unexplained(found.final, found.crossfit) if u.joint == 1]
+    assert added(found) == []
+    assert left.depends_on == ("q_joint2",)
+    assert left.share > 0.9
+
+
 def test_the_smooth_term_lowers_the_residual():
     found, crossfit = declared_fit(with_extra(LAWS[0][1]))
     left = [u for u in find_unexplained(found, crossfit) if u.joint == 1][0]

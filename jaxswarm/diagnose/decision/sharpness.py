@@ -35,7 +35,8 @@ def only_sharp(
     """Those that pass no more where rows count by all their noise, sharp or not, and clocks are free.
 
     Asked are joints that are near that noise as they are: what is left of others is more than sharpness
-    leaves. What is sharp by itself, an impact in a gear or the edge of a contact, is not asked.
+    leaves. What is sharp by itself, an impact in a gear or the edge of a contact, is not asked. How large a law
+    is beside the torque is no question of its rows' noise: it stays what it was told to be.
 
     Args:
         passed: Scores of candidates that passed.
@@ -47,8 +48,8 @@ def only_sharp(
     near = found.fit.sigma <= NEAR * noise_of(found)
     asking = [s for s in passed if near[s.joint] and not _is_told(s.candidate.term.law)]
     again = score_softly(asking, found, crossfit)
-    pairs = zip(asking, again, strict=True)
-    return [s for s, other in pairs if other is not None and not passes(other, asked, rules)]
+    pairs = [(s, o) for s, o in zip(asking, again, strict=True) if o is not None]
+    return [s for s, o in pairs if not passes(replace(o, over_torque=s.over_torque), asked, rules)]
 
 
 def score_softly(

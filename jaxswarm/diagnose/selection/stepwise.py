@@ -19,6 +19,7 @@ from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.sharpness import only_sharp
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.both_ends import add_both_ends
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -121,11 +122,16 @@ def _held(search: Search) -> set:
 
 
 def _act(search: Search, passed: list[Score]) -> bool:
-    """Add the best of those that passed and show in all motion; if nobody did, make every choice again."""
+    """Add the best of those that passed and show in all motion; if nobody did, make every choice again.
+
+    What shows at both of its ends at once goes first where it explains more.
+    """
     sharp = only_sharp(passed, search.current, search.folds, len(search.scores), search.rules)
     for one in sharp:
         search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
     passed = [s for s in passed if s not in sharp]
+    if add_both_ends(search, passed):
+        return True
     return _add_best(search, passed) if passed else _choose_again(search)
 
 

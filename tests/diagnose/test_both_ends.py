@@ -1,0 +1,71 @@
+"""A cable whose ends hide each other is found at both at once; two springs are none."""
+
+from dataclasses import replace
+
+import pytest
+from planted import BAND, blank, log_with, small_arm
+from test_other_end import ENDS
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import accepted
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.both_ends import add_both_ends
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare
+
+LAWS = ("cable_coupling", "joint_spring", "torque_offset")
+SPRINGS = (
+    Term("joint_spring", 0, values={"k": 6.0, "tau0": 1.0}),
+    Term("joint_spring", 1, values={"k": 10.7, "tau0": -1.3}),
+)
+
+
+def asked(*hidden: Term) -> Search:
+    """A search on a log that holds hidden terms, at its first round."""
+    log = log_with(*hidden)
+    found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
+    rules = Rules()
+    search = Search(
+        found, found, rules, 0, Memory(None, rules.share), (), lambda text: None, Budget(), asked=60
+    )
+    search.crossfit = cross_fit(found)
+    terms = [t for t in eligible_terms(found.model, found.motions) if t.effect in LAWS]
+    search.scores = score_terms(Linearization(found, search.folds), terms, 0)
+    return search
+
+
+def test_both_ends_are_added_with_one_stiffness():
+    search = asked(*ENDS)
+    assert add_both_ends(search, [])
+    assert {s.added.place for s in search.steps} == {t.place for t in ENDS}
+    for step in search.steps:
+        assert find_term(search.current, step.added).values["kc"] == pytest.approx(-8.0, rel=0.02)
+    assert search.steps[0].after is search.steps[1].before
+    assert search.current is search.steps[1].after
+
+
+def test_what_explains_more_goes_first():
+    search = asked(*ENDS)
+    more = replace(search.scores[0], gain=1e12)
+    assert not add_both_ends(search, [more])
+
+
+def test_two_springs_are_no_cable():
+    search = asked(*SPRINGS)
+    assert accepted(search.scores, search.rules)
+    assert not add_both_ends(search, [])
+    assert not search.steps
+
+
+def test_joints_near_their_noise_are_not_asked():
+    search = asked()
+    assert not add_both_ends(search, [])
