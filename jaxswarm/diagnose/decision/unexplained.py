@@ -114,9 +114,9 @@ def _look(
     singles.sort(key=lambda item: -item[0][0])
     best, pick = singles[0]
     # Pairs with each of the three most telling variables, and with the joint's own velocity.
-    leads = dict.fromkeys(item[1].names[0] for item in singles)
-    leads = [n for n in (*list(leads)[:3], f"dq_{own}") if n in table]
-    pairs = [(a, b) for a in dict.fromkeys(leads) for b in table if b != a]
+    telling = list(dict.fromkeys(item[1].names[0] for item in singles))[:3]
+    leads = dict.fromkeys([*telling, f"dq_{own}"])
+    pairs = [(a, b) for a in leads for b in table if a in table and b != a]
     told = sorted(((tried(of), of) for of in map(_Of, pairs)), key=lambda item: -item[0][0])
     asked = len(singles) + len(told)
     if told and told[0][0][0] > best[0] + SECOND_VARIABLE:

@@ -172,6 +172,15 @@ def next_steps(result: dict) -> list[str]:
     # A search that was cut short has not asked every law: it has to end first.
     for u in result["unexplained"] if not result.get("budget") else ():
         steps += _look_at(u)
+    unasked = [
+        u["joint"]
+        for u in result["unexplained"]
+        if u["depends_on"] and u["joint"] not in {n["joint"] for n in result.get("no_formula", ())}
+    ]
+    if unasked:
+        steps.append(
+            f"diagnose with --discover looks for a formula of what {', '.join(unasked)} lacks."
+        )
     return steps + _done(result)
 
 

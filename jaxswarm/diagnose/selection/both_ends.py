@@ -66,10 +66,12 @@ def _pairs(search: Search) -> list[tuple[float, Score, Score]]:
     for one, two in combinations(ends, 2):
         if one != (two[0], two[2], two[1]):
             continue
-        pair = [_beside(ends[a], ends[b], asked, crossfit) for a, b in ((one, two), (two, one))]
-        if all(passes(s, len(search.scores), search.rules) for s in pair):
+        first, second = (
+            _beside(ends[a], ends[b], asked, crossfit) for a, b in ((one, two), (two, one))
+        )
+        if all(passes(s, len(search.scores), search.rules) for s in (first, second)):
             gain = ends[two].gain + _score(ends[one], crossfit, ends[two]).gain
-            told.append((gain, *pair))
+            told.append((gain, first, second))
     return told
 
 
