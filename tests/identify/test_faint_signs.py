@@ -12,6 +12,7 @@ from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
     degree_guesses,
     motion_scale_guesses,
+    torque_guesses,
     torque_scale_guesses,
 )
 from jaxswarm.identify.checks.late import late_torque
@@ -63,6 +64,32 @@ def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, che
     assert not is_exact(arm, rough, sigma, guess, 0.0)
 
 
+FAINTLY = {"torque_scale": 0.17, "encoder_scale": 0.28, "time_scale": 0.17}
+
+
+@pytest.mark.parametrize("check", HALF_AS_LARGE)
+def test_a_scale_that_gains_more_than_any_wrong_one_is_told(arm, log, check):
+    rough = Rough(arm, samples_of(motions(HALF_AS_LARGE[check](log))))
+    guesses = [*torque_scale_guesses(arm), *motion_scale_guesses(arm)]
+    right = "time is twice" if check == "time_scale" else "joint2 is twice"
+    (guess,) = [g for g in guesses if g.check == check and right in g.what]
+    gain, sigma = FAINTLY[check] * rough.strictness, rough.as_logged()[1]
+    assert is_exact(arm, rough, sigma, guess, gain)
+    assert not is_exact(arm, rough, sigma, guess, 0.6 * gain)
+
+
+def test_a_torque_of_the_wrong_sign_is_told_where_friction_says_nothing(arm):
+    """A last joint without friction gained 0.39; no pattern of wrong signs ever gained a tenth of that."""
+    guesses = [g for g in torque_guesses(arm) if g.check == "torque_sign" and len(g.joints) == 1]
+    (guess,) = [g for g in guesses if g.joints == (2,)]
+    logged, found = (
+        Tried(np.full(6, left), np.zeros(6)) for left in (0.1, 0.1 * np.exp(-0.39 / 6))
+    )
+    assert _believed(guess, found, logged, 1.0)
+    assert not _believed(guess, found, logged, 1.5)  # a short log asks for more
+    assert not _believed(replace(guess, check="swapped_channels"), found, logged, 1.0)
+
+
 def test_a_last_joint_of_the_wrong_sign_shows_behind_five_that_are_right(arm, log):
     wrong = replace(log, q=column(log.q, 5, -1.0))
     parts = motions(wrong)
@@ -103,8 +130,8 @@ class Known:
 
     strictness = 1.0
 
-    def __init__(self, left: float, gain: float):
-        self.left, self.gain = left, gain
+    def __init__(self, left: float, gain: float, milliseconds: float = 18.0):
+        self.left, self.gain, self.milliseconds = left, gain, milliseconds
 
     def as_logged(self):
         left = np.full(6, 0.03)
@@ -115,7 +142,8 @@ class Known:
         return [self.lateness(sigma)] * 2
 
     def lateness(self, sigma):
-        seconds, gain = np.array([1.0, 18.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
+        seconds, gain = np.array([1.0, 0.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
+        seconds[1] = self.milliseconds
         gain[1] = self.gain
         return Lateness(1e-3 * seconds, gain)
 
@@ -124,8 +152,7 @@ class Late(Known):
     """Half a log, whose second joint is late by so many milliseconds."""
 
     def __init__(self, milliseconds):
-        super().__init__(0.02, -0.4)
-        self.milliseconds = milliseconds
+        super().__init__(0.02, -0.4, milliseconds)
 
     def lateness(self, sigma):
         return Lateness(
@@ -134,14 +161,30 @@ class Late(Known):
 
 
 @pytest.mark.parametrize(
-    ("left", "gain", "told"),
-    [(0.02, -0.2, True), (0.02, -0.1, False), (0.09, -0.24, False), (0.09, -0.4, True)],
+    ("left", "gain", "milliseconds", "told"),
+    [
+        (0.02, -0.07, 18.0, True),
+        (0.02, -0.05, 18.0, False),
+        (0.02, -0.1, 11.0, False),
+        (0.09, -0.1, 18.0, True),
+        (0.09, -0.24, 33.0, False),
+        (0.09, -0.4, 33.0, True),
+        (0.25, -0.2, 18.0, False),
+    ],
 )
-def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, told):
-    """Bristles of harmonic drives look as late, on joints of which they leave a tenth."""
-    found = late_torque(arm, Known(left, gain))
+def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, milliseconds, told):
+    """Bristles of harmonic drives look 33 ms late and more, on joints of which they leave a tenth."""
+    found = late_torque(arm, Known(left, gain, milliseconds))
     assert (found is not None) == told
-    assert not told or "joint2 is 18 ms late" in found.what
+    assert not told or f"joint2 is {milliseconds:.0f} ms late" in found.what
+
+
+def test_a_faint_delay_has_to_agree_in_both_halves(arm):
+    for least, told in ((0.8, True), (0.6, False)):
+        rough = Known(0.02, -0.1, 18.0)
+        halves = [Late(18.0).lateness(None), Late(18.0 * least).lateness(None)]
+        rough.lateness_in_halves = lambda sigma, both=halves: both
+        assert (late_torque(arm, rough) is not None) == told
 
 
 @pytest.mark.parametrize(

@@ -25,5 +25,15 @@ def test_one_that_others_come_near_is_none(noisy):
     assert not find_spikes(noisy).any()
 
 
+def test_a_torque_that_is_mostly_noise_has_spikes_of_its_own_range():
+    """No tail of the noise could hold them; where there is one, they would be a part of it."""
+    rng = np.random.default_rng(5)
+    torque = 0.08 * rng.normal(size=1500)
+    torque[515] -= 1.1
+    assert np.flatnonzero(find_spikes(torque)).tolist() == [515]
+    torque[[200, 800]] += [0.6, 0.6]
+    assert not find_spikes(torque).any()
+
+
 def test_noise_alone_has_none(noisy):
     assert not find_spikes(noisy).any()

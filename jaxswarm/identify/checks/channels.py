@@ -31,6 +31,10 @@ NO_RELATION = "no_relation"
 # half on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
 # wrong ones lower it by 2 and more, of noisy slow logs by 0.9.
 _MUCH = 0.7
+# Signs of torques leave motion and weights as they are: where friction brakes in what they leave, no pattern
+# of them on 113 such logs lowered it by more than 0.04, while a last joint of light friction may gain no more
+# than 0.4.
+_TORQUE_SIGN = 0.3
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
 # 0.04 at most, on joints without friction.
 _SAME, _DRIVES = 0.3, 0.08
@@ -159,6 +163,8 @@ def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     own = logged.braking[joints]
     drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
     needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH
+    if guess.check == "torque_sign":
+        needed = min(needed, much * _TORQUE_SIGN)
     needed = _LIKELY if guess.likely else needed
     return change < -needed or (guess.check in _SIGNS and change < _SAME and drove)
 
