@@ -64,6 +64,22 @@ def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, che
     assert not is_exact(arm, rough, sigma, guess, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "exact"),
+    [(0.2, 0.25, True), (-0.01, 0.26, True), (-0.1, 0.3, False), (-0.1, -0.2, False)],
+)
+def test_the_least_of_a_flat_valley_may_lie_a_little_beside_the_scale(arm, low, high, exact):
+    """Half the torque of a joint with thermal drift left a hundredth less at 0.77 of the right scale."""
+    left = {1.0 / 1.3: low, 1.0: 0.0, 1.3: high}
+    guess = SimpleNamespace(
+        check="torque_scale", nearby=lambda times: SimpleNamespace(mixture=times)
+    )
+    rough = SimpleNamespace(
+        strictness=1.0, fit=lambda mixtures, sigma: [SimpleNamespace(power=left[mixtures[0]])]
+    )
+    assert is_exact(arm, rough, np.ones(6), guess, 0.4) == exact
+
+
 FAINTLY = {"torque_scale": 0.17, "encoder_scale": 0.28, "time_scale": 0.17}
 
 

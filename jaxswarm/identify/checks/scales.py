@@ -21,7 +21,7 @@ _BESIDE, _NEAR = 1.3, 0.2
 
 
 def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: float) -> bool:
-    """Whether less is left at this scale than at those beside it, with the least right there.
+    """Whether what is left has its least at this scale, as far as those beside it tell.
 
     Args:
         robot: Kinematics.
@@ -36,10 +36,8 @@ def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: 
         _tried(robot, rough, sigma, guess.nearby(times)).power
         for times in (1.0 / _BESIDE, 1.0, _BESIDE)
     )
-    if min(low, high) <= here:
-        return False
-    vertex = 0.5 * np.log(_BESIDE) * (low - high) / (low - 2.0 * here + high)
-    return bool(abs(vertex) < _NEAR)
+    bend = low - 2.0 * here + high
+    return bool(bend > 0.0 and abs(0.5 * np.log(_BESIDE) * (low - high)) < _NEAR * bend)
 
 
 def _tried(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess) -> Tried:
