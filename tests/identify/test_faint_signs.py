@@ -77,21 +77,11 @@ def test_the_least_of_a_flat_valley_may_lie_a_little_beside_the_scale(arm, low, 
     rough = SimpleNamespace(
         strictness=1.0, fit=lambda mixtures, sigma: [SimpleNamespace(power=left[mixtures[0]])]
     )
-    assert is_exact(arm, rough, np.ones(6), guess, 0.4) == exact
-
-
-FAINTLY = {"torque_scale": 0.17, "encoder_scale": 0.28, "time_scale": 0.17}
-
-
-@pytest.mark.parametrize("check", HALF_AS_LARGE)
-def test_a_scale_that_gains_more_than_any_wrong_one_is_told(arm, log, check):
-    rough = Rough(arm, samples_of(motions(HALF_AS_LARGE[check](log))))
-    guesses = [*torque_scale_guesses(arm), *motion_scale_guesses(arm)]
-    right = "time is twice" if check == "time_scale" else "joint2 is twice"
-    (guess,) = [g for g in guesses if g.check == check and right in g.what]
-    gain, sigma = FAINTLY[check] * rough.strictness, rough.as_logged()[1]
-    assert is_exact(arm, rough, sigma, guess, gain)
-    assert not is_exact(arm, rough, sigma, guess, 0.6 * gain)
+    assert is_exact(arm, rough, np.ones(6), guess, 0.2) == exact
+    assert not is_exact(arm, rough, np.ones(6), guess, 0.15)
+    rough.strictness = 1.5  # few rows bend: a right torque gained 0.37 at twice its scale
+    assert not is_exact(arm, rough, np.ones(6), guess, 1.5 * 0.37)
+    assert is_exact(arm, rough, np.ones(6), guess, 1.5 * 0.45) == (low > 0.1)
 
 
 def test_a_torque_of_the_wrong_sign_is_told_where_friction_says_nothing(arm):
@@ -154,8 +144,8 @@ class Known:
         left[1] = self.left
         return Tried(left, np.ones(6)), np.ones(6)
 
-    def lateness_in_halves(self, sigma):
-        return [self.lateness(sigma)] * 2
+    def lateness_in_parts(self, sigma, parts):
+        return [self.lateness(sigma)] * parts
 
     def lateness(self, sigma):
         seconds, gain = np.array([1.0, 0.0, -1.0, 0.0, 1.0, -1.0]), np.full(6, -0.01)
@@ -179,7 +169,7 @@ class Late(Known):
 @pytest.mark.parametrize(
     ("left", "gain", "milliseconds", "told"),
     [
-        (0.02, -0.07, 18.0, True),
+        (0.02, -0.08, 18.0, True),
         (0.02, -0.05, 18.0, False),
         (0.02, -0.1, 11.0, False),
         (0.09, -0.1, 18.0, True),
@@ -195,12 +185,14 @@ def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, millisec
     assert not told or f"joint2 is {milliseconds:.0f} ms late" in found.what
 
 
-def test_a_faint_delay_has_to_agree_in_both_halves(arm):
-    for least, told in ((0.8, True), (0.6, False)):
-        rough = Known(0.02, -0.1, 18.0)
-        halves = [Late(18.0).lateness(None), Late(18.0 * least).lateness(None)]
-        rough.lateness_in_halves = lambda sigma, both=halves: both
-        assert (late_torque(arm, rough) is not None) == told
+@pytest.mark.parametrize(("spread", "told"), [(6.0, True), (20.0, False)])
+def test_a_faint_delay_is_as_long_in_every_part_of_a_log(arm, spread, told):
+    """Two clean arms had 12 and 13 ms that lowered what was left by a tenth, and any time in their parts."""
+    rough = Known(0.02, -0.1)
+    times = 18.0 + spread * np.array([1.0, -1.0, 0.0, 1.0, -1.0, 0.0])
+    by_parts = {1: [18.0], 2: [18.0, 18.0], 6: times}
+    rough.lateness_in_parts = lambda sigma, parts: [Late(x).lateness(None) for x in by_parts[parts]]
+    assert (late_torque(arm, rough) is not None) == told
 
 
 @pytest.mark.parametrize(
@@ -210,7 +202,7 @@ def test_a_delay_is_one_that_both_halves_of_a_log_tell(arm, first, second, told)
     """A wrong drive gain left 15 ms on a joint of a world, and 11 and 23 ms of the other sign in its halves."""
     rough = Known(0.02, -0.4)
     halves = [Late(seconds).lateness(None) for seconds in (first, second)]
-    rough.lateness_in_halves = lambda sigma: halves
+    rough.lateness_in_parts = lambda sigma, parts: np.repeat(halves, parts // 2).tolist()
     found = late_torque(arm, rough)
     assert (found is not None) == told
 
@@ -224,7 +216,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
         as_logged=lambda: (Tried(np.full(3, 0.03), np.ones(3)), np.ones(3)),
         lateness=lambda sigma: Lateness(seconds, gain),
     )
-    rough.lateness_in_halves = lambda sigma: [rough.lateness(sigma)] * 2
+    rough.lateness_in_parts = lambda sigma, parts: [rough.lateness(sigma)] * parts
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
     assert late_torque(robot, rough) is None
 
@@ -234,6 +226,6 @@ def test_the_other_joint_of_two_is_the_clock():
     both = Tried(np.full(2, 0.04), np.ones(2)), np.ones(2)
     late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
-    pair.lateness_in_halves = lambda sigma: [late, late]
+    pair.lateness_in_parts = lambda sigma, parts: [late] * parts
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair)
     assert found is not None and "b is 12 ms late" in found.what

@@ -31,7 +31,8 @@ _CHANCE = 6.0
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
 # rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
 _VISCOUS, _DRY, _OWN = 0, 1, 5
-_HALVES = 2
+# Parts of a log whose torques may each be late by something else: halves and thirds of them are wholes, too.
+_PARTS = 6
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,9 @@ class Rough:
         dry, offset = np.tanh(samples.dq / width), np.ones_like(samples.dq)
         laws = np.stack([samples.dq, dry, offset, samples.q, samples.ddq], axis=2)
         memory = bristles(samples.q)
-        second = np.arange(len(laws)) >= len(laws) // 2
-        rates = samples.tau_rate[:, None, :] * np.stack([~second, second], axis=1)[:, :, None]
+        part = _PARTS * np.arange(len(laws)) // len(laws)
+        within = part[:, None] == np.arange(_PARTS)
+        rates = samples.tau_rate[:, None, :] * within[:, :, None]
         self._size, self._memory = rigid.shape[2], memory.shape[2]
         self._factors = []
         for j in range(joints):
@@ -186,34 +188,33 @@ class Rough:
         Args:
             sigma: Standard deviation of every joint's residual [N m or N], (n,).
         """
-        left, first, second = self._against_rates(sigma)
-        return late_by(left, first + second)[0]
+        return self.lateness_in_parts(sigma, 1)[0]
 
-    def lateness_in_halves(self, sigma: np.ndarray) -> list[Lateness]:
-        """The same of either half of the log, with one arm and one friction for both.
+    def lateness_in_parts(self, sigma: np.ndarray, parts: int) -> list[Lateness]:
+        """The same of each of two, three or six equal parts of the log, with one arm and one friction for all.
 
-        A half of its own would often bend its own arm until nothing is late.
+        A part of its own would often bend its own arm until nothing is late.
         """
-        left, first, second = self._against_rates(sigma)
-        return late_by(left, first, second)
+        left, rates = self._against_rates(sigma)
+        return late_by(left, *rates.reshape(parts, -1, *rates.shape[1:]).sum(axis=1))
 
-    def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Torques (R,), and their derivatives in the first and second half (R, n), freed of all columns."""
+    def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""
         joints, (u, _) = len(self._factors), self._solved(sigma)
         torque = self._size + _OWN * joints
         last, extra = torque + joints, self._memory
-        right = np.zeros((joints, len(self._factors[0]), 1 + joints * (_HALVES + extra)))
+        right = np.zeros((joints, len(self._factors[0]), 1 + joints * (_PARTS + extra)))
         for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True)):
             right[j, :, 0] = f[:, torque + j] / s
-            for half in range(_HALVES):
-                right[j, :, 1 + half * joints + j] = f[:, last + half] / s
-            place = 1 + _HALVES * joints + extra * j
-            right[j, :, place : place + extra] = f[:, last + _HALVES :] / s
+            for part in range(_PARTS):
+                right[j, :, 1 + part * joints + j] = f[:, last + part] / s
+            place = 1 + _PARTS * joints + extra * j
+            right[j, :, place : place + extra] = f[:, last + _PARTS :] / s
         flat = right.reshape(-1, right.shape[2])
         left = flat - u @ (u.T @ flat)
-        left, memory = np.split(left, [1 + _HALVES * joints], axis=1)
+        left, memory = np.split(left, [1 + _PARTS * joints], axis=1)
         left = left - memory @ np.linalg.lstsq(memory, left, rcond=_DEPENDENT)[0]
-        return left[:, 0], left[:, 1 : 1 + joints], left[:, 1 + joints :]
+        return left[:, 0], left[:, 1:].reshape(len(left), _PARTS, joints).transpose(1, 0, 2)
 
     def likely_order(self) -> tuple[int, ...]:
         """For each joint the torque that its own columns explain best, every torque once."""

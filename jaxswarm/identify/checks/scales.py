@@ -11,13 +11,15 @@ from jaxswarm.identify.checks.rough import Rough, Tried
 from jaxswarm.robot.model import Robot
 
 # Gain, as a sum of logarithms, from which on a scale is looked at closely: of twice and half the scale of
-# every joint of 113 logs, clean ones, ones that lack a law and measured ones, none gains more than 0.1 of a
-# torque that is explained well enough to be judged, 0.15 of an encoder and 0.06 of time. Of the scales that
-# can be seen at all (0.1 and more) one in twenty gains less than this.
-_FAINT = {"torque_scale": 0.15, "time_scale": 0.15, "encoder_scale": 0.25}
+# every joint of 120 logs, clean ones, ones that lack a law and measured ones, none gains more than 0.11 of a
+# torque that is explained well enough to be judged, 0.15 of an encoder and 0.06 of time where the log has the
+# rows for its parameters. A log that has not gained 0.37 times its strictness by a right torque at twice its
+# scale: there a scale has to gain more, and its least to lie nearer.
+_FAINT = {"torque_scale": 0.18, "time_scale": 0.15, "encoder_scale": 0.25}
+_FAINT_SHORT = {"torque_scale": 0.4, "time_scale": 0.25, "encoder_scale": 0.4}
 # The scales beside it, as a ratio, and how near to it, as a logarithm, the least has to be: right ones that
 # gain little lie within 0.2 of it, but for joints of which a law is missing.
-_BESIDE, _NEAR = 1.3, 0.2
+_BESIDE, _NEAR, _NEAR_SHORT = 1.3, 0.2, 0.12
 
 
 def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: float) -> bool:
@@ -30,14 +32,18 @@ def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: 
         guess: A scale; false of anything else.
         gain: By how much less it leaves than the log as it is, as a sum of logarithms.
     """
-    if guess.nearby is None or gain < _FAINT[guess.check] * rough.strictness:
+    if guess.nearby is None:
+        return False
+    short = rough.strictness > 1.0
+    faint, near = (_FAINT_SHORT, _NEAR_SHORT) if short else (_FAINT, _NEAR)
+    if gain < faint[guess.check] * rough.strictness:
         return False
     low, here, high = (
         _tried(robot, rough, sigma, guess.nearby(times)).power
         for times in (1.0 / _BESIDE, 1.0, _BESIDE)
     )
     bend = low - 2.0 * here + high
-    return bool(bend > 0.0 and abs(0.5 * np.log(_BESIDE) * (low - high)) < _NEAR * bend)
+    return bool(bend > 0.0 and abs(0.5 * np.log(_BESIDE) * (low - high)) < near * bend)
 
 
 def _tried(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess) -> Tried:
