@@ -193,6 +193,11 @@ def test_a_faint_delay_is_as_long_in_every_part_of_a_log(arm, spread, told):
     by_parts = {1: [18.0], 2: [18.0, 18.0], 6: times}
     rough.lateness_in_parts = lambda sigma, parts: [Late(x).lateness(None) for x in by_parts[parts]]
     assert (late_torque(arm, rough) is not None) == told
+    rough.strictness = (
+        4.0  # of few rows everything seems steady: 3.7 errors and 40 % of what was left on one
+    )
+    rough.gain = -0.5
+    assert late_torque(arm, rough) is None
 
 
 @pytest.mark.parametrize(

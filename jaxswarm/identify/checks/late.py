@@ -23,9 +23,10 @@ class _Clear(NamedTuple):
     Attributes:
         leaves: Rigid body and friction leave less than this share of it.
         least, most: Time [s] by which it is apart from the others.
-        gain: Logarithm of what is left with the delay over without, on logs of many rows; times the strictness
-            of others.
+        gain: Logarithm of what is left with the delay over without.
         steady: How many of its standard errors the delay is, by what the parts of the log tell.
+
+    Both on logs of many rows; times the strictness of others.
     """
 
     leaves: float
@@ -39,8 +40,8 @@ class _Clear(NamedTuple):
 # lack any one law the gain is -0.16 at most, on measured arms -0.24 (harmonic drives, 33 to 45 ms). On a
 # joint of which little is left nothing else can be taken for a delay: a clearer one (in seconds) needs less
 # there. Of 600 joints of 133 logs (clean, lacking a law, measured), no torque of which was late, those that
-# seem 12 to 25 ms apart gain up to -0.11, but are no more than 2.6 of their standard errors; what is late is
-# 3 to 90 of them.
+# seem 12 to 25 ms apart gain up to -0.11, but are no more than 2.6 of their standard errors, on a log of few
+# rows 3.7; what is late is 3 to 90 of them.
 _RULES = (
     _Clear(np.inf, 0.006, 0.05, -0.28, 0.0),
     _Clear(0.05, 0.010, 0.05, -0.16, 0.0),
@@ -72,7 +73,7 @@ def late_torque(robot: Robot, rough: Rough) -> Finding | None:
     clear = np.zeros(len(apart), bool)
     for rule in _RULES:
         beyond = (np.abs(apart) > rule.least) & (np.abs(apart) < rule.most)
-        gained = (gain < rule.gain * rough.strictness) & (steady >= rule.steady)
+        gained = (gain < rule.gain * rough.strictness) & (steady >= rule.steady * rough.strictness)
         clear |= agreed & beyond & gained & (logged.left < rule.leaves)
     if not clear.any():
         return None
