@@ -75,13 +75,20 @@ def test_the_least_of_a_flat_valley_may_lie_a_little_beside_the_scale(arm, low, 
         check="torque_scale", nearby=lambda times: SimpleNamespace(mixture=times)
     )
     rough = SimpleNamespace(
-        strictness=1.0, fit=lambda mixtures, sigma: [SimpleNamespace(power=left[mixtures[0]])]
+        strictness=1.0,
+        fit=lambda mixtures, sigma: [SimpleNamespace(power=left[mixtures[0]])],
+        as_logged=lambda: (Tried(np.full(6, 0.03), np.ones(6)), np.ones(6)),
     )
-    assert is_exact(arm, rough, np.ones(6), guess, 0.2) == exact
-    assert not is_exact(arm, rough, np.ones(6), guess, 0.15)
+
+    def told(gain):
+        return is_exact(arm, rough, np.ones(6), guess, gain)
+
+    assert told(0.2) == exact and not told(0.15)
     rough.strictness = 1.5  # few rows bend: a right torque gained 0.37 at twice its scale
-    assert not is_exact(arm, rough, np.ones(6), guess, 1.5 * 0.37)
-    assert is_exact(arm, rough, np.ones(6), guess, 1.5 * 0.45) == (low > 0.1)
+    assert not told(1.5 * 0.37) and told(1.5 * 0.45) == (low > 0.1)
+    rough.strictness = 1.0  # torques at their limit leave what any scale may make up for
+    rough.as_logged = lambda: (Tried(np.full(6, 0.2), np.ones(6)), np.ones(6))
+    assert not told(0.35) and told(0.45) == (low > 0.1)
 
 
 def test_a_torque_of_the_wrong_sign_is_told_where_friction_says_nothing(arm):

@@ -11,15 +11,17 @@ from jaxswarm.identify.checks.rough import Rough, Tried
 from jaxswarm.robot.model import Robot
 
 # Gain, as a sum of logarithms, from which on a scale is looked at closely: of twice and half the scale of every
-# joint of 120 logs, clean ones, ones that lack a law and measured ones, none gains more than 0.11 of a torque
-# that is explained well enough to be judged, 0.15 of an encoder and 0.06 of time where the log has the rows for
-# its parameters; time one of 0.25 where a third of the log was left out. A log that has not gained 0.37 times
-# its strictness by a right torque at twice its scale: there a scale has to gain more, its least to lie nearer.
+# joint of 120 logs, clean ones, ones that lack a law and measured ones, none gains more than 0.11 of a torque,
+# 0.15 of an encoder and 0.06 of time where the log is sure: it has the rows for its parameters, and all joints
+# are explained but for this share. Time gained 0.25 on one of which a third was left out.
 _FAINT = {"torque_scale": 0.18, "time_scale": 0.28, "encoder_scale": 0.25}
-_FAINT_SHORT = {"torque_scale": 0.4, "time_scale": 0.28, "encoder_scale": 0.4}
+_WELL = 0.15
+# Others have gained 0.37 times their strictness (few rows, a right torque) and 0.3 (an encoder, torques at
+# their limit): there a scale has to gain more, and its least to lie nearer.
+_FAINT_UNSURE = {"torque_scale": 0.4, "time_scale": 0.28, "encoder_scale": 0.4}
 # The scales beside it, as a ratio, and how near to it, as a logarithm, the least has to be: right ones that
 # gain little lie within 0.2 of it, but for joints of which a law is missing.
-_BESIDE, _NEAR, _NEAR_SHORT = 1.3, 0.2, 0.12
+_BESIDE, _NEAR, _NEAR_UNSURE = 1.3, 0.2, 0.12
 
 
 def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: float) -> bool:
@@ -34,16 +36,20 @@ def is_exact(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess, gain: 
     """
     if guess.nearby is None:
         return False
-    short = rough.strictness > 1.0
-    faint, near = (_FAINT_SHORT, _NEAR_SHORT) if short else (_FAINT, _NEAR)
-    if gain < faint[guess.check] * rough.strictness:
+    if gain < _FAINT[guess.check] * rough.strictness:
+        return False
+    sure = rough.strictness == 1.0 and rough.as_logged()[0].left.max() < _WELL
+    if not sure and gain < _FAINT_UNSURE[guess.check] * rough.strictness:
         return False
     low, here, high = (
         _tried(robot, rough, sigma, guess.nearby(times)).power
         for times in (1.0 / _BESIDE, 1.0, _BESIDE)
     )
     bend = low - 2.0 * here + high
-    return bool(bend > 0.0 and abs(0.5 * np.log(_BESIDE) * (low - high)) < near * bend)
+    return bool(
+        bend > 0.0
+        and abs(0.5 * np.log(_BESIDE) * (low - high)) < (_NEAR if sure else _NEAR_UNSURE) * bend
+    )
 
 
 def _tried(robot: Robot, rough: Rough, sigma: np.ndarray, guess: Guess) -> Tried:
