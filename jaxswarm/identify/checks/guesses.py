@@ -74,13 +74,18 @@ def _exchanged(robot: Robot, order: tuple[int, ...]) -> Guess:
     return Guess("swapped_channels", text, moved, np.eye(len(order))[list(order)])
 
 
-def motion_guesses(robot: Robot) -> Iterator[Guess]:
-    """Positions of the wrong sign, exchanged, or in degrees."""
+def position_sign_guesses(robot: Robot) -> Iterator[Guess]:
+    """The position of one joint with the wrong sign."""
     n = robot.num_joints
     for j in range(n):
         factor = np.where(np.arange(n) == j, -1.0, 1.0)
         text = f"the position of {robot.joints[j]} has the wrong sign"
         yield Guess("position_sign", text, (j,), motion=_scaled(factor))
+
+
+def exchanged_positions(robot: Robot) -> Iterator[Guess]:
+    """The positions of two joints exchanged."""
+    n = robot.num_joints
     for j, k in combinations(range(n), 2):
         order = list(range(n))
         order[j], order[k] = k, j
