@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify.checks.channels import _believed, _sound, wrong_channels
+from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
-from jaxswarm.identify.checks.rough import Rough, Samples, Tried
+from jaxswarm.identify.checks.rough import Rough, Samples, Tried, samples_of
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot import inverse_dynamics, rx60
 
 
@@ -54,3 +58,16 @@ def test_a_scale_that_leaves_much_of_its_own_torque_is_not_believed():
     poorly, well = (Tried(np.array([0.06, 0.05, left]), brake) for left in (0.17, 0.1))
     assert not _sound(half, poorly) and _sound(half, well)
     assert _believed(half, well, logged, 1.0)
+
+
+def test_a_position_of_the_wrong_sign_that_leaves_little_is_asked_for():
+    """At a vertical base the torque's sign explains it as well: of both nobody knows which it is."""
+    bare = rx60()
+    arm = bare.replace(parameters=random_links(bare, np.random.default_rng(1), mass=10.0))
+    log = synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
+    wrong = replace(log, q=log.q * np.array([-1.0, 1.0, 1.0]))
+    _, motions = prepare_segments(wrong, Filtering(torque_cutoff=5.0))
+    logged, _ = Rough(arm, samples_of(motions)).as_logged()
+    assert logged.size < 0.1 and logged.left.max() < 0.2
+    (found,) = against_robot(arm, motions)
+    assert "the torque or the position of joint1 has the wrong sign" in found.what
