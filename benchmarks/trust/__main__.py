@@ -47,8 +47,8 @@ def main() -> None:
         from benchmarks.trust.commands import run_commands
         from benchmarks.trust.fuzz import fuzz
 
-        # First the commands: they are copies of this process, and inputs may start a device, whose threads no copy
-        # would have. Three of 23 commands after 2000 inputs stood still until their time was up.
+        # First the commands: they are copies of this process, and inputs may start a device, whose threads no
+        # copy would have. Three of 31 commands after 2000 inputs stood still until their time was up.
         run_commands(options.commands)
         fuzz(options.inputs)
     if options.part == "faults":
