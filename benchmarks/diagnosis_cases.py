@@ -16,6 +16,7 @@ from scipy import signal
 
 from benchmarks.diagnosis_drawn import BETWEEN_TWO, DRAWN, KNOWN, LATER, WHOLE_ARM, Drawn
 from benchmarks.diagnosis_misread import SILENT, extended_misreadings
+from benchmarks.diagnosis_rests import halting_motion
 from benchmarks.diagnosis_soft import closed_loop
 from jaxswarm.effects.base import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
@@ -148,12 +149,19 @@ def make_case(case: Case) -> tuple[Robot, tuple[Term, ...], tuple[Term, ...], Lo
         log, state = closed_loop(arm, (*declared, soft), WIDTH, case.seed)
         motion = plain_motion(log, state)
     else:
-        log = synthetic_log(arm, declared, case.seed, noise=SILENT, motion_seed=case.seed)
-        state = fourier_motion(3, np.random.default_rng(case.seed))[1:]
-        motion = plain_motion(log, state)
+        moved = _motion(case)
+        log = synthetic_log(arm, declared, case.seed, noise=SILENT, moved=moved)
+        motion = plain_motion(log, moved[1:])
         hidden, log = _sized(case, arm, declared, motion, log, rng)
     ratio = hidden_ratio(arm, declared, motion, log.tau) / case.noise
     return arm, declared, hidden, noisy(case, log, rng), ratio
+
+
+def _motion(case: Case) -> tuple[np.ndarray, ...]:
+    """Random motion of three joints; with rests where the effect shows after them alone."""
+    law = REGISTRY.get(case.effect)
+    make = halting_motion if law is not None and law.rests else fourier_motion
+    return make(3, np.random.default_rng(case.seed))
 
 
 def _sized(case, arm, declared, motion, base, rng):
@@ -176,14 +184,14 @@ def _sized(case, arm, declared, motion, base, rng):
 
     def log_with(size):
         terms = _terms(case, declared, drawn, size)
-        log = synthetic_log(arm, terms, case.seed, noise=SILENT, motion_seed=case.seed)
-        return terms, log
+        return terms, synthetic_log(arm, terms, case.seed, noise=SILENT, moved=moved)
 
+    moved = (base.t, motion.q, motion.dq, motion.ddq)
     hidden = KNOWN.get(case.effect, Drawn("", {}))
     drawn = {k: draw(rng) for k, draw in hidden.others.items()}
     size = hidden.size
     told = (*declared, *_extended(case, drawn))
-    beside = extended_misreadings(case.effect, arm, declared, base, case.seed)
+    beside = extended_misreadings(case.effect, arm, declared, base, moved)
     for _ in range(3):
         terms, log = log_with(size)
         ratio = hidden_ratio(arm, told, motion, log.tau, beside).max()

@@ -18,9 +18,12 @@ _LITTLE = 1e-3
 
 
 def extended_misreadings(
-    effect: str, arm: Robot, declared: Sequence[Term], base: Log, seed: int
+    effect: str, arm: Robot, declared: Sequence[Term], base: Log, moved: tuple[np.ndarray, ...]
 ) -> list[np.ndarray]:
-    """The change (T, 3) of a log's torques by a little of each misreading that an effect extends."""
+    """The change (T, 3) of a log's torques by a little of each misreading that an effect extends.
+
+    The log was made along the motion t (T,), q, dq, ddq (T, 3), without noise.
+    """
     names = REGISTRY[effect].extends if effect in LATER else ()
     told = []
     for law in (REGISTRY[name] for name in names):
@@ -28,6 +31,6 @@ def extended_misreadings(
             little = {p.name: p.nominal for p in law.parameters}
             little[law.parameters[0].name] = _LITTLE
             terms = (*declared, Term(law.name, None, values=little))
-            log = synthetic_log(arm, terms, seed, noise=SILENT, motion_seed=seed)
+            log = synthetic_log(arm, terms, 0, noise=SILENT, moved=moved)
             told.append(log.tau - base.tau)
     return told

@@ -76,6 +76,7 @@ def synthetic_log(
     duration: float = 20.0,
     motion_seed: int | None = None,
     rate: float = 250.0,
+    moved: tuple[np.ndarray, ...] | None = None,
 ) -> Log:
     """A log of ``robot`` (with its parameters) and ``terms`` (with values).
 
@@ -88,6 +89,7 @@ def synthetic_log(
         duration: Length [s].
         motion_seed: Seed of the motion.
         rate: Sampling rate [Hz].
+        moved: The motion itself, as :func:`fourier_motion` gives one at that rate; None: one is drawn.
 
     Returns:
         The log; channel ``tau_clean`` is the torque without noise.
@@ -102,7 +104,7 @@ def synthetic_log(
     noise = noise or Noise()
     rng = np.random.default_rng(seed)
     moving = rng if motion_seed is None else np.random.default_rng(motion_seed)
-    t, q, dq, ddq = fourier_motion(robot.num_joints, moving, duration, rate)
+    t, q, dq, ddq = moved or fourier_motion(robot.num_joints, moving, duration, rate)
     motion = _exact_motion(robot, f"synthetic {robot.name}, seed {seed}", rate, t, q, dq, ddq)
     model = Model(robot, terms, (width,) * robot.num_joints, Filtering(), (1.0,) * robot.num_joints)
     clean = model_torque(model, motion)
