@@ -10,6 +10,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, column_names
 from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms, true_motion
+from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.logs.motion import Motion
@@ -32,7 +33,7 @@ class Regression:
         log: Index of the log each row comes from, shape (T,).
         step: Sampling interval of the decimated clock [s], one per log.
         shift: ``columns @ theta`` minus the model's torque where the columns were made, (T, n),
-            where a soft joint makes the torque nonlinear in the rigid parameters; None: zero.
+            where a soft joint or a load makes the torque nonlinear in the rigid parameters; None: zero.
         used: Whether a row is used, (T,); columns and torque of the others are zero. None: all.
     """
 
@@ -98,13 +99,10 @@ def build_regression(
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True, log=k))
         low = motion.decimator
-        if slope_terms(terms):
-            true = true_motion(terms, motion)
-            known = rigid if true is motion else None
-            slopes = lag_slopes(tilted(robot, terms), terms, true, pi, known)
-            lag = low.apply(report(terms, motion, slopes))
-            columns[-1][:, :, : len(pi)] += lag
-            shift.append(lag @ pi)
+        bent = _slopes(robot, terms, motion, width, pi, rigid, k)
+        if bent is not None:
+            columns[-1][:, :, : len(pi)] += bent
+            shift.append(bent @ pi)
         _check_finite(columns[-1], terms, motion)
         kept = low.kept(len(motion.t))
         torque.append(motion.low_torque)
@@ -127,6 +125,30 @@ def build_regression(
         np.concatenate(shift) if shift else None,
         np.concatenate(used) if any(t.law.recurring for t in terms) else None,
     )
+
+
+def _slopes(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: Sequence[float],
+    pi: np.ndarray,
+    rigid: Rigid | None,
+    log: int,
+) -> np.ndarray | None:
+    """What the torque of a log owes to the rigid parameters by way of lags and loads, (T', n, 10 n).
+
+    None where no term of the model goes by either.
+    """
+    parts = []
+    if slope_terms(terms):
+        true = true_motion(terms, motion)
+        known = rigid if true is motion else None
+        slopes = lag_slopes(tilted(robot, terms), terms, true, pi, known)
+        parts.append(motion.decimator.apply(report(terms, motion, slopes)))
+    if any(loaded(t) for t in terms):
+        parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
+    return sum(parts[1:], parts[0]) if parts else None
 
 
 def event_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray:

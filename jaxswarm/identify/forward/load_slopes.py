@@ -1,0 +1,103 @@
+r"""What the torque owes to the rigid parameters by way of the load that a law goes by.
+
+The load :math:`L = W_j\pi` of a law :math:`f(L)` follows from the parameters :math:`\pi` that are fitted beside
+it. With the load as a given number a fit goes from one load to the next; for a law as large as the load itself,
+or a power of it, those steps lead astray: of :math:`a q^2 \tanh(L/s) L_0` the model that was told the true form
+ended at 2.9 times the noise. The missing part of the derivative is
+
+.. math:: \frac{\partial f}{\partial L} W_j + \frac{\partial f}{\partial L_0} W_{0j},
+
+with the columns :math:`W_j` of the rigid torque and :math:`W_{0j}` of the same without acceleration.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.identify.forward.body import Body, body_along
+from jaxswarm.identify.forward.columns import Load, Rigid, is_kept, term_columns
+from jaxswarm.identify.forward.measuring_chain import report
+from jaxswarm.logs.motion import Motion
+from jaxswarm.robot.logged import rigid_columns
+from jaxswarm.robot.model import Robot
+
+# Step of the differences by the load, of its largest value; and samples whose columns are made at a time.
+_STEP, _BLOCK = 1e-6, 16_384
+
+
+def loaded(term: Term) -> bool:
+    """Whether a term follows the load sample by sample, and whether its linear values are known yet."""
+    law = term.law
+    if not isinstance(law, TorqueLaw) or not law.uses_load or law.rate is not None:
+        return False
+    return all(p.name in term.values for p in law.linear)
+
+
+def load_slopes(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: Sequence[float],
+    pi: np.ndarray,
+    rigid: Rigid | None = None,
+    log: int | None = None,
+) -> np.ndarray:
+    """Derivative of the torque by the rigid parameters that runs through loads, decimated, (T', n, 10 n).
+
+    Args:
+        robot: Kinematics and nominal gravity.
+        terms: With all values.
+        motion: The log.
+        width: Width of every joint's smooth sign, (n,).
+        pi: Rigid parameters of the loads, (10 n,).
+        rigid: Rigid columns of the plain motion in nominal gravity, where known.
+        log: Number of the log; None: all terms act in it.
+    """
+    body = body_along(robot, terms, motion, pi, rigid)
+    load, acting = body.load(), [t for t in terms if loaded(t) and t.acts_in(log)]
+    by = [(t.index, *_by_load(t, body.motion, width, load)) for t in acting]
+    low = motion.decimator
+    total = np.zeros((len(low.kept(len(motion.t))), motion.q.shape[1], len(pi)))
+    row = 0
+    for part in low.blocks(len(motion.t), _BLOCK):
+        full, still = _columns(body, part)
+        block = np.zeros_like(full)
+        for j, by_full, by_still in by:
+            block[:, j] += by_full[part, None] * full[:, j] + by_still[part, None] * still[:, j]
+        if of_kind(terms, MeasurementLaw):
+            block = report(terms, motion, block)
+        made = low.apply(block)
+        total[row : row + len(made)] = made
+        row += len(made)
+    return total
+
+
+def _by_load(
+    term: Term, motion: Motion, width: Sequence[float], load: Load
+) -> tuple[np.ndarray, np.ndarray]:
+    """Slope of a law's torque by the load and by the static load, (T,) each."""
+    values = np.array([term.values[p.name] for p in term.law.linear])
+
+    def slope(name: str) -> np.ndarray:
+        there = getattr(load, name)
+        step = _STEP * float(np.abs(there[:, term.index]).max())
+        if step == 0.0:
+            return np.zeros(len(there))
+        ahead, behind = (
+            term_columns(term, motion, width, load._replace(**{name: there + way * step})) @ values
+            for way in (1.0, -1.0)
+        )
+        return (ahead - behind) / (2.0 * step)
+
+    return slope("full"), slope("static")
+
+
+def _columns(body: Body, part: slice) -> tuple[np.ndarray, np.ndarray]:
+    """Rigid columns of a stretch of a log, and the same without acceleration, (T, n, 10 n) each."""
+    if body.rigid is not None and is_kept(body.motion):
+        return body.rigid.full[part], body.rigid.still[part]
+    q, dq, ddq = (x[part] for x in body.moved)
+    rest = np.zeros_like(ddq)
+    return rigid_columns(body.arm, q, dq, ddq), rigid_columns(body.arm, q, dq, rest)
