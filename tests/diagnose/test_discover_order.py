@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
+from benchmarks.mechanisms import MECHANISMS
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import Remainder
 from jaxswarm.diagnose.discovery.candidates import _families
 from jaxswarm.diagnose.discovery.front import point, region_folds, strict
-from jaxswarm.diagnose.discovery.joint_search import NoFormula, Open
+from jaxswarm.diagnose.discovery.joint_search import NoFormula
+from jaxswarm.diagnose.discovery.open_joints import Open
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.sums import Sum
@@ -44,6 +46,23 @@ def test_powers_that_hide_each_other_are_found_together():
     best = min(exact, key=lambda one: one.bits)
     assert best.formula.programs == (("dq", "cube"), ("dq", "square", "dq", "cube", "*"))
     assert best.symmetry.parity == "odd"
+
+
+def test_a_linkage_is_found_as_waves_of_a_turn():
+    q = problem().data["q"]
+    values = dict(q0=-0.8, crank=0.32, rocker=0.62, coupler=1.02, x=0.73, y=-1.2, free=0.3)
+    torque = MECHANISMS["four-bar balancer"].torque(values, q, 0.0, q, 0.0)
+    folds = folds_with(torque)
+    waves = [one for one in _families(problem(), folds) if len(one.formula.pieces) == 6]
+    assert len(waves) == 1 and waves[0].symmetry.text.startswith("a function of the position alone")
+    others = [one.error for one in _families(problem(), folds) if len(one.formula.pieces) < 4]
+    assert waves[0].error < 1e-3 and 10.0 * waves[0].error < min(others), (waves[0].error, others)
+
+
+def test_what_slides_has_no_waves(monkeypatch):
+    folds = folds_with(problem().data["q"] ** 2)
+    monkeypatch.setattr(type(problem()), "angles", False)
+    assert all(len(one.formula.pieces) < 4 for one in _families(problem(), folds))
 
 
 WAVE = Sum(
@@ -98,6 +117,16 @@ def test_laws_that_leave_more_than_noise_are_doubted_and_not_told_as_searched_in
     _, search = discovery.discover(diagnosis)
     assert asked == [Open(1, (), 0.0, named=True)]
     assert search == ((), ())
+
+
+def test_a_push_is_doubted_on_the_joint_where_it_shows(monkeypatch):
+    diagnosis, asked = by_hand(
+        monkeypatch, (1.6, 1.6, 1.6), lambda joint: NoFormula(joint, 9, None, "none")
+    )
+    push = SimpleNamespace(added=SimpleNamespace(joint=None), score=SimpleNamespace(joint=0))
+    diagnosis.kept = [push]
+    discovery.discover(diagnosis)
+    assert [one.joint for one in asked] == [0]
 
 
 @pytest.mark.parametrize(

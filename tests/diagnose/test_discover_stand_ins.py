@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 from planted import declared_fit, log_with
 
-from jaxswarm.diagnose.discovery import joint_search
-from jaxswarm.diagnose.discovery.joint_search import stays_near
+from jaxswarm.diagnose.discovery import proof
+from jaxswarm.diagnose.discovery.proof import stays_near
 from jaxswarm.diagnose.discovery.stand_ins import bared
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
@@ -66,5 +66,5 @@ def test_no_joint_that_was_explained_is_given_up_for_a_formula(monkeypatch, befo
     def told(fit):
         return [SimpleNamespace(near=x < 2.0) for x in fit]
 
-    monkeypatch.setattr(joint_search, "remainders", told)
+    monkeypatch.setattr(proof, "remainders", told)
     assert stays_near(before, after) is right

@@ -9,10 +9,11 @@ import pytest
 from planted import declared_fit, log_with
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.discovery import joint_search
+from jaxswarm.diagnose.discovery import joint_search, proof
 from jaxswarm.diagnose.discovery.candidates import _exchanged
 from jaxswarm.diagnose.discovery.front import point, region_folds
-from jaxswarm.diagnose.discovery.joint_search import NoFormula, Open
+from jaxswarm.diagnose.discovery.joint_search import NoFormula
+from jaxswarm.diagnose.discovery.open_joints import Open
 from jaxswarm.diagnose.discovery.pieces import Piece, Range, numbered, scale
 from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.sums import Sum, without_term
@@ -75,13 +76,13 @@ def test_a_term_stays_only_where_the_refitted_model_needs_it(monkeypatch, needed
         proved.append(one)
         return (None, None, one)
 
-    monkeypatch.setattr(joint_search, "_prove", prove)
-    monkeypatch.setattr(joint_search, "regions", lambda found: regions(fit()[0]))
-    monkeypatch.setattr(joint_search, "clearly_better", lambda *args: needed)
+    monkeypatch.setattr(proof, "prove", prove)
+    monkeypatch.setattr(proof, "regions", lambda found: regions(fit()[0]))
+    monkeypatch.setattr(proof, "clearly_better", lambda *args: needed)
     two = point(problem, Sum((BRAKE, CUBE), {}), folds)
     diagnosis = type("Diagnosis", (), {"final": None})()
     rest = (problem, two, 9, (), (None, None, two))
-    one, outcome = joint_search._needed(diagnosis, Open(1, (), 0.5), *rest)
+    one, outcome = proof.needed(diagnosis, Open(1, (), 0.5), *rest)
     assert len(one.formula.pieces) == left and outcome[2] is one
     assert len(proved) == (2 if needed else 1)
 
@@ -92,10 +93,13 @@ def test_a_term_stays_only_where_the_refitted_model_needs_it(monkeypatch, needed
         ((), False, [None, 0]),
         ((), True, [None]),
         (("q_joint1",), False, [0]),
-        (("q_joint2",), False, [None]),
+        (("q_joint2",), False, [None, 0]),
+        (("q_joint2",), True, [None]),
     ],
 )
-def test_neighbors_are_asked_where_nothing_was_named(monkeypatch, depends_on, found_alone, asked):
+def test_neighbors_are_asked_where_what_was_named_leads_to_nothing(
+    monkeypatch, depends_on, found_alone, asked
+):
     found = fit()[0]
     partners = []
 

@@ -14,23 +14,21 @@ from jaxswarm.diagnose.discovery.front import (
     region_folds,
     strict,
 )
+from jaxswarm.diagnose.discovery.nearby import nearby
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.reach import tame
-from jaxswarm.diagnose.discovery.screening import screen
-from jaxswarm.diagnose.discovery.sums import Sum, joined, polished, without_term
+from jaxswarm.diagnose.discovery.sums import Sum, without_term
+from jaxswarm.diagnose.discovery.term_more import explained, one_more
 
-# Terms of a sum at most, programs that a term more is tried of, those that get one, and formulas beside those
-# of the front whose constants are learned without the region on which they are scored.
-_TERMS, _TRIED, _LEADS, _STRICT = 3, 30, 2, 10
+# Terms of a sum at most, sums that get one more, and formulas beside those of the front whose constants are
+# learned without the region on which they are scored.
+_TERMS, _LEADS, _STRICT = 3, 2, 10
 # A term more is looked for while the joint is not near its noise, and while the last one took this share of the
 # squared error that was left before it.
 _WORTH = 0.1
 # How often the terms of a sum are searched anew, one beside the others.
 _EXCHANGES = 2
-# What is left within this share of the squared error, a twentieth of the torque, is the doubt of the motion
-# that a law is computed from: on a drag of two joints it was 0.0019, and two terms of no meaning fitted it.
-_DOUBT = 0.0025
 
 
 def candidates(
@@ -57,22 +55,25 @@ def candidates(
             found, tried = [*_families(problem, folds), *strung], tried + count
         for lead in leads:
             tried += len(pieces)
-            found += _one_more(problem, pieces, lead, folds, seed)
+            found += one_more(problem, pieces, lead, folds, seed)
         if not found:
             break
         best = min((p.error for p in points), default=1.0)
         points = ranked([*points, *found], log)
         least = min(p.error for p in found)
-        if _explained(problem, points[0]) or least > (1.0 - _WORTH) * best:
+        if explained(problem, points[0]) or least > (1.0 - _WORTH) * best:
             break
         found, count = _exchanged(problem, pieces, points[0], folds, seed)
         tried += count
         if found:
             points = ranked([*points, *found], log)
-            if _explained(problem, points[0]):
+            if explained(problem, points[0]):
                 break
         new = {id(p.formula) for p in points if len(p.formula.pieces) == size}
         leads = [p.formula for p in points if id(p.formula) in new][:_LEADS]
+    if points and not explained(problem, points[0]):
+        found, count = nearby(problem, pieces, points, folds, seed)
+        points, tried = ranked([*points, *found], log), tried + count
     kept = {id(p): p for p in [*points[:_STRICT], *front(points)]}
     return ranked([strict(problem, p, folds) for p in kept.values()], log) if kept else [], tried
 
@@ -88,11 +89,12 @@ def _exchanged(
     done: list[Point] = []
     tried = 0
     for _ in range(_EXCHANGES):
-        if len(best.formula.pieces) < 2 or _explained(problem, best):
+        # One term has nothing beside it; more than are added one by one were found together.
+        if not 2 <= len(best.formula.pieces) <= _TERMS or explained(problem, best):
             break
         found: list[Point] = []
         for k in range(len(best.formula.pieces)):
-            found += _one_more(problem, pieces, without_term(best.formula, k), folds, seed)
+            found += one_more(problem, pieces, without_term(best.formula, k), folds, seed)
             tried += len(pieces)
         done += found
         better = min(found, key=lambda p: p.error, default=best)
@@ -104,39 +106,6 @@ def _exchanged(
 
 def _families(problem: Joint, folds) -> list[Point]:
     """Sums whose terms are found together only."""
-    sums = [Sum(numbered(own), {}) for own in families(problem.data)]
+    sums = [Sum(numbered(own), {}) for own in families(problem.data, problem.angles)]
     points = [point(problem, one, folds) for one in sums if tame(problem, one)]
     return [one for one in points if np.isfinite(one.error)]
-
-
-def _explained(problem: Joint, best: Point) -> bool:
-    """Whether nothing that is surely torque is left."""
-    return best.error < _DOUBT or _near_noise(problem, best)
-
-
-def _near_noise(problem: Joint, best: Point) -> bool:
-    """Whether nothing is left to be explained."""
-    crossfit, j = problem.lin.crossfit, problem.joint
-    weight = np.maximum(crossfit.weight[:, j], 1e-300)
-    left = np.sqrt(np.mean((best.left / weight) ** 2))
-    return bool(left < _NEAR * crossfit.noise[j])
-
-
-# Multiple of the noise below which a residual on other motion is not searched for more.
-_NEAR = 1.5
-
-
-def _one_more(problem: Joint, pieces, lead: Sum | None, folds, seed: int) -> list[Point]:
-    """The best programs beside those of a lead, all constants refined."""
-    whole = problem.lin.crossfit.whole
-    if lead is None:
-        fold = whole
-    else:
-        fold = whole.with_columns(problem.columns(lead.programs, lead.values))
-    trials = [t for t in screen(problem, problem.rows_of(fold), pieces, seed) if t.share > 0.0]
-    done = []
-    for trial in trials[:_TRIED]:
-        formula = polished(problem, joined(lead, trial), whole)
-        if tame(problem, formula):
-            done.append(point(problem, formula, folds))
-    return [one for one in done if np.isfinite(one.error)]

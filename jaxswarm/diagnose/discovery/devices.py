@@ -115,8 +115,25 @@ _TOGETHER: tuple[tuple[Program, ...], ...] = (
 )
 
 
-def families(fields: Container[str]) -> Iterator[tuple[Piece, ...]]:
-    """Sums of powers, as a drag that is odd in the velocity or a spring of two joints is expanded in."""
-    for programs in _TOGETHER:
+# A linkage comes back after a turn, so that its torque is a sum of waves; third ones as cubes of the first. Of
+# a spring on the rocker of a four-bar linkage two waves leave 0.48 % of the squared error in regions that were
+# not fitted and three 0.005 %, five powers from the square on 18 %, and the best sum of other terms 0.03 %,
+# which went wrong right behind the range.
+_WAVES: tuple[tuple[Program, ...], ...] = (
+    (("q", "sin"), ("q", "cos")),
+    (("q", "2", "*", "sin"), ("q", "2", "*", "cos")),
+    (("q", "sin", "cube"), ("q", "cos", "cube")),
+)
+
+
+def families(fields: Container[str], angles: bool) -> Iterator[tuple[Piece, ...]]:
+    """Sums of powers, as a drag that is odd in the velocity or a spring of two joints is expanded in; of waves.
+
+    Args:
+        fields: What programs may read.
+        angles: Whether positions are angles: a torque over them comes back after a turn.
+    """
+    waves = [sum(_WAVES[:most], ()) for most in range(2, len(_WAVES) + 1)] if angles else []
+    for programs in (*_TOGETHER, *waves):
         if all(name in fields for program in programs for name in fields_of(program)):
             yield tuple(Piece(program) for program in programs)

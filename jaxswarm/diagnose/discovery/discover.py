@@ -12,16 +12,16 @@ from typing import NamedTuple
 
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import LOUD
-from jaxswarm.diagnose.discovery.joint_search import (
-    NoFormula,
-    Open,
-    clearly_better,
-    search_joint,
-    stays_near,
-    unlawful,
-)
+from jaxswarm.diagnose.discovery.joint_search import NoFormula, search_joint
+from jaxswarm.diagnose.discovery.open_joints import Open, unlawful
+from jaxswarm.diagnose.discovery.proof import clearly_better, stays_near
 from jaxswarm.diagnose.discovery.rivals import fitted_rivals
-from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stand_ins
+from jaxswarm.diagnose.discovery.stand_ins import (
+    Discovery,
+    bared,
+    shows_on,
+    without_stand_ins,
+)
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import refit
@@ -103,7 +103,7 @@ def _to_be_searched(diagnosis: Diagnosis, seed: int) -> list[Open]:
     """Joints that no law explains, then those on which laws were added and more than noise is left."""
     told = unlawful(diagnosis, seed)
     known = {one.joint for one in told}
-    added = {step.added.joint for step in diagnosis.kept} - known
+    added = {shows_on(step) for step in diagnosis.kept} - known
     loud = [r for r in remainders(diagnosis.final) if r.over_noise > LOUD and r.joint in added]
     return told + [Open(r.joint, (), 0.0, named=True) for r in loud]
 

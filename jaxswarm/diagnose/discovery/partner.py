@@ -33,9 +33,10 @@ def named_partners(joint: int, depends_on: Sequence[str], joints: Sequence[str])
 
 
 def neighbors(joint: int, named: Sequence[Variables], joints: int) -> list[Variables]:
-    """Partners where nothing was named: of a product of two variables a residual may name none.
+    """Partners beside those that were named: of a product of two variables a residual may name none, or others.
 
-    sin(q) exp(-(dq/s)^2) of the next joint left 4.7 times the noise, and no variable by itself told any of it.
+    sin(q) exp(-(dq/s)^2) of the next joint left 4.7 times the noise, and no variable by itself told any of it;
+    of abs(q dq) of one joint in a drag on another the residual named the position of a third.
 
     >>> neighbors(2, [(None, [])], 6)
     [(1, []), (3, [])]

@@ -106,7 +106,13 @@ def joint_problem(
     for motion, load in zip(lin.found.motions, lin.loads, strict=True):
         kept = motion.decimator.kept(len(motion.t))
         series = joint_series(motion, width, load, joint, other)._asdict()
-        parts.append({name: np.asarray(series[name])[kept] for name in fields})
+        own = {name: np.asarray(series[name])[kept] for name in fields}
+        # All but the sign is smooth against the rows' clock. At a reversal a position stands still, so that
+        # what a sign is multiplied by hardly changes while the torque's low-pass goes over its jump: the true
+        # sin(q) max(sin(q - c), 0) sign(dq) left 0.38 of the squared error by the sign of single samples, and
+        # leaves 0.015 by this one.
+        own["direction"] = motion.decimator.apply(series["direction"])
+        parts.append(own)
     data = {name: np.concatenate([part[name] for part in parts]) for name in fields}
     data = {name: x for name, x in data.items() if np.ptp(x) > 1e-9 and np.isfinite(x).all()}
     used = np.flatnonzero(lin.crossfit.weight.any(axis=1))

@@ -12,7 +12,7 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import fit_from, refit
-from jaxswarm.diagnose.selection.step import chain, find_term
+from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.effects.alike import without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -119,17 +119,23 @@ def _usual_width(model: Model, joint: int) -> tuple[float, ...] | None:
     return tuple(usual if k == joint else w for k, w in enumerate(model.width))
 
 
+def shows_on(step: Step) -> int:
+    """The joint of an added law; of one of the whole arm, such as a contact, that on which it shows most."""
+    return step.score.joint if step.added.joint is None else step.added.joint
+
+
 def without_stand_ins(
     diagnosis: Diagnosis, found: Discovery, seed: int
 ) -> tuple[Diagnosis, Discovery]:
     """The diagnosis with a found law, and without what was added on its joint and is not needed beside it.
 
     An effect of the catalog that was added before is asked for again in its absence; if it does not pass, it
-    had told a part of the law that was not known then.
+    had told a part of the law that was not known then. So had a push that showed on the joint: of a power of
+    the position times two of the load two short stretches were told as contacts.
     """
     after, steps, gone = found.after, list(diagnosis.steps), []
     for step in diagnosis.kept:
-        if step.added.joint != found.added.joint or step.removed:
+        if shows_on(step) != found.added.joint or step.removed:
             continue
         rest = refit(after, without(step.added, after.model.terms))
         lin = Linearization(rest, cross_fit(rest))

@@ -1,0 +1,65 @@
+"""A found law seen again, in the model that it led to: in its own shapes, the simplest that says as much.
+
+The load, the widths of signs and the parameters of the arm that a formula is searched with are those of a
+model that lacks it, and bend it: beside q^2 tanh(load/s) load0 a product with the acceleration seemed to be a
+second term, which made good what the load was off by.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.discovery.front import Point, point, ranked, region_folds, strict
+from jaxswarm.diagnose.discovery.grammar import programs, skeleton
+from jaxswarm.diagnose.discovery.nearby import nearby
+from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.sums import Sum, polished
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.refit import fit_from
+from jaxswarm.effects.term import Term, without
+from jaxswarm.identify.estimation.estimate import Estimate
+
+# Formulas whose constants are learned without the region on which they are scored.
+_STRICT = 6
+
+
+def bare_of(diagnosis: Diagnosis, after: Estimate, term: Term) -> Diagnosis:
+    """The diagnosis without a law, but with the sign widths of the model that holds it."""
+    start = np.asarray(after.model.robot.parameters).ravel()
+    terms, width = without(term, after.model.terms), after.model.width
+    rest = fit_from(after, start, terms, width, refine_width=False)
+    return replace(diagnosis, final=rest, crossfit=cross_fit(rest))
+
+
+def with_loads_of(problem: Joint, after: Estimate) -> None:
+    """Let all laws on a joint see the loads of a model that holds the law."""
+    problem.lin.loads = Linearization(after, problem.lin.crossfit).loads
+
+
+def shapes_of(
+    problem: Joint, formula: Sum, label: np.ndarray, seed: int
+) -> tuple[list[Point], int]:
+    """The formula and those around it, the shortest description first, and how many programs were tried.
+
+    Args:
+        problem: The joint in the model that the formula led to, without it.
+        formula: The formula.
+        label: Region of every row.
+        seed: Of the swarms.
+    """
+    whole = problem.lin.crossfit.whole
+    folds = region_folds(whole, label)
+    start = point(problem, polished(problem, formula, whole), folds)
+    pieces = programs(problem.data, problem.units, problem.angles)
+    found, tried = nearby(problem, pieces, [start], folds, seed)
+    log = problem.lin.found.regression.log
+    first = ranked([start, *found], log)[:_STRICT]
+    return ranked([strict(problem, one, folds) for one in first], log), tried
+
+
+def alike_in_form(one: Sum, other: Sum) -> bool:
+    """Whether two formulas have the same terms, in any order and with any constants."""
+    forms = [sorted(skeleton(p) for p in formula.programs) for formula in (one, other)]
+    return forms[0] == forms[1]
