@@ -8,7 +8,7 @@ from planted import declared_fit, log_with
 
 from jaxswarm.diagnose.discovery import proof
 from jaxswarm.diagnose.discovery.proof import stays_near
-from jaxswarm.diagnose.discovery.stand_ins import bared
+from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stand_ins
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
@@ -68,3 +68,13 @@ def test_no_joint_that_was_explained_is_given_up_for_a_formula(monkeypatch, befo
 
     monkeypatch.setattr(proof, "remainders", told)
     assert stays_near(before, after) is right
+
+
+def test_what_was_added_anywhere_is_asked_again_beside_a_found_law():
+    told = tilted()
+    law = told.final.model.terms[0]
+    found = Discovery(law, None, None, (), (), 0, (), told.declared, told.final)
+    after, kept = without_stand_ins(told, found, 0)
+    assert [t.effect for t in after.withdrawn] == ["base_tilt"] and not after.kept
+    assert kept.added.identity == law.identity and kept.after is after.final
+    assert "base_tilt" not in {t.effect for t in after.final.model.terms}
