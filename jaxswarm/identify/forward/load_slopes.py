@@ -18,7 +18,7 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along
 from jaxswarm.identify.forward.columns import Load, Rigid, is_kept, term_columns
-from jaxswarm.identify.forward.measuring_chain import report
+from jaxswarm.identify.forward.measuring_chain import placed, report
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
@@ -58,17 +58,22 @@ def load_slopes(
     body = body_along(robot, terms, motion, pi, rigid)
     load, acting = body.load(), [t for t in terms if loaded(t) and t.acts_in(log)]
     by = [(t.index, *_by_load(t, body.motion, width, load)) for t in acting]
-    low = motion.decimator
-    total = np.zeros((len(low.kept(len(motion.t))), motion.q.shape[1], len(pi)))
-    row = 0
-    for part in low.blocks(len(motion.t), _BLOCK):
-        full, still = _columns(body, part)
-        block = np.zeros_like(full)
-        for j, by_full, by_still in by:
-            block[:, j] += by_full[part, None] * full[:, j] + by_still[part, None] * still[:, j]
+    low, joints = motion.decimator, motion.q.shape[1]
+
+    def seen(own: np.ndarray, joint: int) -> np.ndarray:
+        # What the drives of an arm write down may mix its joints.
         if of_kind(terms, MeasurementLaw):
-            block = report(terms, motion, block)
-        made = low.apply(block)
+            return low.apply(report(terms, motion, placed(own, joint, joints)))
+        return placed(low.apply(own), joint, joints)
+
+    total, row = np.zeros((len(low.kept(len(motion.t))), joints, len(pi))), 0
+    for part in low.blocks(len(motion.t), _BLOCK) if by else ():
+        full, still = _columns(body, part)
+        parts = [
+            seen(by_full[part, None] * full[:, j] + by_still[part, None] * still[:, j], j)
+            for j, by_full, by_still in by
+        ]
+        made = np.sum(parts, axis=0)
         total[row : row + len(made)] = made
         row += len(made)
     return total
