@@ -18,7 +18,8 @@ from jaxswarm.diagnose.discovery.sums import Sum, polished
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import fit_from
-from jaxswarm.effects.term import Term, without
+from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 # Formulas whose constants are learned without the region on which they are scored.
