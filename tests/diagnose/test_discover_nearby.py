@@ -80,10 +80,10 @@ def test_a_law_is_told_in_the_shortest_shape_that_says_as_much(monkeypatch):
     problem, _ = lacking(two)
     monkeypatch.setattr(seen_again, "programs", lambda *args: PIECES)
     bent = Sum((BENT_CAM, BENT_BRAKE), {})
-    points, _ = shapes_of(problem, bent, regions(problem.lin.found), 0)
+    points, _ = shapes_of(problem, [bent], regions(problem.lin.found), 0)
     assert alike_in_form(points[0].formula, Sum((BRAKE, CAM), {}))
     assert not alike_in_form(points[0].formula, bent)
-    again, _ = shapes_of(problem, points[0].formula, regions(problem.lin.found), 0)
+    again, _ = shapes_of(problem, [points[0].formula], regions(problem.lin.found), 0)
     assert alike_in_form(again[0].formula, points[0].formula)
 
 

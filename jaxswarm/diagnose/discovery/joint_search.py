@@ -7,6 +7,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.decision.rules import LOUD
 from jaxswarm.diagnose.discovery.candidates import candidates
 from jaxswarm.diagnose.discovery.front import Point, front
 from jaxswarm.diagnose.discovery.grammar import programs
@@ -32,8 +33,8 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.logs.motion import Motion
 
-# Formulas of one joint that are put to the proof.
-_PROVED = 5
+# Formulas of one joint that are put to the proof; those beside a proved one that are seen again with it.
+_PROVED, _BESIDE = 5, 6
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def _search(
             continue
         points = [p for own, p in ranked if own is problem]
         one, outcome = needed(diagnosis, left, problem, one, tried, other, outcome)
-        again = _seen_again(diagnosis, left, problem, one, tried, other, seed, outcome)
+        again = _seen_again(diagnosis, left, problem, one, points, tried, other, seed, outcome)
         if again is not None:
             problem, points, count, outcome = again
             one, tried = points[0], tried + count
@@ -135,6 +136,7 @@ def _seen_again(
     left: Open,
     problem: Joint,
     one: Point,
+    others: Sequence[Point],
     tried: int,
     other: Sequence[Motion],
     seed: int,
@@ -151,7 +153,10 @@ def _seen_again(
     with_loads_of(own, after)
     label = regions(bare.final)
     assert label is not None  # it was when the formula was found
-    points, count = shapes_of(own, one.formula, label, seed)
+    # Of a law that leaves more than noise, what was next to it may come nearer in the model that it led to.
+    loud = remainders(after)[left.joint].over_noise > LOUD
+    starts = [one.formula, *(p.formula for p in others[:_BESIDE] if loud)]
+    points, count = shapes_of(own, starts, label, seed)
     if alike_in_form(points[0].formula, one.formula):
         return None
     proved = prove(bare, left, own, points[0], tried + count, other)

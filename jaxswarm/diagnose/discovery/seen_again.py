@@ -5,6 +5,7 @@ model that lacks it, and bend it: beside q^2 tanh(load/s) load0 a product with t
 second term, which made good what the load was off by.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -40,23 +41,24 @@ def with_loads_of(problem: Joint, after: Estimate) -> None:
 
 
 def shapes_of(
-    problem: Joint, formula: Sum, label: np.ndarray, seed: int
+    problem: Joint, formulas: Sequence[Sum], label: np.ndarray, seed: int
 ) -> tuple[list[Point], int]:
-    """The formula and those around it, the shortest description first, and how many programs were tried.
+    """Formulas and those around them, the shortest description first, and how many programs were tried.
 
     Args:
-        problem: The joint in the model that the formula led to, without it.
-        formula: The formula.
+        problem: The joint in the model that a formula led to, without it.
+        formulas: That one, and others from which to begin.
         label: Region of every row.
         seed: Of the swarms.
     """
     whole = problem.lin.crossfit.whole
     folds = region_folds(whole, label)
-    start = point(problem, polished(problem, formula, whole), folds)
+    starts = [point(problem, polished(problem, one, whole), folds) for one in formulas]
+    starts = [one for one in starts if np.isfinite(one.error)]
     pieces = programs(problem.data, problem.units, problem.angles)
-    found, tried = nearby(problem, pieces, [start], folds, seed)
+    found, tried = nearby(problem, pieces, starts, folds, seed)
     log = problem.lin.found.regression.log
-    first = ranked([start, *found], log)[:_STRICT]
+    first = ranked([*starts, *found], log)[:_STRICT]
     return ranked([strict(problem, one, folds) for one in first], log), tried
 
 
