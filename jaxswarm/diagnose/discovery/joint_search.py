@@ -33,8 +33,8 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.logs.motion import Motion
 
-# Formulas of one joint that are put to the proof; those beside a proved one that are seen again with it.
-_PROVED, _BESIDE = 5, 6
+# Formulas of one joint that are put to the proof.
+_PROVED = 5
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def _seen_again(
     assert label is not None  # it was when the formula was found
     # Of a law that leaves more than noise, what was next to it may come nearer in the model that it led to.
     loud = remainders(after)[left.joint].over_noise > LOUD
-    starts = [one.formula, *(p.formula for p in others[:_BESIDE] if loud)]
+    starts = [one.formula, *(p.formula for p in others if loud)]
     points, count = shapes_of(own, starts, label, seed)
     if alike_in_form(points[0].formula, one.formula):
         return None

@@ -14,9 +14,9 @@ from jaxswarm.diagnose.discovery.sums import without_term
 from jaxswarm.diagnose.discovery.term_more import believed, explained, one_more
 from jaxswarm.effects.postfix import fields_of
 
-# Sums around which is looked, their terms at most, rounds over all terms, the share of the squared error that a
-# round has to take off, and shapes of a term that are refined beside the others.
-_STARTS, _TERMS, _ROUNDS, _SLIGHT, _TRIED = 2, 2, 4, 0.02, 10
+# Terms of a sum around which is looked, rounds over all of them, the share of the squared error that a round
+# has to take off, and shapes of a term that are refined beside the others.
+_TERMS, _ROUNDS, _SLIGHT, _TRIED = 2, 4, 0.02, 10
 _SAME = {"direction": "dq", "static_load": "load"}
 
 
@@ -34,7 +34,7 @@ def nearby(
     """
     done: list[Point] = []
     tried = 0
-    for best in _apart(points)[:_STARTS]:
+    for best in _starts(points):
         for _ in range(_ROUNDS):
             found: list[Point] = []
             for k, piece in enumerate(best.formula.pieces):
@@ -52,14 +52,12 @@ def nearby(
     return [one for one in done if believed(problem, one)], tried
 
 
-def _apart(points: Sequence[Point]) -> list[Point]:
-    """The points without those whose terms are functions of the same variables as those of a better one."""
-    kept: dict[tuple, Point] = {}
+def _starts(points: Sequence[Point]) -> list[Point]:
+    """The best of the points with every number of terms: what is added to a bent term bends the next ones."""
+    best: dict[int, Point] = {}
     for one in points:
-        if len(one.formula.pieces) <= _TERMS:
-            terms = sorted(sorted(_variables(piece)) for piece in one.formula.pieces)
-            kept.setdefault(tuple(map(tuple, terms)), one)
-    return list(kept.values())
+        best.setdefault(len(one.formula.pieces), one)
+    return [best[terms] for terms in range(_TERMS, 0, -1) if terms in best]
 
 
 def _variables(piece: Piece) -> frozenset[str]:
