@@ -119,6 +119,38 @@ def test_laws_that_leave_more_than_noise_are_doubted_and_not_told_as_searched_in
     assert search == ((), ())
 
 
+def test_two_laws_on_one_joint_are_doubted_where_they_leave_noise(monkeypatch):
+    diagnosis, asked = by_hand(
+        monkeypatch, (1.0, 1.0, 1.0), lambda joint: NoFormula(joint, 9, None, "none")
+    )
+    diagnosis.kept = [*diagnosis.kept, diagnosis.kept[-1]]
+    discovery.discover(diagnosis)
+    assert asked == [Open(2, (), 0.0, named=True)]
+
+
+@pytest.mark.parametrize(
+    ("laws", "terms", "constants", "worse", "right"),
+    [
+        (2, 1, 2, False, True),
+        (2, 1, 2, True, False),
+        (1, 1, 2, False, False),
+        (2, 2, 2, False, False),
+        (2, 1, 6, False, False),
+    ],
+)
+def test_one_term_takes_the_place_of_several_laws(
+    monkeypatch, laws, terms, constants, worse, right
+):
+    law = SimpleNamespace(parameters=(0,) * 3)
+    kept = [SimpleNamespace(added=SimpleNamespace(joint=1, law=law), removed=())] * laws
+    formula = SimpleNamespace(parameters=(0,) * constants, terms=(0,) * terms)
+    added = SimpleNamespace(index=1, found_formula=formula)
+    monkeypatch.setattr(discovery, "clearly_better", lambda *args: worse)
+    diagnosis = SimpleNamespace(kept=kept, final=None)
+    found = SimpleNamespace(added=added, after=None)
+    assert discovery._one_for_several(diagnosis, found, ()) is right
+
+
 def test_a_push_is_doubted_on_the_joint_where_it_shows(monkeypatch):
     diagnosis, asked = by_hand(
         monkeypatch, (1.6, 1.6, 1.6), lambda joint: NoFormula(joint, 9, None, "none")
