@@ -9,6 +9,12 @@ Of the 32 cases 1, 4, 7 to 94, from which nothing had been learned, 25 hide a la
 on 20, the unseen error within 1.5 times that of the true law on 17 (with laws of the catalog alone on 1, the
 rival on none); of 17 laws of one term on 15 and 14. On 7 clean logs nothing was added (the rival: on 5). A
 search takes 7 s of one core in the median, 21 at most.
+
+Of the 17 laws among the cases 200 to 220, from six of which the causes were learned: before signs were seen
+through the low-pass, laws by the load fitted with its slope, and shapes looked for around the best formula, the
+right class on 10 and the unseen error within 1.5 times on 6; after it on 14 and 11 (the rival on none, laws of
+the catalog on none). The error of the model that is told the true law was 14 and 100 times as large before on
+two of them. On the 4 clean logs nothing was added. A search takes 8 s of one core in the median, 76 at most.
 """
 
 import json

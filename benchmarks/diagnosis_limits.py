@@ -4,9 +4,12 @@ Each log holds one of them on an arm of its own; right is the effect on its join
 data did not tell apart, and nothing else. A log on which no size within bounds shows as much is left out.
 
 Measured at four times so far, of 17 effects: position_dependent_friction (seed 7000) and friction_change (7100)
-1 of 1 each, maxwell_slip (8600, 8601) 2 of 2, dwell_friction (7200) 0 of 1: told as stribeck_friction,
-undecided with quadratic_drag. It was never asked: the motion of these logs has no rests, without which
-it is not.
+1 of 1 each; 2 of 2 each maxwell_slip, dwell_friction (on motion with rests), lugre_friction,
+gravity_compensator, cable_coupling, periodic_force, gear_coupling_error; 1 of 1 encoder_eccentricity;
+base_compliance 1 of 1, with a torque_ripple beside it; 1 of 2 each cubic_spring (the other told as
+joint_spring, undecided with it), torque_dead_band (as torque_offset, undecided with it), torque_lag (as
+time_delay) and torque_constant_saturation (nothing told). On the two logs each of encoder_offset and
+link_geometry no size within bounds shows as much.
 """
 
 import json

@@ -5,6 +5,11 @@ the declared model cannot imitate is so many times the torque's noise; every fou
 model is scored on another motion over the same range of the joints, as measured and without the noise of the
 torque, against a model that is told the mechanism's torque to the last digit, and against one that is told its
 form alone, see :mod:`benchmarks.mechanism_fit`.
+
+Of the first 12 mechanisms, one of each kind, a formula of the right class was found on 11 and the unseen error
+as measured is within 1.5 times that of the true torque on 11 (with laws of the catalog alone on 1). The buffer
+was told as a gravity compensator and a ripple. The four-bar balancer is the twelfth error: 12 times the true
+one's, and 1.36 times since waves of a turn are asked together; on another one (case 18) it is 2.6 times.
 """
 
 import json
