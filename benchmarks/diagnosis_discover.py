@@ -17,8 +17,8 @@ the catalog on none). The error of the model that is told the true law was 14 an
 two of them. On the 4 clean logs nothing was added. A search takes 8 s of one core in the median, 76 at most.
 
 Of the 7 laws among the cases 221 to 228, from which nothing was learned: the right class on 7 before and after,
-the unseen error within 1.5 times on 3 before and 5 after; of the 10 among the cases 221 to 232 after on 8 and 6,
-and on 2 clean logs nothing was added. What is left are forms that say the same in the range of the log.
+the unseen error within 1.5 times on 3 before and 5 after; of the 10 among the cases 221 to 232 after on 8 and
+6, and on 2 clean logs nothing was added. What is left are forms that say the same in the range of the log.
 """
 
 import json
