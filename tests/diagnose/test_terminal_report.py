@@ -98,3 +98,24 @@ def test_a_pure_number_has_no_unit_and_an_interval():
         {"value": 2.0, "std_error": None, "unit": "N m", "before": 1.5, "change": change}
     )
     assert told == "2 N m, was 1.5 N m: changed by 0.5 N m"
+
+
+def test_formulas_are_offered_where_the_catalog_may_fall_short():
+    def offered(told):
+        return [step for step in next_steps(told) if "--discover" in step]
+
+    told = explained()
+    assert offered(told) == []
+    blind = unexplained()
+    assert offered(blind) == []
+    blind["unexplained"][0]["depends_on"] = ["q_joint1"]
+    assert f"what {JOINTS[3]} lacks" in offered(blind)[0]
+    told["effects"].append(effect() | {"effect": "torque_ripple"})
+    assert JOINTS[1] in offered(told)[0]
+    told["effects"][1]["effect"] = "coulomb_friction"  # what every drive has
+    assert offered(told) == []
+    told["effects"][1]["effect"] = "torque_ripple"
+    told["no_formula"] = [
+        {"joint": JOINTS[1], "programs_tried": 3000, "because": "laws explain it"}
+    ]
+    assert offered(told) == []

@@ -3,6 +3,7 @@
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.remains import left_of, when
+from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines
 
 # A joint below so many times its noise is told to be left alone.
@@ -172,16 +173,30 @@ def next_steps(result: dict) -> list[str]:
     # A search that was cut short has not asked every law: it has to end first.
     for u in result["unexplained"] if not result.get("budget") else ():
         steps += _look_at(u)
-    unasked = [
-        u["joint"]
-        for u in result["unexplained"]
-        if u["depends_on"] and u["joint"] not in {n["joint"] for n in result.get("no_formula", ())}
-    ]
-    if unasked:
-        steps.append(
-            f"diagnose with --discover looks for a formula of what {', '.join(unasked)} lacks."
-        )
+    steps += _not_searched(result)
     return steps + _done(result)
+
+
+def _not_searched(result: dict) -> list[str]:
+    """Where a search for formulas was not asked for and may tell more than the catalog."""
+    told = []
+    searched = {entry["joint"] for entry in (*result.get("no_formula", ()), *result["discovered"])}
+    lacking = [u["joint"] for u in result["unexplained"] if u["depends_on"]]
+    lacking = [joint for joint in lacking if joint not in searched]
+    if lacking:
+        told.append(
+            f"diagnose with --discover looks for a formula of what {', '.join(lacking)} lacks."
+        )
+    usual = {name for name, law in REGISTRY.items() if law.everyday}
+    own = [e["joint"] for e in result["effects"] if e["joint"] and e["effect"] not in usual]
+    doubted = dict.fromkeys(joint for joint in own if own.count(joint) > 1)
+    several = [joint for joint in doubted if joint not in {*searched, *lacking}]
+    if several:
+        told.append(
+            f"Several laws were added on {', '.join(several)}: diagnose with --discover looks for one "
+            "in their place."
+        )
+    return told
 
 
 def _look_at(entry: dict) -> list[str]:
