@@ -122,6 +122,19 @@ def test_a_log_whose_torque_is_noise_cannot_be_judged(clean):
     assert "units" in verdict_sentence(told)
 
 
+def test_joints_that_move_one_by_one_are_judged_by_their_noise(clean, unseen):
+    """No part of such a log tells what the others do: sixteen times the torque was left of a clean one."""
+    outcome = outcome_of(clean)
+    scattered = replace(outcome, after={**outcome.after, "relative_global": 16.4})
+    told = to_result(scattered)
+    assert told["verdict"] == "nothing missing" and told["proof"] == "none"
+    assert any("1640 % of the torque" in reason for reason in told["reasons"])
+    assert not any("held-out time" in reason for reason in to_result(outcome)["reasons"])
+    # Of another log it is what it says.
+    seen = outcome_of(clean, [], unseen)
+    assert to_result(replace(seen, after=scattered.after))["verdict"] == "cannot be judged"
+
+
 def test_of_several_validation_logs_the_worst_leads(found, unseen):
     other = prepare(log_with(seed=3), BAND)  # without the spring: there the addition does harm
     told = to_result(outcome_of(found, [], [*unseen, replace(other, source="without")]))

@@ -30,11 +30,25 @@ def verdict(added: int, left: Sequence[Unexplained], remains: Sequence[Remainder
     return UNEXPLAINED if more else NOTHING
 
 
-def hopeless(relative: float) -> str | None:
-    """Why a log cannot be judged whose model leaves a share of all torque on unseen time; None: it can."""
-    if relative < HOPELESS:
+def hopeless(unseen: float, belongs: bool) -> str | None:
+    """Why a log cannot be judged whose model leaves a share of all torque on unseen time; None: it can.
+
+    ``belongs``: fitted to the whole log it is near the noise on every joint. Joints that move one by one leave
+    sixteen times the torque of time held out, which no other time tells of.
+    """
+    if unseen < HOPELESS or belongs:
         return None
     return (
-        f"the model leaves {100 * relative:.0f} % of the torque on unseen time: torque and motion do not "
+        f"the model leaves {100 * unseen:.0f} % of the torque on unseen time: torque and motion do not "
         "belong together; check units, signs and the order of the columns"
+    )
+
+
+def unpredicted(unseen: float, belongs: bool) -> str | None:
+    """Why errors on held-out time tell nothing of a model that belongs to its log; None: they do."""
+    if unseen < HOPELESS or not belongs:
+        return None
+    return (
+        f"errors on held-out time ({100 * unseen:.0f} % of the torque) tell nothing: no part of the log tells "
+        "all parameters, as where joints move one by one; record a motion of all joints at once"
     )

@@ -9,7 +9,13 @@ from jaxswarm.diagnose.decision.remainder import Remainder
 from jaxswarm.diagnose.decision.rules import HARM, Rules
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import Unexplained
-from jaxswarm.diagnose.decision.verdict import CANNOT, hopeless, verdict
+from jaxswarm.diagnose.decision.verdict import (
+    CANNOT,
+    NO_PROOF,
+    hopeless,
+    unpredicted,
+    verdict,
+)
 from jaxswarm.diagnose.discovery.discover import Search
 from jaxswarm.diagnose.report import discovered
 from jaxswarm.diagnose.report.experiment import best_experiment, separating_command
@@ -57,7 +63,9 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
     rules = rules or diagnosis.rules
     final, robot = diagnosis.final, diagnosis.final.model.robot
     joints = robot.joints
-    why = hopeless(outcome.after["relative_global"])
+    belongs = not outcome.validation and all(r.near for r in outcome.remains)
+    unseen = outcome.after["relative_global"]
+    why, weak = hopeless(unseen, belongs), unpredicted(unseen, belongs)
     added = len(diagnosis.kept) + len(laws.found)
     return {
         "robot": robot.name,
@@ -69,13 +77,13 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
         "error": _error(outcome),
         "torque_units": list(units(robot)),
         "verdict": CANNOT if why else verdict(added, outcome.left, outcome.remains),
-        "proof": outcome.proof,
+        "proof": NO_PROOF if weak else outcome.proof,
         "residual_over_noise": [r.over_noise for r in outcome.remains],
         "discovered": discovered.entries(laws, final, joints),
         "no_formula": discovered.in_vain(laws, joints),
         "budget": vars(diagnosis.spent) if diagnosis.spent else None,
         "reasons": [
-            *([why] if why else []),
+            *(told for told in (why, weak) if told),
             *diagnosis.cut_short,
             *grown(outcome.validation, joints, outcome.noise, HARM),
         ],
