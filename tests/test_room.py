@@ -180,4 +180,5 @@ def test_a_search_with_many_checkpoints_needs_no_program_for_each(tmp_path, capl
         return sum("Finished XLA compilation" in record.message for record in caplog.records)
 
     compiled(3)
-    assert compiled(30) == compiled(4)
+    # One or two more may be made anew where programs were let go of in between; not one for each of 26 more.
+    assert compiled(30) < compiled(4) + 5
