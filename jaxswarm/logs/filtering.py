@@ -85,8 +85,11 @@ def power_density(x: np.ndarray, rate: float, length: int) -> tuple[np.ndarray, 
     :mod:`scipy.signal` has for it takes, with all it loads, a tenth of a short command's time.
     """
     frequency, spectra = stretch_spectra(x, rate, length)
-    starts = len(range(0, len(x) - length + 1, length - length // 2))
-    return frequency, sum(spectra, np.zeros((len(frequency), x.shape[1]))) / starts
+    total, count = np.zeros((len(frequency), x.shape[1])), 0
+    for density in spectra:
+        total += density
+        count += 1
+    return frequency, total / count
 
 
 def stretch_spectra(
