@@ -136,6 +136,23 @@ def test_what_nobody_needs_is_dropped(case):
     assert "torque_offset" not in {t.effect for t in found.model.terms}
 
 
+def test_what_stood_beside_a_law_that_is_gone_gives_way_to_a_plainer_one(case):
+    """Nobody had asked for the drag itself: two laws shared what it does."""
+    bent = step_of(case, "nonlinear_viscous_friction", [])
+    spare = Term("torque_offset", 1)
+    both = refit(bent.after, (*bent.after.model.terms, spare))
+    near = replace(case[1]["joint_spring", 1, None, None], joint=1)
+    later = Step(
+        spare, case[1]["torque_offset", 1, None, None], (), (near,), bent.after, both, (), (near,)
+    )
+    steps, found, changed = reconsider([bent, later], both, 60, Rules())
+    assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
+    assert steps[0].added.values["c"] == pytest.approx(1.5, rel=0.05)
+    assert {t.effect for t in found.model.terms if t.joint == 1} >= {"quadratic_drag"}
+    alone, _, again = reconsider([bent], bent.after, 60, Rules())
+    assert not again and [s.added.effect for s in alone] == ["nonlinear_viscous_friction"]
+
+
 @pytest.mark.parametrize("certain", [True, False])
 def test_everyday_friction_stays_only_if_it_is_certain(case, monkeypatch, certain):
     """It came with that of other joints; where it fails a test of its own, its value has to be sure."""

@@ -8,17 +8,16 @@ needs any more is dropped.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose, is_special_case
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, SAVED, Rules
+from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, Rules
 from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, row_weight
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.pair import pair
+from jaxswarm.diagnose.selection.plainer import cost, does_as_well, plainer
 from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
@@ -102,6 +101,7 @@ def reconsider(
         The steps, the model, and whether an effect was exchanged or dropped.
     """
     done, changed = list(steps), False
+    freed: set[int | None] = set()
     for step in steps:
         rivals = competitors(step)
         known = with_errors(step.added, current)
@@ -122,6 +122,7 @@ def reconsider(
             if _nobody_needs(step, certain, scores, rules):
                 del done[place]
                 current, changed = rest, True
+                freed.add(step.added.joint)
             continue
         chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == own
@@ -136,6 +137,13 @@ def reconsider(
         pick, current = instead
         done[place] = _exchanged(step, pick, (chosen, *near), scores, current, crossfit)
         changed = True
+    for place, step in enumerate(done):
+        alone = (
+            plainer(step.added, current, rules, seed, other) if step.added.joint in freed else None
+        )
+        if alone is not None:
+            pick, current = alone
+            done[place] = _exchanged(step, pick, (), (), current, cross_fit(current))
     return (chain(done) if changed else done), current, changed
 
 
@@ -184,9 +192,9 @@ def _replacement(
         if after is None:
             continue
         if pick is chosen:
-            fits = _cost(after, pick.joint, rest) <= PRICE * _cost(current, pick.joint, rest)
+            fits = cost(after, pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
         else:
-            fits = _does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
+            fits = does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
         if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
             return pick, after
     return None
@@ -206,7 +214,7 @@ def _fuller(
     """
     for pick in (s for s in near if s.candidate.size > chosen.candidate.size):
         after = refit_with(rest, pick)
-        if after is None or _does_as_well(
+        if after is None or does_as_well(
             current, after, pick.candidate.size - chosen.candidate.size
         ):
             continue
@@ -223,15 +231,3 @@ def _simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
     """
     fewer = [s for s in passed if s.candidate.size < chosen.candidate.size]
     return sorted(fewer, key=lambda s: (s.candidate.size, -s.gain))
-
-
-def _does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
-    """Whether a model that saves parameters leaves no more than two standard errors each, on all joints."""
-    price = 1.0 + SAVED * saved / cross_fit(full).effective
-    return _cost(simple, slice(None), full) <= price * _cost(full, slice(None), full)
-
-
-def _cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:
-    """Squared error of a joint, or of several, in units of the noise; rare large residuals bounded."""
-    weight = row_weight(weights)
-    return float(np.square((found.fit.residual * weight)[:, joint]).sum())
