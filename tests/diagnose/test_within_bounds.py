@@ -94,3 +94,21 @@ def test_a_law_stands_within_its_bounds(values, stays):
     (one,) = score_terms(Linearization(found, cross_fit(found)), asked, 0)
     assert one.share > 0.2
     assert (refit_with(found, one) is not None) is stays
+
+
+@pytest.mark.parametrize(("level", "possible"), [(1.5, True), (-3.5, False)])
+def test_no_law_may_drive_friction_of_its_joint_below_zero(level, possible):
+    """A bent curve is not made of two laws one of which drives: an eddy brake was told as such a pair."""
+    friction = {"b": 6.0}, {"fc": level}, {"df": 5.0, "vs": 0.5, "delta": 2.0}
+    names = "viscous_friction", "coulomb_friction", "stribeck_friction"
+    bent = tuple(Term(n, 1, values=v) for n, v in zip(names, friction, strict=True))
+    own = (*(t for t in DECLARED if t.joint == 0), *bent)
+    log = synthetic_log(
+        small_arm(), own, 1, noise=Noise(2e-5, 0.1), duration=12.0, rate=125.0, motion_seed=7
+    )
+    before = fitted(log)
+    (score,) = score_terms(
+        Linearization(before, cross_fit(before)), [Term("stribeck_friction", 1)], 0
+    )
+    assert score.share > 0.2
+    assert (refit_with(before, score) is not None) is possible

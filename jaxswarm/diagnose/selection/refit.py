@@ -71,7 +71,7 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     if after is None:
         return None
     fall = 1.0 - cost(after) / cost(current)
-    if not _holds(after, term, fall):
+    if not _holds(after, term, fall) or _unphysical(after, term) - _unphysical(current, term):
         return None
     within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
     return after if within >= WITHIN_BOUNDS * fall else None
@@ -86,6 +86,21 @@ def _holds(after: Estimate, term: Term, fall: float) -> bool:
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     return physical and fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
+
+
+def _unphysical(found: Estimate, term: Term) -> set[tuple]:
+    """The other terms of a term's joint that the log wants beyond their physical bounds, whatever chance.
+
+    An eddy brake was told as Stribeck friction beside a Coulomb level of -38 N: a bent curve, no law.
+    """
+    rows = zip(found.model.terms, found.std_errors, strict=True)
+    return {
+        t.identity
+        for t, errors in rows
+        if t.joint == term.joint
+        and t.place != term.place
+        and any(t.values[p.name] - p.lower < -BEYOND_CHANCE * errors[p.name] for p in t.law.linear)
+    }
 
 
 def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
