@@ -115,6 +115,25 @@ def test_a_simpler_law_is_taken_if_it_does_as_well(monkeypatch, alpha, kept):
     assert kept in {t.effect for t in found.model.terms}
 
 
+@pytest.mark.parametrize("kept", ["joint_spring", "cubic_spring"])
+def test_of_two_laws_of_as_many_numbers_the_one_that_does_not_bend_is_taken_if_it_does_as_well(
+    monkeypatch, kept
+):
+    values = {"joint_spring": {"k": 8.0, "tau0": 2.0}, "cubic_spring": {"k3": 30.0, "q0": 0.1}}
+    before, crossfit = declared_fit(log_with(Term(kept, 1, values=values[kept])))
+    scores = score_terms(
+        Linearization(before, crossfit), eligible_terms(before.model, before.motions), 0
+    )
+    there = before, {s.candidate.term.identity: s for s in scores}
+    step = step_of(there, "cubic_spring", ["joint_spring"])
+    monkeypatch.setattr(
+        reconsider_module, "choose", lambda passed, rules, crossfit: (passed[0], [])
+    )
+    steps, found, changed = reconsider([step], step.after, 60, Rules())
+    assert [s.added.effect for s in steps] == [kept]
+    assert changed == (kept == "joint_spring")
+
+
 def test_the_right_law_stays_and_nothing_is_fitted_anew(case):
     step = step_of(case, "quadratic_drag", ["nonlinear_viscous_friction"])
     steps, found, changed = reconsider([step], step.after, 60, Rules())

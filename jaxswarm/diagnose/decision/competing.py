@@ -55,6 +55,11 @@ def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
     return adds(one, other) and not adds(other, one)
 
 
+def plainness(s: Score) -> tuple[int, int]:
+    """Numbers that a candidate spends, and those of them that bend its shape: the fewer the plainer."""
+    return s.candidate.size, len(s.candidate.term.law.nonlinear)
+
+
 def _as_good(one: Score, best: Score) -> bool:
     return one.beside(best).sum() > AS_GOOD * best.beside(one).sum()
 
@@ -83,11 +88,7 @@ def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score
     standing = [
         s for s in close if not any(beats(r, s, rules, crossfit) for r in close if r is not s)
     ]
-
-    def plainness(s: Score) -> tuple[int, int, float]:
-        return s.candidate.size, len(s.candidate.term.law.nonlinear), -s.beside(best).sum()
-
-    chosen = min(standing or close, key=plainness)
+    chosen = min(standing or close, key=lambda s: (plainness(s), -s.beside(best).sum()))
     rivals = [
         s
         for s in standing

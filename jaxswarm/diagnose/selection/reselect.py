@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import choose, is_special_case
+from jaxswarm.diagnose.decision.competing import choose, is_special_case, plainness
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, Rules
 from jaxswarm.diagnose.decision.score import Score, passes
@@ -76,8 +76,8 @@ def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
 
 
 def _perhaps_simpler(steps: Sequence[Step]) -> bool:
-    """Whether a competitor of something added has fewer parameters."""
-    return any(s.candidate.size < step.score.candidate.size for step in steps for s in step.near)
+    """Whether a competitor of something added is plainer."""
+    return any(plainness(s) < plainness(step.score) for step in steps for s in step.near)
 
 
 def reconsider(
@@ -224,10 +224,10 @@ def _fuller(
 
 
 def _simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
-    """Those with fewer parameters, the fewest first.
+    """Those that are plainer, the plainest first.
 
     While a law is tried the others stay as they were fitted without it, and one with a free exponent
-    makes up for that. Fitted all together, the simpler law may do.
+    makes up for that. Fitted all together, the simpler law may do: a spring was told as a cubic one.
     """
-    fewer = [s for s in passed if s.candidate.size < chosen.candidate.size]
-    return sorted(fewer, key=lambda s: (s.candidate.size, -s.gain))
+    fewer = [s for s in passed if plainness(s) < plainness(chosen)]
+    return sorted(fewer, key=lambda s: (plainness(s), -s.gain))
