@@ -4,7 +4,8 @@ A motion is kept up to :data:`MOTION_BAND` times the frequency at which it is as
 (:func:`jaxswarm.logs.smoothing.find_cutoffs`), joint by joint; where friction turns round it is sharper than
 on the whole, and what is lost there is not won back. Noise that is not white, such as that of a filtered
 or interpolated position, would make a likelihood trust all of it: the valley of the acceleration's spectrum
-bounds the cutoff. Torques are compared over :data:`TORQUE_BAND` of the band of the median joint.
+bounds the cutoff. Torques are compared over :data:`TORQUE_BAND` of the band of the median joint, and no further
+than the motion of any joint is known that moves.
 
 Where a velocity is logged, both channels make one motion: the position at low, the velocity at high
 frequencies, by their noise. A velocity that is not the derivative of the position is left out, and told.
@@ -24,6 +25,8 @@ MOTION_BAND = 1.4
 _VALLEY_BAND = 1.3
 # On the same logs the residual over the torque's noise is 0.94 to 1.14 at 0.6, and up to 1.5 at 1.0.
 TORQUE_BAND = 0.6
+# A joint moves if it goes through so many times the noise of its position.
+_MOVES = 100.0
 # Share of the torque's variance that the compared band has to hold.
 _TORQUE_ENERGY = 0.9999
 # A velocity may differ from the derivative of the position by this share of its size below the cutoff.
@@ -77,6 +80,10 @@ def find_band(
     if ratio is None:  # the valley is that of the position alone
         motion = np.minimum(motion, _VALLEY_BAND * acceleration_valley(q, rate))
     compared = TORQUE_BAND / MOTION_BAND * float(np.median(motion))
+    # Where a joint's own motion is not known its torque follows what is not in the model: compared up to 1.5
+    # times its band, a clean joint was told as a soft one at its noise, with a quarter of its squared error.
+    moves = np.ptp(q, axis=0) > _MOVES * found.noise
+    compared = min(compared, *motion[moves]) if moves.any() else compared
     if torque is not None:
         # Above the band that holds the torque, errors of phase and structure are all there is.
         compared = min(compared, energy_band(torque, rate, _TORQUE_ENERGY))

@@ -1,0 +1,42 @@
+"""Over which band torques are compared: where the motion of every joint that moves is known."""
+
+import numpy as np
+import pytest
+
+from jaxswarm.logs.bands import TORQUE_BAND, find_band
+
+RATE = 250.0
+JOINTS = ("shoulder", "elbow", "wrist")
+
+
+def positions(coarse: float, swing: float = 0.5) -> np.ndarray:
+    """Three joints that move up to some 30 Hz, the first with an encoder of its own noise."""
+    rng, t = np.random.default_rng(0), np.arange(6000) / RATE
+    hertz = np.geomspace(0.2, 30.0, 25)
+    q = np.stack(
+        [
+            (np.sin(2 * np.pi * hertz * t[:, None] + rng.uniform(0, 6, 25)) / hertz**2)
+            @ np.ones(25)
+            for _ in JOINTS
+        ],
+        axis=1,
+    )
+    q *= np.array([swing, 0.5, 0.5]) / np.ptp(q, axis=0)
+    return q + rng.normal(size=q.shape) * np.array([coarse, 1e-6, 1e-6])
+
+
+def test_torques_are_compared_no_further_than_the_motion_of_any_joint_is_known():
+    found = find_band(positions(2e-4), RATE, JOINTS)
+    assert found.motion[0] < 0.5 * found.motion[1:].min()
+    assert found.torque == pytest.approx(found.motion[0])
+
+
+def test_where_all_are_known_alike_the_median_decides():
+    found = find_band(positions(1e-6), RATE, JOINTS)
+    assert found.torque == pytest.approx(TORQUE_BAND / 1.4 * np.median(found.motion))
+    assert found.torque < found.motion.min()
+
+
+def test_a_joint_that_hardly_moves_hides_no_torque_of_the_others():
+    found = find_band(positions(2e-4, swing=4e-3), RATE, JOINTS)
+    assert found.motion[0] < 0.3 * found.torque
