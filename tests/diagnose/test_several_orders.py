@@ -1,8 +1,12 @@
 """Ripples of several orders on one joint: a motor's cogging and its multiples, the teeth of a gear."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 from planted import added, diagnose_log, log_with, small_arm
 
+from jaxswarm.diagnose.candidates.orders import leaves_room, strays
 from jaxswarm.diagnose.report.text import grouped
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.alike import number_of, without
@@ -42,6 +46,27 @@ def test_a_sentence_tells_their_orders():
         grouped(told, ["j1", "j2"])
         == "torque_ripple (order 17) on j1, torque_ripple (order 34) on j1"
     )
+
+
+@pytest.mark.parametrize(
+    ("way", "order", "strays_there"),
+    [(2.3, 14.05, False), (2.3, 10.4, True), (2.3, 7.2, True), (4.0, 10.4, False)],
+)
+def test_beside_an_order_seen_through_few_periods_only_its_multiples_may_stand(
+    way, order, strays_there
+):
+    """Order 7 goes through 2.6 periods on 2.3 rad, 4.5 on 4 rad."""
+    held = [Term("torque_ripple", 0, values={"n": 7.0}), Term("joint_spring", 0)]
+    motion = SimpleNamespace(q=np.array([[0.0, 0.0], [way, 0.0]]))
+    asked = Term("torque_ripple", 0, values={"n": order})
+    assert strays(asked, held, [motion]) is strays_there
+    assert not strays(Term("torque_ripple", 1, values={"n": order}), held, [motion])
+    assert leaves_room(held[0], [motion]) and not leaves_room(held[1], [motion])
+
+
+def test_few_periods_leave_no_room_at_all():
+    motion = SimpleNamespace(q=np.array([[0.0], [1.5]]))
+    assert not leaves_room(Term("torque_ripple", 0, values={"n": 7.0}), [motion])
 
 
 def test_one_of_them_is_left_out_though_a_fit_has_moved_it():

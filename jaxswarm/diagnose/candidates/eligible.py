@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.diagnose.candidates.orders import leaves_room
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import TorqueLaw
@@ -11,10 +12,6 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
-
-# Periods of an order that its joint goes through at least for another one to be asked beside it: with less,
-# orders are a series that imitates any law of the position. Two took the place of a magnet's formula.
-_PERIODS = 4.0
 
 
 def eligible_terms(
@@ -58,7 +55,7 @@ def eligible_terms(
         if law.extends:
             held = {t.place for t in model.terms}
             terms = [t for t in terms if held & {(n, t.joint, t.other) for n in law.extends}]
-        present = [t for t in model.terms if not (t.law is law and _repeats(t, motions))]
+        present = [t for t in model.terms if not (t.law is law and leaves_room(t, motions))]
         eligible += [t for t in terms if again or not _is_settled(t, law, present)]
     return tuple(eligible)
 
@@ -70,15 +67,6 @@ def longest_rest(motions: tuple[Motion, ...], joint: int) -> float:
         t = motion.t[is_moving(motion.dq[:, joint])]
         longest = max(longest, float(np.diff(t).max()) if len(t) > 1 else 0.0)
     return longest
-
-
-def _repeats(term: Term, motions: tuple[Motion, ...]) -> bool:
-    """Whether a term is one of several orders, and its joint goes through enough of its periods to say so."""
-    if not term.law.several:
-        return False
-    order = max((term.values.get(name, 0.0) for name in term.law.identity), default=0.0)
-    way = max(float(np.ptp(m.q[:, term.index])) for m in motions)
-    return order * way > 2.0 * np.pi * _PERIODS
 
 
 def _is_settled(term: Term, law: Effect, present: Sequence[Term]) -> bool:

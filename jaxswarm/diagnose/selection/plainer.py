@@ -54,8 +54,8 @@ def plainer(
 def does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
     """Whether a plainer model leaves no more than two standard errors for each number it saves, on all joints.
 
-    A shape that does not bend counts as one number: a spring left 0.1 % more than a cubic one on 796 independent
-    rows, which is less than one standard error.
+    A shape that does not bend counts as one number: a spring left 0.1 % more than a cubic one on 796
+    independent rows, which is less than one standard error.
     """
     price = 1.0 + SAVED * max(saved, 1) / cross_fit(full).effective
     return cost(simple, slice(None), full) <= price * cost(full, slice(None), full)

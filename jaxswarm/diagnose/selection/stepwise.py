@@ -13,6 +13,7 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.orders import strays
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score
@@ -129,7 +130,11 @@ def _act(search: Search, passed: list[Score]) -> bool:
     sharp = only_sharp(passed, search.current, search.folds, len(search.scores), search.rules)
     for one in sharp:
         search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
-    passed = [s for s in passed if s not in sharp]
+    model, motions = search.current.model, search.current.motions
+    stray = [s for s in passed if strays(s.candidate.term, model.terms, motions)]
+    for one in stray:
+        search.refuse(one.candidate.term, "is no multiple of an order seen through too few periods")
+    passed = [s for s in passed if s not in sharp and s not in stray]
     if add_both_ends(search, passed):
         return True
     return _add_best(search, passed) if passed else _choose_again(search)

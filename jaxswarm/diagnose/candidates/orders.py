@@ -1,0 +1,57 @@
+"""Several orders of the position on one joint: beside which of them another one may be asked.
+
+A joint that goes through few periods of an order leaves room for a series of them, which imitates any law of
+its position. Multiples of an order are what a cogging motor has, and no free series.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.effects.term import Term
+from jaxswarm.logs.motion import Motion
+
+# Periods of an order that its joint goes through at least for any other one to be asked beside it: with less,
+# two took the place of a magnet's formula. And for its multiples to be: beside n = 7 through 2.6 periods,
+# n = 14 was left at 11 times the noise, while a magnet of 0.15 rad shows one period.
+_ANY, _MULTIPLES = 4.0, 2.0
+# How far from a multiple, as a part of it, an order may be found: the first is bent until the second is there.
+_FROM_MULTIPLE = 0.03
+
+
+def leaves_room(term: Term, motions: Sequence[Motion]) -> bool:
+    """Whether a term is one of several orders, and its joint goes through enough of its periods for more."""
+    return term.law.several and _periods(term, motions) > _MULTIPLES
+
+
+def strays(term: Term, held: Sequence[Term], motions: Sequence[Motion]) -> bool:
+    """Whether a term is no multiple of an order of which its joint shows too few periods for any other."""
+    return any(
+        t.law is term.law
+        and t.joint == term.joint
+        and _periods(t, motions) <= _ANY
+        and not _is_multiple(_order(term), _order(t))
+        for t in held
+        if t.law.several
+    )
+
+
+def _is_multiple(one: float, other: float) -> bool:
+    """Whether one of two orders is a multiple of the other, from the double on.
+
+    >>> _is_multiple(13.8, 7.0), _is_multiple(7.0, 21.2), _is_multiple(7.1, 7.0), _is_multiple(10.5, 7.0)
+    (True, True, False, False)
+    """
+    ratio = max(one, other) / max(min(one, other), 1e-300)
+    return ratio > 1.5 and abs(ratio / round(ratio) - 1.0) < _FROM_MULTIPLE
+
+
+def _order(term: Term) -> float:
+    """The number that tells a term from others of its law."""
+    return max((term.values.get(name, 0.0) for name in term.law.identity), default=0.0)
+
+
+def _periods(term: Term, motions: Sequence[Motion]) -> float:
+    """Periods of its order that a term's joint goes through, on the log where it goes furthest."""
+    way = max(float(np.ptp(m.q[:, term.index])) for m in motions)
+    return _order(term) * way / (2.0 * np.pi)
