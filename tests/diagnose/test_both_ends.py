@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
 from test_other_end import ENDS
@@ -14,6 +15,7 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import accepted
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection import both_ends
 from jaxswarm.diagnose.selection.both_ends import add_both_ends
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.state import Search
@@ -51,6 +53,24 @@ def test_both_ends_are_added_with_one_stiffness():
         assert find_term(search.current, step.added).values["kc"] == pytest.approx(-8.0, rel=0.02)
     assert search.steps[0].after is search.steps[1].before
     assert search.current is search.steps[1].after
+
+
+def test_one_end_may_be_small_beside_the_torque_of_its_joint():
+    search = asked(*ENDS)
+    ((_, *ends),) = both_ends._pairs(search)
+    small, large = sorted(s.over_torque for s in ends)
+    assert large > 1.2 * small
+    search.rules = replace(search.rules, over_torque=1.1 * large)
+    assert not add_both_ends(search, [])
+    search.rules = replace(search.rules, over_torque=0.5 * (small + large))
+    assert add_both_ends(search, [])
+
+
+def test_what_one_end_leaves_may_be_hidden_in_shared_bodies(monkeypatch):
+    search = asked(*ENDS)
+    sigma = search.current.fit.sigma
+    monkeypatch.setattr(both_ends, "noise_of", lambda found: sigma * np.array([1.0, 0.01]))
+    assert add_both_ends(search, [])
 
 
 def test_what_explains_more_goes_first():

@@ -6,6 +6,7 @@ zero did; with both ends 0.9 times the noise is left.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -26,8 +27,10 @@ from jaxswarm.identify.estimation.estimate import Estimate
 def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
     """Add the law whose two ends explain most together, if that is more than any that passed; whether it was.
 
-    Asked are joints that are far from their noise both. Either end has to pass beside the other one and beside
-    the laws of its joint that it contains: two springs are no cable.
+    Asked are joints of which one at least is far from its noise: what the other has left may be hidden in the
+    bodies that both share. Either end has to pass beside the other one and beside the laws of its joint that
+    it contains, as two springs are no cable; but what is large beside the torque of one joint may be small
+    beside that of the other.
     """
     best = max((s.gain for s in passed), default=0.0)
     found = [p for p in _pairs(search) if p[0] > best]
@@ -60,7 +63,7 @@ def _pairs(search: Search) -> list[tuple[float, Score, Score]]:
     ends = {
         (law, joint, other): s
         for (law, joint, other), s in asked.items()
-        if s.candidate.term.law.mutual and far[[joint, other]].all()
+        if s.candidate.term.law.mutual and far[[joint, other]].any()
     }
     told = []
     for one, two in combinations(ends, 2):
@@ -69,7 +72,9 @@ def _pairs(search: Search) -> list[tuple[float, Score, Score]]:
         first, second = (
             _beside(ends[a], ends[b], asked, crossfit) for a, b in ((one, two), (two, one))
         )
-        if all(passes(s, len(search.scores), search.rules) for s in (first, second)):
+        size = max(first.over_torque, second.over_torque)
+        both = (replace(s, over_torque=size) for s in (first, second))
+        if all(passes(s, len(search.scores), search.rules) for s in both):
             gain = ends[two].gain + _score(ends[one], crossfit, ends[two]).gain
             told.append((gain, first, second))
     return told
