@@ -64,6 +64,8 @@ STRUCTURE_SIGNIFICANCE = 0.01
 # A law below the first share of a joint's error stands in for an unknown one where a smooth function of one or
 # two variables reaches the second, and so many times the law's own.
 SMALL_PART, NEARLY_ALL, TIMES_OWN = 0.45, 0.7, 2.0
+# Share of what a ripple of few periods leaves that may follow its position: a magnet left 0.2 (p = 1e-4).
+ONE_PLACE = 0.1
 
 # --- What is left, against the noise -------------------------------------------------------------------------
 # A residual within this multiple of the noise is near it. Clean logs of another simulator are left with 0.9

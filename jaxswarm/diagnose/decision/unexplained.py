@@ -88,6 +88,16 @@ def find_unexplained(
     return [known[seed, j] for j in asked if known[seed, j] is not None]
 
 
+def own_position(
+    found: Estimate, crossfit: CrossFit, joint: int, seed: int = 0
+) -> tuple[float, float]:
+    """Share of a joint's held-out squared error that a narrow function of its own position takes off, and p."""
+    own = f"q_{found.model.robot.joints[joint]}"
+    of, weight = _Of((own,), narrow=True), crossfit.weight[:, joint, None]
+    rows = _features([_table(found)[own]], _waves(of, seed)) * weight
+    return _held_out([joint_rows(fold, joint) for fold in crossfit.halves], crossfit.block, rows)
+
+
 def _table(found: Estimate) -> dict[str, "_Input"]:
     """All variables that vary."""
     joints = found.model.robot.joints

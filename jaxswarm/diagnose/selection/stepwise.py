@@ -32,7 +32,7 @@ from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
-from jaxswarm.diagnose.selection.survives import stands_in, survives
+from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back_harm, take_back_shadows
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import lacking
@@ -213,6 +213,10 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term, why)
         return True
     added = find_term(after, term)
+    why = one_place(after, added, search.rules, search.seed)
+    if why:
+        search.refuse(term, why)
+        return True
     ranked = sorted(scores, key=lambda s: -s.gain)
     others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
     told = tuple(rivals), tuple(others)
