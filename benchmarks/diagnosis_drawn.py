@@ -63,6 +63,9 @@ LATER = {
         "a", {"b": _uniform(0.3, 0.8), "q0": _uniform(-0.5, 0.5)}, most=2000.0
     ),
     "cubic_spring": Drawn("k3", {"q0": _uniform(-0.3, 0.3)}, most=2000.0),
+    "dead_zone_spring": Drawn(
+        "k", {"q0": _uniform(-0.3, 0.3), "gap": _uniform(0.1, 0.4)}, most=2000.0
+    ),
     "cable_coupling": Drawn("kc", {"k": _zero, "tau0": _zero}),
     "periodic_force": Drawn("sine", {"cosine": _zero, "hertz": _log(0.5, 5.0), "log": _zero}),
     "encoder_offset": Drawn("dq0", {}, 0.02, 0.4),

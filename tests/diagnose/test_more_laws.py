@@ -39,6 +39,23 @@ def test_what_is_planted_is_named_with_its_values(term):
             assert fitted[name] == pytest.approx(term.values[name], rel=0.25), name
 
 
+@pytest.mark.parametrize(
+    ("joint", "k", "ends"),
+    [(0, 12.0, {"low": -1.0, "high": -0.2}), (0, 12.0, {"low": -0.2}), (1, 20.0, {"high": 0.3})],
+)
+def test_of_a_spring_with_slack_the_ends_are_told_that_the_motion_reaches(joint, k, ends):
+    low, high = ends.get("low", -2.5), ends.get("high", 2.5)
+    law = Term(
+        "dead_zone_spring", joint, values={"k": k, "q0": (low + high) / 2, "gap": (high - low) / 2}
+    )
+    found = diagnose_log(log_with(law))
+    assert added(found) == [("dead_zone_spring", joint)]
+    fitted = found.steps[0].added
+    assert fitted.values["k"] == pytest.approx(k, rel=0.05)
+    told = fitted.law.derived(fitted.values)
+    assert {name: told[name][0] for name in ends} == pytest.approx(ends, abs=0.02)
+
+
 def test_a_wrong_zero_is_seen_in_the_torque_of_the_links_beyond():
     bare = robot_from_dh(
         "elbow",

@@ -62,6 +62,9 @@ def value(name, parameters, **sample):
             -1.0,
         ),
         ("cubic_spring", {"k3": 2.0, "q0": 0.5}, {"q": -0.5}, -2.0),
+        ("dead_zone_spring", {"k": 2.0, "q0": 0.5, "gap": 0.3}, {"q": -0.5}, -1.4),
+        ("dead_zone_spring", {"k": 2.0, "q0": 0.5, "gap": 0.3}, {"q": 0.7}, 0.0),
+        ("dead_zone_spring", {"k": 2.0, "q0": 0.5, "gap": 0.3}, {"q": 1.0}, 0.4),
         (
             "position_dependent_friction",
             {"sine": 2.0, "cosine": 1.0, "n": 3.0},

@@ -137,14 +137,29 @@ def reconsider(
         pick, current = instead
         done[place] = _exchanged(step, pick, (chosen, *near), scores, current, crossfit)
         changed = True
-    for place, step in enumerate(done):
-        alone = (
-            plainer(step.added, current, rules, seed, other) if step.added.joint in freed else None
-        )
-        if alone is not None:
-            pick, current = alone
-            done[place] = _exchanged(step, pick, (), (), current, cross_fit(current))
+    done, current = _alone(done, freed, current, rules, seed, other)
     return (chain(done) if changed else done), current, changed
+
+
+def _alone(
+    done: list[Step],
+    freed: set[int | None],
+    current: Estimate,
+    rules: Rules,
+    seed: int,
+    other: Sequence[Motion],
+) -> tuple[list[Step], Estimate]:
+    """The steps with plainer laws where one was dropped beside them, and the model."""
+    told = []
+    for step in done:
+        found = None
+        if step.added.joint in freed:
+            found = plainer(step.added, current, rules, seed, other)
+        if found is not None:
+            pick, current = found
+            step = _exchanged(step, pick, (), (), current, cross_fit(current))
+        told.append(step)
+    return told, current
 
 
 def _exchanged(

@@ -73,7 +73,7 @@ def one_place(after: Estimate, added: Term, rules: Rules, seed: int) -> str | No
     share, p_value = own_position(after, cross_fit(after), added.index, seed)
     if share < ONE_PLACE or p_value > rules.significance:
         return None
-    return "is seen through too few periods, and what it leaves still follows the position: move the joint further"
+    return "is seen through too few periods and leaves what follows the position: move the joint further"
 
 
 def survives(
