@@ -145,8 +145,16 @@ def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
     return replace(model, smooth=(*model.smooth, *(term for _, term in kept)))
 
 
-def _unexplained(found, crossfit, joint, of, worth, table, seed) -> Unexplained:
-    """Fit the smooth function of the picked variables on all rows."""
+def _unexplained(
+    found: Estimate,
+    crossfit: CrossFit,
+    joint: int,
+    of: "_Of",
+    worth: tuple[float, float],
+    table: dict[str, "_Input"],
+    seed: int,
+) -> Unexplained:
+    """Fit the smooth function of the picked variables on all rows; ``worth`` is its share and its chance."""
     pick, waves = of.names, _waves(of, seed)
     inputs = [table[n] for n in pick]
     weight, whole = crossfit.weight[:, joint, None], crossfit.whole
