@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from elbow import ask, elbow, elbow_log, fitted, passing
 
-from jaxswarm.diagnose.selection.refit import can_be_read, refit_with
+from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.diagnose.selection.tenable import can_be_read
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.torque_along import torque_along
 

@@ -7,7 +7,8 @@ from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.refit import can_be, refit_with
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.tenable import can_be, goes_beyond
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -112,3 +113,18 @@ def test_no_law_may_drive_friction_of_its_joint_below_zero(level, possible):
     )
     assert score.share > 0.2
     assert (refit_with(before, score) is not None) is possible
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "there"),
+    [
+        ("cable_coupling", {"kc": -0.04, "k": 0.3, "tau0": 3.3}, False),
+        ("cable_coupling", {"kc": -0.4, "k": 0.0, "tau0": 0.0}, True),
+        ("joint_spring", {"k": 0.1, "tau0": 3.3}, False),
+        ("torque_offset", {"tau0": 0.1}, True),
+        ("asymmetric_friction", {"fc_pos": 0.3, "fc_neg": 0.3, "b_pos": 0.0, "b_neg": 0.0}, True),
+    ],
+)
+def test_a_law_is_certain_in_what_those_it_contains_have_not(effect, values, there):
+    """A constant torque was told as a cable from another joint, with a second log's consent."""
+    assert goes_beyond(Term(effect, 1, values=values), dict.fromkeys(values, 0.1)) is there

@@ -15,10 +15,11 @@ from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.diagnose.selection.refit import can_be, is_certain, refit
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, with_errors
 from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.diagnose.selection.tenable import can_be, is_certain
 from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate

@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import (
-    BEYOND_CHANCE,
-    CERTAIN,
     IN_PLACE,
     MOST_DAMPING,
     NEEDED,
@@ -14,9 +12,17 @@ from jaxswarm.diagnose.decision.rules import (
 )
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import row_weight
+from jaxswarm.diagnose.selection.tenable import (
+    can_be,
+    can_be_read,
+    goes_beyond,
+    is_certain,
+    stands_for_itself,
+    unphysical_beside,
+)
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import number_of
-from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
@@ -71,7 +77,9 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     if after is None:
         return None
     fall = 1.0 - cost(after) / cost(current)
-    if not _holds(after, term, fall) or _unphysical(after, term) - _unphysical(current, term):
+    if not _holds(after, term, fall) or unphysical_beside(after, term) - unphysical_beside(
+        current, term
+    ):
         return None
     within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
     return after if within >= WITHIN_BOUNDS * fall else None
@@ -82,25 +90,10 @@ def _holds(after: Estimate, term: Term, fall: float) -> bool:
     number = number_of(term, after.model.terms)
     fitted, errors = after.model.terms[number], after.std_errors[number]
     physical = can_be(fitted, errors)
-    physical = physical and stands_for_itself(fitted, errors)
+    physical = physical and stands_for_itself(fitted, errors) and goes_beyond(fitted, errors)
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     return physical and fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
-
-
-def _unphysical(found: Estimate, term: Term) -> set[tuple]:
-    """The other terms of a term's joint that the log wants beyond their physical bounds, whatever chance.
-
-    An eddy brake was told as Stribeck friction beside a Coulomb level of -38 N: a bent curve, no law.
-    """
-    rows = zip(found.model.terms, found.std_errors, strict=True)
-    return {
-        t.identity
-        for t, errors in rows
-        if t.joint == term.joint
-        and t.place != term.place
-        and any(t.values[p.name] - p.lower < -BEYOND_CHANCE * errors[p.name] for p in t.law.linear)
-    }
 
 
 def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
@@ -116,49 +109,6 @@ def _starts(term: Term) -> list[Term]:
         return [term]
     narrow = replace(term, values={**term.values, "gap": _NARROW * term.values["gap"]})
     return [term, narrow]
-
-
-def can_be(term: Term, errors: dict[str, float]) -> bool:
-    """Whether linear coefficients are within their physical bounds, or below them by chance beside one that is.
-
-    A short log knows badly how viscous friction in one direction is: below zero by 2.4 standard errors it hid
-    Coulomb friction that was three times as large in that direction. Chance is held at the bound in the end.
-    """
-    linear = term.law.linear
-    above = [term.values[p.name] - p.lower for p in linear]
-    chance = [BEYOND_CHANCE * np.nan_to_num(errors[p.name]) for p in linear]
-    return not linear or (
-        max(above) >= 0.0 and all(a >= -c for a, c in zip(above, chance, strict=True))
-    )
-
-
-def is_certain(term: Term, errors: dict[str, float]) -> bool:
-    """Whether a linear coefficient is certain: else it stands for something else."""
-    linear = term.law.linear
-    return not linear or any(
-        abs(term.values[p.name]) > CERTAIN * errors[p.name] or np.isnan(errors[p.name])
-        for p in linear
-    )
-
-
-def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
-    """Whether a law whose candidate was told from another one only to second order is not that other one."""
-    neutral = term.law.neutral()
-    return all(
-        abs(term.values[name] - neutral[name]) > CERTAIN * errors[name] for name in term.law.probe
-    )
-
-
-def can_be_read(term: Term) -> bool:
-    """Whether an encoder can be as wrong as a term says: true of every other term.
-
-    One that wants to be worse than its law allows is not what is wrong: friction in a wrist whose drives run
-    through each other was told as a coupling ratio that is off by its bound.
-    """
-    law = term.law
-    if not isinstance(law, MeasurementLaw) or law.excess is None:
-        return True
-    return all(p.lower < term.values[p.name] < p.upper for p in law.parameters)
 
 
 def can_swing(found: Estimate, term: Term) -> bool:

@@ -18,9 +18,10 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well, plainer
-from jaxswarm.diagnose.selection.refit import is_certain, refit, refit_with
+from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
+from jaxswarm.diagnose.selection.tenable import is_certain
 from jaxswarm.effects.alike import without
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion

@@ -1,0 +1,79 @@
+"""Whether fitted values are those of the law they are told of, by physics and by their own doubt."""
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE, CERTAIN
+from jaxswarm.effects import get_law
+from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def can_be(term: Term, errors: dict[str, float]) -> bool:
+    """Whether linear coefficients are within their physical bounds, or below them by chance beside one that is.
+
+    A short log knows badly how viscous friction in one direction is: below zero by 2.4 standard errors it hid
+    Coulomb friction that was three times as large in that direction. Chance is held at the bound in the end.
+    """
+    linear = term.law.linear
+    above = [term.values[p.name] - p.lower for p in linear]
+    chance = [BEYOND_CHANCE * np.nan_to_num(errors[p.name]) for p in linear]
+    return not linear or (
+        max(above) >= 0.0 and all(a >= -c for a, c in zip(above, chance, strict=True))
+    )
+
+
+def is_certain(term: Term, errors: dict[str, float]) -> bool:
+    """Whether a linear coefficient is certain: else it stands for something else."""
+    linear = term.law.linear
+    return not linear or any(
+        abs(term.values[p.name]) > CERTAIN * errors[p.name] or np.isnan(errors[p.name])
+        for p in linear
+    )
+
+
+def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
+    """Whether a law whose candidate was told from another one only to second order is not that other one."""
+    neutral = term.law.neutral()
+    return all(
+        abs(term.values[name] - neutral[name]) > CERTAIN * errors[name] for name in term.law.probe
+    )
+
+
+def goes_beyond(term: Term, errors: dict[str, float]) -> bool:
+    """Whether a law that contains others is certain in one of the coefficients that these have not.
+
+    A constant torque was told as a cable with 0.04 +- 0.1 N/m from the other joint, which a second log
+    preferred by a twentieth while its other stiffness was below zero.
+    """
+    inner = {p.name for name in term.law.contains for p in get_law(name).parameters}
+    own = [p.name for p in term.law.linear if p.name not in inner]
+    sure = [not abs(term.values[name]) <= CERTAIN * errors[name] for name in own]
+    return not inner or not own or any(sure)
+
+
+def can_be_read(term: Term) -> bool:
+    """Whether an encoder can be as wrong as a term says: true of every other term.
+
+    One that wants to be worse than its law allows is not what is wrong: friction in a wrist whose drives run
+    through each other was told as a coupling ratio that is off by its bound.
+    """
+    law = term.law
+    if not isinstance(law, MeasurementLaw) or law.excess is None:
+        return True
+    return all(p.lower < term.values[p.name] < p.upper for p in law.parameters)
+
+
+def unphysical_beside(found: Estimate, term: Term) -> set[tuple]:
+    """The other terms of a term's joint that the log wants beyond their physical bounds, whatever chance.
+
+    An eddy brake was told as Stribeck friction beside a Coulomb level of -38 N: a bent curve, no law.
+    """
+    rows = zip(found.model.terms, found.std_errors, strict=True)
+    return {
+        t.identity
+        for t, errors in rows
+        if t.joint == term.joint
+        and t.place != term.place
+        and any(t.values[p.name] - p.lower < -BEYOND_CHANCE * errors[p.name] for p in t.law.linear)
+    }
