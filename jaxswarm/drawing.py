@@ -15,6 +15,8 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from jaxswarm import cores
+
 _CHILD = "from jaxswarm.drawing import serve; serve()"
 # How long [s] to wait for pictures before they are drawn here; they take a second each.
 _PATIENCE = 60.0
@@ -36,7 +38,7 @@ class Drawing:
         self._process: subprocess.Popen | None = None
 
     def __enter__(self) -> "Drawing":
-        if _cores() > 1:  # on a single one it would only stand in the way
+        if cores.count() > 1:  # on a single one it would only stand in the way
             try:
                 self._folder = tempfile.TemporaryDirectory(prefix="jaxswarm-")
                 self._process = _start(self._folder.name)
@@ -94,12 +96,6 @@ def draw(picture: str, arguments: Iterable) -> bytes:
     """A picture of :mod:`jaxswarm.plots`, drawn here, as a PNG file's content."""
     plots = importlib.import_module("jaxswarm.plots")
     return plots.png_bytes(getattr(plots, picture)(*arguments))
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _start(folder: str) -> subprocess.Popen:

@@ -34,7 +34,7 @@ def test_what_it_cannot_draw_is_drawn_here(monkeypatch, failure):
         raise OSError("no more processes")
 
     if failure == "one core":
-        monkeypatch.setattr(drawing, "_cores", lambda: 1)
+        monkeypatch.setattr(drawing.cores, "count", lambda: 1)
     if failure == "no process":
         monkeypatch.setattr(drawing.subprocess, "Popen", refuse)
     with drawing.Drawing() as own:

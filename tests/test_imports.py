@@ -27,7 +27,8 @@ ALLOWED = {
     "program_files": set(),
     "room": set(),
     "programs": {"program_files", "room"},
-    "drawing": {"plots"},
+    "cores": set(),
+    "drawing": {"plots", "cores"},
     "swarm": {"memory", "room"},
     "robot": set(),
     "effects": {"robot", "programs"},
@@ -39,7 +40,7 @@ ALLOWED = {
     },
     "diagnose": {
         *(*PHYSICS, "swarm", "identify"),
-        *("memory", "outputs", "plots", "programs", "drawing", "tables", "provenance"),
+        *("memory", "outputs", "plots", "programs", "drawing", "tables", "provenance", "cores"),
     },
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxswarm import outputs
+from jaxswarm import cores, outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
-from jaxswarm.diagnose.decision.remainder import material, remainders
-from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.decision.remainder import find_material
 from jaxswarm.diagnose.files import Files
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures
@@ -107,10 +106,10 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     """The comparison as ``diagnosis.json`` has it, as a diagnosis for the pictures, and what remains."""
     progress("looking at what remains")
     diagnosis = _as_diagnosis(found)
-    left = find_unexplained(found.after, found.crossfit, seed)
-    left = proven(found.after, material(left, remainders(found.after)), unseen)
-    result = to_result(outcome_of(diagnosis, left, unseen))
-    result["physical_consistency"] = consistency_told(found.after)
+    with cores.beside(lambda: consistency_told(found.after)) as bodies:
+        left = proven(found.after, find_material(found.after, found.crossfit, seed), unseen)
+        result = to_result(outcome_of(diagnosis, left, unseen))
+        result["physical_consistency"] = bodies()
     robot = found.before.model.robot
     for entry, change in zip(result["effects"], found.changes, strict=True):
         entry["parameters"] = _parameters(change, robot)

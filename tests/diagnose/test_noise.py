@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.decision.remainder import Remainder, material, remainders
+from jaxswarm.diagnose.decision import remainder
+from jaxswarm.diagnose.decision.remainder import Remainder, find_material, material, remainders
 from jaxswarm.diagnose.decision.rules import MATERIAL
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, row_doubt, row_noise, with_motion_noise
@@ -79,3 +80,14 @@ def test_structure_within_the_noise_is_told_as_part_of_it():
     kept = material([item(0, 0.4), item(1, 0.4)], remains)
     assert [u.joint for u in kept] == [1]
     assert np.sqrt(0.4) * 1.3 < MATERIAL < np.sqrt(0.4) * 4.0
+
+
+@pytest.mark.parametrize("quiet", [0, 1])
+def test_joints_within_their_noise_are_not_looked_at(monkeypatch, clean, quiet):
+    """The same as looking at all of them: the share of a joint is one at most."""
+    left = [Remainder(j, 0.9 if j == quiet else 1.4, (), (0.0, 1.0)) for j in range(3)]
+    looked = []
+    monkeypatch.setattr(remainder, "remainders", lambda found: left)
+    monkeypatch.setattr(remainder, "find_unexplained", lambda *a: looked.extend(a[-1]) or [])
+    assert find_material(clean, None) == []
+    assert looked == [j for j in range(3) if j != quiet]

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import MATERIAL, NEAR
-from jaxswarm.diagnose.decision.unexplained import Unexplained
+from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import row_noise
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
 
 # Windows of time [s] in which the remainder is told, and how many at most.
@@ -50,6 +51,16 @@ def remainders(found: Estimate) -> tuple[Remainder, ...]:
         band = _band(found, np.where(used, residual[:, j], 0.0))
         told.append(Remainder(j, size, _windows(found, over), band))
     return tuple(told)
+
+
+def find_material(found: Estimate, crossfit: CrossFit, seed: int = 0) -> list[Unexplained]:
+    """Structure that no law explains and that stands out of the noise of its joint.
+
+    A joint within its noise is not looked at: of no more than all that is left there, none can stand out.
+    """
+    remains = remainders(found)
+    loud = [r.joint for r in remains if r.over_noise > MATERIAL]
+    return material(find_unexplained(found, crossfit, seed, loud), remains)
 
 
 def material(left: Sequence[Unexplained], remains: Sequence[Remainder]) -> list[Unexplained]:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxswarm import cores
 from jaxswarm.diagnose.decision.rules import SECOND_VARIABLE, STRUCTURE, STRUCTURE_SIGNIFICANCE
 from jaxswarm.diagnose.decision.significance import slope_p_value
 from jaxswarm.diagnose.folds.joint_rows import JointRows, joint_rows
@@ -84,7 +85,8 @@ def find_unexplained(
     unknown = [j for j in asked if (seed, j) not in known]
     if unknown:
         table = _table(found)
-        known.update({(seed, j): _look(found, crossfit, j, table, seed) for j in unknown})
+        looked = cores.each(lambda j: _look(found, crossfit, j, table, seed), unknown)
+        known.update({(seed, j): one for j, one in zip(unknown, looked, strict=True)})
     return [known[seed, j] for j in asked if known[seed, j] is not None]
 
 

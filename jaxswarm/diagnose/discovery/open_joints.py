@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-from jaxswarm.diagnose.decision.remainder import material, remainders
-from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.decision.remainder import find_material, remainders
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 
 
@@ -23,7 +22,7 @@ def unlawful(diagnosis: Diagnosis, seed: int) -> list[Open]:
     """Joints that no law explains: those whose structure was found, then those only far from the noise."""
     final = diagnosis.final
     remains = remainders(final)
-    found = material(find_unexplained(final, diagnosis.crossfit, seed), remains)
+    found = find_material(final, diagnosis.crossfit, seed)
     told = [Open(u.joint, u.depends_on, u.share) for u in sorted(found, key=lambda u: -u.share)]
     known = {one.joint for one in told}
     far = [r for r in remains if not r.near and r.joint not in known]

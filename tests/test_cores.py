@@ -1,0 +1,32 @@
+"""Work shared out over cores: the same results in their order, and errors that come through."""
+
+import threading
+
+import pytest
+
+from jaxswarm import cores
+
+
+@pytest.mark.parametrize("count", [1, 2, 8])
+def test_results_come_in_the_order_of_what_was_given(monkeypatch, count):
+    monkeypatch.setattr(cores, "count", lambda: count)
+    assert cores.each(lambda x: x * x, range(5)) == [0, 1, 4, 9, 16]
+    assert cores.each(abs, []) == []
+
+
+def test_two_cores_work_at_once(monkeypatch):
+    monkeypatch.setattr(cores, "count", lambda: 2)
+    met = threading.Barrier(2, timeout=60)
+    assert cores.each(lambda _: met.wait() in (0, 1), range(2)) == [True, True]
+    with cores.beside(met.wait) as found:
+        met.wait()
+        assert found() in (0, 1)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_fails_is_told(monkeypatch, count):
+    monkeypatch.setattr(cores, "count", lambda: count)
+    with pytest.raises(ZeroDivisionError):
+        cores.each(lambda x: 1 / x, [1, 0])
+    with pytest.raises(ZeroDivisionError), cores.beside(lambda: 1 / 0) as found:
+        found()
