@@ -16,7 +16,7 @@ from jaxswarm.robot.model import Robot
 from jaxswarm.robot.regressor import link_row
 
 # Samples that pass at a time: the hundreds of entries in between stay in the cache.
-_BLOCK = 4096
+BLOCK = 4096
 
 
 def rigid_columns(
@@ -39,9 +39,9 @@ def rigid_columns(
     2.0
     """
     columns = np.zeros((*q.shape, 10 * (robot.num_joints - first)))
-    for start in range(0, len(q), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        transforms, motions = _moved(robot, q[part], dq[part], ddq[part])
+    for start in range(0, len(q), BLOCK):
+        part = slice(start, start + BLOCK)
+        transforms, motions = links_along(robot, q[part], dq[part], ddq[part])
         _fill(robot, transforms, motions, first, columns[part])
     return columns
 
@@ -58,17 +58,17 @@ def rigid_torque(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -
     torque = np.empty(q.shape)
     known = np.asarray(robot.parameters, float)
     robot = robot.replace(parameters=known)
-    for start in range(0, len(q), _BLOCK):
-        part = slice(start, start + _BLOCK)
+    for start in range(0, len(q), BLOCK):
+        part = slice(start, start + BLOCK)
         own = robot if known.ndim == 2 else robot.replace(parameters=known[..., part])
-        moved = _moved(own, q[part], dq[part], ddq[part])
+        moved = links_along(own, q[part], dq[part], ddq[part])
         for joint, entry in enumerate(torques_of_motions(own, *moved)):
             torque[part, joint] = entry
     return torque
 
 
-def _moved(robot: Robot, q, dq, ddq) -> tuple[list[Transform], list[LinkMotion]]:
-    """Return poses and motions of all links, an entry for all samples of (T, n) motion."""
+def links_along(robot: Robot, q, dq, ddq) -> tuple[list[Transform], list[LinkMotion]]:
+    """Poses and motions of all links, an entry for all samples of a motion (T, n)."""
     columns = [np.ascontiguousarray(np.asarray(x, float).T) for x in (q, dq, ddq)]
     known = {
         name: np.asarray(getattr(robot, name), float)

@@ -1,14 +1,11 @@
-"""What the rigid torque does when a joint sits elsewhere on its parent: differences by its placement."""
+"""What the rigid torque does when a joint sits elsewhere on its parent, by the parameters of its placement."""
 
 import numpy as np
 
 from jaxswarm.effects.kinds import BodyChange
-from jaxswarm.effects.placement import moved_joint, own_moves
-from jaxswarm.robot.logged import rigid_torque
+from jaxswarm.effects.placement import across, own_moves
+from jaxswarm.robot.displaced import displacement_slopes
 from jaxswarm.robot.model import Robot
-
-# Half a difference [m, rad]: errors of the second difference and of rounding are alike small.
-_STEP = 1e-5
 
 
 def placement_columns(
@@ -27,10 +24,10 @@ def placement_columns(
     neutral, own = {p.name: 0.0 for p in law.linear}, own_moves(arm, joint)
     placement = law.placement
     assert placement is not None
-
-    def torque(name, step):
-        moves = own * np.asarray(placement({**neutral, name: step}))
-        return rigid_torque(moved_joint(arm, joint, moves), *moved)
-
-    columns = [(torque(p.name, _STEP) - torque(p.name, -_STEP)) / (2 * _STEP) for p in law.linear]
-    return np.stack(columns, axis=2)
+    by_each = np.stack([np.asarray(placement({**neutral, p.name: 1.0})) for p in law.linear])
+    # Parameters, shifts and turns, along two directions each.
+    moves = (own * by_each) @ across(arm, joint)
+    columns = np.zeros((*moved[0].shape, len(moves)))
+    told = moves.any(axis=(1, 2))
+    columns[:, :, told] = displacement_slopes(arm, *moved, joint, moves[told])
+    return columns
