@@ -123,8 +123,8 @@ def _after(
         sp.cross(w, sp.cross(before, translation)), sp.cross(before, sp.cross(w, translation))
     )
     felt = sp.add(felt, sp.add(sp.cross(turning, translation), around))
-    back = (sp.rotate_back(rotation, x) for x in (w, turning, felt))
-    return _driven(robot.kinds[link], *back, sp.scale(dq, axis))
+    w, turning, felt = (sp.rotate_back(rotation, x) for x in (w, turning, felt))
+    return _driven(robot.kinds[link], w, turning, felt, sp.scale(dq, axis))
 
 
 def _swing(w: sp.Vector, alpha: sp.Vector, arm: sp.Vector) -> sp.Vector:

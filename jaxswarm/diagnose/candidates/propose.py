@@ -8,11 +8,12 @@ the model's torque, or the derivative of that by its parameter. Once added, it i
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import singledispatch
+from functools import partial, singledispatch
 
 import jax
 import numpy as np
 
+from jaxswarm import cores
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.contact import external_candidate
 from jaxswarm.diagnose.candidates.hardening import extended_candidate
@@ -32,6 +33,7 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.identify.forward.measuring_chain import lateness
 from jaxswarm.logs.motion import Motion
 
@@ -42,12 +44,13 @@ _MULTIPLE = 16
 def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> list[Candidate]:
     """All terms as candidates; nonlinear parameters are searched where memory does not know them."""
     searched = [t for t in terms if t.law.searched]
-    done: dict[Term, Candidate | None] = {}
+    others = [t for t in terms if not t.law.searched]
+    apart = [t for t in others if _goes_apart(lin, t)]
     # The compiled searches run while the other candidates are built.
     with _searched(lin, searched, key) as finish:
-        for term in terms:
-            if not term.law.searched:
-                done[term] = propose(term.law, lin, term)
+        with cores.beside(partial(_all, lin, apart)) as told:
+            done = _all(lin, [t for t in others if t not in apart])
+            done |= told()
         found = finish()
     for term, values in zip(searched, found, strict=True):
         best = [
@@ -59,6 +62,20 @@ def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> 
         done[term] = Candidate(placed, columns, len(term.law.parameters))
     made = (done[t] for t in terms)
     return [one for one in made if one is not None]
+
+
+def _goes_apart(lin: Linearization, term: Term) -> bool:
+    """Whether a term is proposed in a thread of its own: many values at once, in operations on large arrays.
+
+    What is found out about a log for that is kept; of a long log it is not, and threads would take it from
+    each other.
+    """
+    return isinstance(term.law, TransmissionLaw) and all(map(is_kept, lin.found.motions))
+
+
+def _all(lin: Linearization, terms: Sequence[Term]) -> dict[Term, Candidate | None]:
+    with jax.enable_x64(True):  # a thread has settings of its own
+        return {term: propose(term.law, lin, term) for term in terms}
 
 
 @singledispatch

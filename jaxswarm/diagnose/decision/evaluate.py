@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import jax
 
+from jaxswarm import cores
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.decision.score import Score, score
-from jaxswarm.diagnose.folds.free_parts import free_parts
+from jaxswarm.diagnose.folds.free_parts import at_once, free_parts
 from jaxswarm.effects.term import Term
 
 
@@ -29,9 +30,15 @@ def score_terms(
     interval = max(m.interval for m in lin.found.motions)
     candidates = propose_all(lin, tuple(terms), jax.random.key(seed))
     told = [replace(c, signed=signed(c.term)) for c in candidates]
-    parts = free_parts([c.columns for c in told], lin.crossfit)
-    pairs = zip(told, parts, strict=True)
-    scores = [score(c, lin.crossfit, interval, free) for c, free in pairs]
+
+    def scored(part: slice) -> list[Score]:
+        some = told[part]
+        parts = free_parts([c.columns for c in some], lin.crossfit)
+        pairs = zip(some, parts, strict=True)
+        return [score(c, lin.crossfit, interval, free) for c, free in pairs]
+
+    together = at_once([c.columns for c in told])
+    scores = [one for some in cores.each(scored, together) for one in some]
     for one in scores:
         lin.memory.explained(one.candidate.term, one.trained)
     return scores

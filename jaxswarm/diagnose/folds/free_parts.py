@@ -22,15 +22,19 @@ def free_parts(
         candidates: Of each the weighted columns (T, n, k), one array a fold.
         crossfit: The folds.
     """
-    some: list[tuple[np.ndarray, ...]] = []
-    numbers = 0
-    for columns in candidates:
-        if some and numbers + columns[0].size > _AT_ONCE:
-            yield from _together(some, crossfit)
-            some, numbers = [], 0
-        some.append(columns)
+    for part in at_once(candidates):
+        yield from _together(candidates[part], crossfit)
+
+
+def at_once(candidates: Sequence[tuple[np.ndarray, ...]]) -> Iterator[slice]:
+    """Stretches of candidates whose columns pass together, of arguments as :func:`free_parts` has them."""
+    start = numbers = 0
+    for number, columns in enumerate(candidates):
+        if number > start and numbers + columns[0].size > _AT_ONCE:
+            yield slice(start, number)
+            start, numbers = number, 0
         numbers += columns[0].size
-    yield from _together(some, crossfit)
+    yield slice(start, len(candidates))
 
 
 def _together(

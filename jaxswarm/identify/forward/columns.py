@@ -121,10 +121,12 @@ class Rigid:
     def load(self, pi: np.ndarray) -> "Load":
         """Load torque for rigid parameters (10 n,)."""
         place = np.asarray(pi).tobytes()
-        if place not in self.loads:
+        load = self.loads.get(place)
+        if load is None:
+            load = self._load(pi)
             self.loads.clear()
-            self.loads[place] = self._load(pi)
-        return self.loads[place]
+            self.loads[place] = load
+        return load
 
     def _load(self, pi: np.ndarray) -> "Load":
         # A fit asks for dozens: the recursion takes ten times as long as the product.

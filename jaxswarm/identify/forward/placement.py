@@ -27,7 +27,8 @@ def placement_columns(
     by_each = np.stack([np.asarray(placement({**neutral, p.name: 1.0})) for p in law.linear])
     # Parameters, shifts and turns, along two directions each.
     moves = (own * by_each) @ across(arm, joint)
-    columns = np.zeros((*moved[0].shape, len(moves)))
+    q, dq, ddq = moved
+    columns = np.zeros((*q.shape, len(moves)))
     told = moves.any(axis=(1, 2))
-    columns[:, :, told] = displacement_slopes(arm, *moved, joint, moves[told])
+    columns[:, :, told] = displacement_slopes(arm, q, dq, ddq, joint, moves[told])
     return columns

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,8 @@ from jaxswarm.robot.model import Robot
 _POSITION, _VELOCITY = 1e-5, 1e-2
 # Samples of a long log whose columns are made at a time.
 _BLOCK = 16_384
+# Two threads that ask for the same columns make them once.
+_MAKING = Lock()
 
 
 class _Columns(NamedTuple):
@@ -87,8 +90,13 @@ class Sensitivity:
                 row[part, 10 * self.joint :] = slope[:, self.joint]
         return rows
 
-    @cached_property
+    @property
     def _whole(self) -> _Columns:
+        with _MAKING:
+            return self._made
+
+    @cached_property
+    def _made(self) -> _Columns:
         return self._columns(slice(None), self.full)
 
     def _parts(self) -> Iterator[tuple[slice, _Columns]]:
@@ -149,5 +157,5 @@ def sensitivity_of(
         if not is_kept(motion):  # of a long log the torques of one joint are enough
             rigid.sensed.clear()
         full = rigid.full if is_kept(motion) else None
-        rigid.sensed[joint] = Sensitivity(robot, motion, joint, full)
+        return rigid.sensed.setdefault(joint, Sensitivity(robot, motion, joint, full))
     return rigid.sensed[joint]
