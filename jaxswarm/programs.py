@@ -27,6 +27,8 @@ from jaxswarm.room import holds_programs
 # The folder beside JAX's own compiled code.
 FOLDER = "jaxswarm-programs"
 _CONFIG: Any = jax.config  # its settings have no types
+# Says where a program runs, not what it is.
+_ELSEWHERE = ("jax_cpu_enable_async_dispatch",)
 _PLAIN = (bool, int, float, str, bytes, type(None))
 
 
@@ -200,7 +202,7 @@ def _is_ours(x: Any) -> bool:
 
 def _settings() -> str:
     """What JAX was told, beside what no setting changes."""
-    told = {k: v for k, v in _CONFIG.values.items() if "cache" not in k}
+    told = {k: v for k, v in _CONFIG.values.items() if "cache" not in k and k not in _ELSEWHERE}
     return f"{sorted(told.items())} {_CONFIG.jax_enable_x64} {_surroundings()}"
 
 

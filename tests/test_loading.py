@@ -53,3 +53,18 @@ def test_threads_that_are_set_outside_change_no_digit():
         done = subprocess.run(words, env=environment, capture_output=True, text=True, check=True)
         found.add(done.stdout)
     assert len(found) == 1
+
+
+@pytest.mark.parametrize("command", ["diagnose", "identify"])
+def test_only_a_diagnosis_runs_programs_where_they_are_asked_for(command, tmp_path):
+    """Elsewhere one long program may run, and a signal has to be heard meanwhile."""
+    code = (
+        "import sys\n"
+        "from jaxswarm import cli\n"
+        f"sys.argv = ['jaxswarm', {command!r}, 'none.csv', '--robot', 'rx60', '--out', {str(tmp_path)!r}]\n"
+        "try:\n    cli.main()\nexcept SystemExit as end:\n    assert end.code == 2\n"
+        "import jax\n"
+        "print(jax.config.values['jax_cpu_enable_async_dispatch'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(command != "diagnose")]

@@ -219,3 +219,13 @@ def test_many_processes_may_write_at_once(tmp_path):
     assert all(json.loads(out)[1] == plain(LAW, series()).tolist() for out, _ in told)
     (kept,) = (tmp_path / "jaxswarm-programs").iterdir()
     assert program_files.read(kept) is not None
+
+
+def test_a_program_is_the_same_wherever_it_runs():
+    asked = jax.config.values["jax_cpu_enable_async_dispatch"]
+    told = set()
+    for queue in (True, False):
+        jax.config.update("jax_cpu_enable_async_dispatch", queue)
+        told.add(programs._settings())
+    jax.config.update("jax_cpu_enable_async_dispatch", asked)
+    assert len(told) == 1

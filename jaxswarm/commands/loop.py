@@ -68,7 +68,7 @@ def register(app: typer.Typer) -> None:
         json: Json = False,
     ) -> None:
         """Make an RX60 log with an undeclared effect, find it, and only then show the truth."""
-        start()
+        start(queue=False)
         from jaxswarm.diagnose import print_diagnosis
         from jaxswarm.diagnose.demo import run_demo
         from jaxswarm.diagnose.report.text import where
@@ -111,7 +111,7 @@ def register(app: typer.Typer) -> None:
         json: Json = False,
     ) -> None:
         """Find the effect a declared model lacks, add it, and show the error before and after."""
-        start()
+        start(queue=False)
         asked = fleets.Asked(fleet, against, arm_pattern, workers, scheduler, adaptive)
         _check_question(declare, model, discover)
         if fleets.is_fleet(asked, logs, validation):

@@ -136,7 +136,7 @@ def _preparation() -> Any:
         name = "jaxswarm-start"
 
         def setup(self, worker: Any) -> None:
-            start()
+            start(queue=False)
 
     return Prepare()
 
