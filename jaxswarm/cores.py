@@ -1,4 +1,7 @@
-"""The processor's cores: how many there are, and work of one process shared out over them."""
+"""The processor's cores: how many there are, and work of one process shared out over them.
+
+Where an error or a signal ends the work, nobody waits for what the other threads are at.
+"""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -36,7 +39,7 @@ def each(function: Callable[[Given], Found], items: Iterable[Given]) -> list[Fou
         begun = [pool.submit(copy_context().run, function, one) for one in given]
         return [one.result() for one in begun]
     finally:
-        pool.shutdown(cancel_futures=True)
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 @contextmanager
@@ -54,4 +57,4 @@ def beside(function: Callable[[], Found]) -> Iterator[Callable[[], Found]]:
     try:
         yield pool.submit(copy_context().run, function).result
     finally:
-        pool.shutdown(cancel_futures=True)
+        pool.shutdown(wait=False, cancel_futures=True)

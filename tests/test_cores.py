@@ -30,3 +30,16 @@ def test_what_fails_is_told(monkeypatch, count):
         cores.each(lambda x: 1 / x, [1, 0])
     with pytest.raises(ZeroDivisionError), cores.beside(lambda: 1 / 0) as found:
         found()
+
+
+def test_an_error_does_not_wait_for_the_other_threads(monkeypatch):
+    monkeypatch.setattr(cores, "count", lambda: 2)
+    go_on = threading.Event()
+    try:
+        with pytest.raises(KeyboardInterrupt), cores.beside(lambda: go_on.wait(60)):
+            raise KeyboardInterrupt
+        with pytest.raises(ZeroDivisionError):
+            cores.each(lambda x: 1 / x if x < 2 else go_on.wait(60), [0, 2])
+        assert not go_on.is_set()
+    finally:
+        go_on.set()
