@@ -82,11 +82,10 @@ def find_unexplained(
     """Joints (all, or those given) whose residual the motion predicts although no law passed."""
     asked = range(crossfit.weight.shape[1]) if joints is None else joints
     known = crossfit.structure
-    unknown = [j for j in asked if (seed, j) not in known]
-    if unknown:
+    if unknown := [j for j in asked if (seed, j) not in known]:
         table = _table(found)
         looked = cores.each(lambda j: _look(found, crossfit, j, table, seed), unknown)
-        known.update({(seed, j): one for j, one in zip(unknown, looked, strict=True)})
+        known.update(zip([(seed, j) for j in unknown], looked, strict=True))
     return [known[seed, j] for j in asked if known[seed, j] is not None]
 
 
