@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from jaxswarm import __version__, console, terminal
+from jaxswarm import __version__, console, terminal, unheard
 from jaxswarm.commands import register
 from jaxswarm.work import run
 
@@ -23,9 +23,10 @@ def main() -> None:
 
 
 def command_line() -> None:
-    """The same as a process of its own, which is left at once where a signal has ended the work."""
+    """The same as a process of its own, which a signal ends at once, whether the work hears it or not."""
     try:
-        main()
+        with unheard.watched():
+            main()
     except SystemExit as end:
         if end.code in (terminal.INTERRUPTED, terminal.TERMINATED):
             terminal.leave(end.code)

@@ -1,12 +1,14 @@
 """What the command line meets before any work: streams that cannot say everything, signals, no home."""
 
 import atexit
+import math
 import os
 import shutil
 import signal
 import sys
 import tempfile
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -19,6 +21,9 @@ INTERRUPTED, TERMINATED, PIPE_CLOSED = 130, 143, 141  # 128 and the number of th
 
 _LENT: list[str] = []  # homes that end with this process
 _AGAIN = 3.0  # seconds after which a termination that was not heeded is repeated
+_HEARD = [-math.inf]  # when [s], by the clock that never goes back
+# Lines that an end of the work in this place has to say.
+LAST_WORDS: list[str] = []
 
 
 class Interrupted(KeyboardInterrupt):
@@ -65,6 +70,7 @@ def catch_termination() -> Iterator[None]:
 
     def ending(error: type[BaseException]) -> Callable:
         def end(number, frame) -> None:
+            _HEARD[0] = time.monotonic()
             if timer:  # an exception within a callback of compiled code may be lost: raise it again
                 signal.signal(signal.SIGALRM, end)
                 signal.setitimer(signal.ITIMER_REAL, _AGAIN)
@@ -90,6 +96,11 @@ def catch_termination() -> Iterator[None]:
         sys.unraisablehook = hook
         for number, former in before.items():
             signal.signal(number, former)
+
+
+def last_heard() -> float:
+    """When [s, monotonic] a signal was last heard by its handler."""
+    return _HEARD[0]
 
 
 def leave(code: int) -> NoReturn:

@@ -107,6 +107,9 @@ def work(
         resumable: Whether the same command goes on where this one was interrupted.
         beside: Further files to be written.
     """
+    kept = f"the same command goes on from what is kept in {out}"
+    if resumable:
+        terminal.LAST_WORDS.append(kept)
     try:
         # A name that no file system takes is no file here; whoever reads it says so.
         files = [path for path in inputs if path is not None and os.path.isfile(path)]
@@ -116,5 +119,7 @@ def work(
         _FINISHED.set(out)
     except KeyboardInterrupt:
         if resumable:
-            print(f"the same command goes on from what is kept in {out}", file=sys.stderr)
+            print(kept, file=sys.stderr)
         raise
+    finally:
+        terminal.LAST_WORDS.clear()

@@ -18,6 +18,7 @@ ALLOWED = {
     "provenance": set(),
     "claim": set(),
     "terminal": set(),
+    "unheard": {"terminal"},
     "console": {"outputs"},
     "catalog": set(),
     "memory": set(),
@@ -59,7 +60,7 @@ ALLOWED = {
     "testing": {"effects", "swarm"},
     "howto": set(),
     "runtime": {"terminal"},
-    "cli": {"commands", "console", "terminal", "work"},
+    "cli": {"commands", "console", "terminal", "unheard", "work"},
     "__main__": {"cli"},
     "reference": {"effects", "swarm", "cli", "work"},
 }  # fmt: skip

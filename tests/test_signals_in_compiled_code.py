@@ -25,6 +25,24 @@ cli._command = work
 cli.command_line()
 """
 
+# Nothing of Python runs in the main thread while it reads what a program has yet to compute, for minutes.
+WAITS = """
+import os, signal, threading
+import jax, numpy
+from pathlib import Path
+from jaxswarm import cli, work
+@jax.jit
+def slow(x):
+    return jax.lax.fori_loop(0, 10_000_000, lambda _, y: jax.numpy.sin(y) + 0.1, x)
+def waits():
+    with work.work(Path("out"), (), resumable=True):
+        found = slow(jax.numpy.ones(20_000))
+        threading.Timer(0.5, os.kill, (os.getpid(), SIGNAL)).start()
+        numpy.asarray(found)
+cli._command = waits
+cli.command_line()
+"""
+
 
 class Ended(Exception):
     """What a signal raises."""
@@ -64,3 +82,25 @@ def test_a_command_that_is_ended_leaves_its_threads():
     )
     assert (done.returncode, done.stderr.decode()) == (143, "terminated\n")
     assert time.monotonic() - begun < 60.0
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "word"),
+    [(signal.SIGTERM, 143, "terminated"), (signal.SIGINT, 130, "interrupted")],
+)
+def test_a_command_ends_though_its_main_thread_does_not_hear_the_signal(
+    number, code, word, tmp_path
+):
+    """It waited for the end of the program, however long."""
+    begun = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "-c", WAITS.replace("SIGNAL", str(int(number)))],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        timeout=200.0,
+        check=False,
+    )
+    kept = "the same command goes on from what is kept in out"
+    assert (done.returncode, done.stderr.decode().splitlines()) == (code, [kept, word])
+    assert time.monotonic() - begun < 100.0
