@@ -10,7 +10,8 @@ from benchmarks.trust.spoilings import SPOILINGS, Spoiling
 from jaxswarm import tasks
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked, without_relation
-from jaxswarm.identify.checks.rough import Rough, Samples, samples_of
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.samples import Samples, samples_of
 from jaxswarm.identify.checks.weak import all_rest, resting_joints
 from jaxswarm.logs import Log
 from jaxswarm.logs.motion import Filtering

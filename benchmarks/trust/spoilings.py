@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxswarm.identify.checks.rough import Samples
+from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.logs import Log
 
 Spoil = Callable[[Log, int, np.random.Generator], Log]

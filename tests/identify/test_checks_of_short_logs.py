@@ -10,7 +10,8 @@ from jaxswarm.identify.checks.channels import _is_valley, wrong_unit
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
 from jaxswarm.identify.checks.late import late_torque
-from jaxswarm.identify.checks.rough import ROWS_THAT_HOLD, Rough, Tried, samples_of
+from jaxswarm.identify.checks.rough import ROWS_THAT_HOLD, Rough, Tried
+from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs import Log
 from jaxswarm.logs.frozen import without_stuck
@@ -70,7 +71,7 @@ def test_halves_of_a_short_log_are_asked_with_one_arm(arm, short, joint):
     """A half of its own bends its own arm until nothing is late: joint 3 was not told."""
     late = column(short.tau, joint, lambda x: np.interp(short.t - 0.02, short.t, x))
     _, motions = prepare_segments(replace(short, tau=late), Filtering(torque_cutoff=5.0))
-    found = late_torque(arm, Rough(arm, samples_of(motions)))
+    found = late_torque(arm, *(Rough(arm, made(motions)) for made in (samples_of, fine_samples)))
     assert found is not None and f"the torque of {arm.joints[joint]} is " in found.what
 
 

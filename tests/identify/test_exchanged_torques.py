@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify.checks.channels import wrong_channels
-from jaxswarm.identify.checks.rough import Rough, samples_of
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.synthetic import random_links
 from jaxswarm.logs import Log, log_from_arrays
 from jaxswarm.logs.motion import Filtering
@@ -44,6 +45,7 @@ def test_a_weak_joint_does_not_hide_an_exchange(light, seed):
     log, order = log_of(light, seed), [0, 1, 2, 3, 5, 4]
     for tau, expected in ((log.tau[:, order], "swapped_channels"), (log.tau, None)):
         _, motions = prepare_segments(replace(log, tau=tau), Filtering(torque_cutoff=5.0))
-        found = wrong_channels(ARM, Rough(ARM, samples_of(motions)))
+        rough, fine = (Rough(ARM, made(motions)) for made in (samples_of, fine_samples))
+        found = wrong_channels(ARM, rough, lambda fine=fine: fine)
         assert (found and found.check) == expected
         assert found is None or "the torques of joint5 and joint6 are exchanged" in found.what

@@ -8,16 +8,19 @@ import pytest
 
 from jaxswarm.identify.checks.channels import _believed
 from jaxswarm.identify.checks.check_log import against_robot
+from jaxswarm.identify.checks.faint import clear_gain
 from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
+    Guess,
     degree_guesses,
     motion_scale_guesses,
     torque_guesses,
     torque_scale_guesses,
 )
 from jaxswarm.identify.checks.late import late_torque
-from jaxswarm.identify.checks.rough import Lateness, Rough, Tried, samples_of
-from jaxswarm.identify.checks.scales import is_exact
+from jaxswarm.identify.checks.lateness import Lateness
+from jaxswarm.identify.checks.rough import Rough, Tried
+from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -52,16 +55,36 @@ HALF_AS_LARGE = {
 
 @pytest.mark.parametrize("check", HALF_AS_LARGE)
 def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, check):
-    rough = Rough(arm, samples_of(motions(HALF_AS_LARGE[check](log))))
-    logged, sigma = rough.as_logged()
+    fine = Rough(arm, fine_samples(motions(HALF_AS_LARGE[check](log))))
     guesses = [*torque_scale_guesses(arm), *motion_scale_guesses(arm)]
     right = "time is twice" if check == "time_scale" else "joint2 is twice"
     (guess,) = [g for g in guesses if g.check == check and right in g.what]
-    gain = 4.0  # one short log asks for more
-    assert is_exact(arm, rough, sigma, guess, gain)
-    assert not is_exact(arm, rough, sigma, guess.nearby(1.4), gain)
-    assert not is_exact(arm, rough, sigma, guess.nearby(0.7), gain)
-    assert not is_exact(arm, rough, sigma, guess, 0.0)
+    assert clear_gain(arm, fine, guess) > 0.0
+    assert clear_gain(arm, fine, guess.nearby(1.4)) == 0.0
+    assert clear_gain(arm, fine, guess.nearby(0.7)) == 0.0
+
+
+@pytest.mark.parametrize("check", HALF_AS_LARGE)
+def test_a_wrong_scale_gains_far_more_in_a_fine_model(arm, log, check):
+    """A rough one leaves what its one width of the sign and its columns without a low-pass make, on any log."""
+    parts = motions(log)
+    rough, fine = (Rough(arm, made(parts)) for made in (samples_of, fine_samples))
+    assert fine.as_logged()[0].power < rough.as_logged()[0].power - 1.0
+    (guess, *_) = [
+        g
+        for g in (*torque_scale_guesses(arm), *motion_scale_guesses(arm))
+        if g.check == check and "half" in g.what and (check == "time_scale" or g.joints == (1,))
+    ]
+    gains = []
+    for model in (rough, fine):
+        logged, sigma = model.as_logged()
+        if guess.mixture is not None:
+            (other,) = model.fit([guess.mixture], sigma)
+        else:
+            other = Rough(arm, guess.moved(model.samples)).as_logged()[0]
+        gains.append(other.power - logged.power)
+    assert gains[1] > 1.3 * gains[0] > 0.0
+    assert clear_gain(arm, fine, guess) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -71,24 +94,30 @@ def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, che
 def test_the_least_of_a_flat_valley_may_lie_a_little_beside_the_scale(arm, low, high, exact):
     """Half the torque of a joint with thermal drift left a hundredth less at 0.77 of the right scale."""
     left = {1.0 / 1.3: low, 1.0: 0.0, 1.3: high}
-    guess = SimpleNamespace(
-        check="torque_scale", nearby=lambda times: SimpleNamespace(mixture=times)
-    )
-    rough = SimpleNamespace(
-        strictness=1.0,
-        fit=lambda mixtures, sigma: [SimpleNamespace(power=left[mixtures[0]])],
-        as_logged=lambda: (Tried(np.full(6, 0.03), np.ones(6)), np.ones(6)),
-    )
+    guess = Guess("torque_scale", "", (0,), mixture=1.0)
+    guess = replace(guess, nearby=lambda times: replace(guess, mixture=times))
 
-    def told(gain):
-        return is_exact(arm, rough, np.ones(6), guess, gain)
+    class Left(Tried):
+        power = 0.0
 
-    assert told(0.2) == exact and not told(0.15)
-    rough.strictness = 1.5  # few rows bend: a right torque gained 0.37 at twice its scale
-    assert not told(1.5 * 0.37) and told(1.5 * 0.45) == (low > 0.1)
-    rough.strictness = 1.0  # torques at their limit leave what any scale may make up for
-    rough.as_logged = lambda: (Tried(np.full(6, 0.2), np.ones(6)), np.ones(6))
-    assert not told(0.35) and told(0.45) == (low > 0.1)
+    def tried(power, share):
+        one = Left(np.full(6, share), np.ones(6))
+        object.__setattr__(one, "power", power)
+        return one
+
+    def told(gain, strictness=1.0, share=0.03):
+        fine = SimpleNamespace(
+            strictness=strictness,
+            fit=lambda mixtures, sigma: [tried(left[mixtures[0]], share)],
+            as_logged=lambda: (tried(gain, share), np.ones(6)),
+        )
+        return clear_gain(arm, fine, guess) > 0.0
+
+    assert told(0.26) == exact and not told(0.24)
+    # Few rows bend: a right torque gained 0.7 at twice its scale, with less than one and a half a parameter.
+    assert not told(0.7, strictness=4.0) and told(1.1, strictness=4.0) == exact
+    # Torques at their limit leave what any scale may make up for; of more than that nothing is known.
+    assert not told(0.35, share=0.149) == (not exact) and not told(0.45, share=0.2)
 
 
 def test_a_torque_of_the_wrong_sign_is_told_where_friction_says_nothing(arm):
@@ -161,6 +190,10 @@ class Known:
         return Lateness(1e-3 * seconds, gain)
 
 
+# A model that has nothing to tell.
+NOTHING = Known(0.02, 0.0, 0.0)
+
+
 class Late(Known):
     """Half a log, whose second joint is late by so many milliseconds."""
 
@@ -187,9 +220,33 @@ class Late(Known):
 )
 def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, milliseconds, told):
     """Bristles of harmonic drives look 33 ms late and more, on joints of which they leave a tenth."""
-    found = late_torque(arm, Known(left, gain, milliseconds))
+    found = late_torque(arm, Known(left, gain, milliseconds), NOTHING)
     assert (found is not None) == told
     assert not told or f"joint2 is {milliseconds:.0f} ms late" in found.what
+
+
+@pytest.mark.parametrize(
+    ("left", "gain", "milliseconds", "spread", "told"),
+    [
+        (0.08, -0.9, 26.0, 12.0, True),
+        (0.03, -0.36, 28.0, 12.0, False),  # harmonic drives
+        (0.05, -0.19, 9.0, 4.0, False),  # friction that grows with the load
+        (0.10, -0.25, 16.0, 8.0, True),
+        (0.02, -0.16, 26.0, 12.0, True),
+        (0.10, -0.16, 30.0, 3.0, True),
+    ],
+)
+def test_a_fine_model_tells_a_delay_that_a_rough_one_does_not(
+    arm, left, gain, milliseconds, spread, told
+):
+    fine = Known(left, gain, milliseconds)
+    times = milliseconds + spread * np.array([1.0, -1.0, 0.0, 1.0, -1.0, 0.0])
+    by_parts = {1: [milliseconds], 2: 2 * [milliseconds], 6: times}
+    fine.lateness_in_parts = lambda sigma, parts: [Late(x).lateness(None) for x in by_parts[parts]]
+    assert late_torque(arm, NOTHING, NOTHING) is None
+    assert (late_torque(arm, NOTHING, fine) is not None) == told
+    fine.strictness = 4.0  # fewer rows than two a parameter: of them nothing is known
+    assert late_torque(arm, NOTHING, fine) is None
 
 
 @pytest.mark.parametrize(("spread", "told"), [(6.0, True), (20.0, False)])
@@ -199,12 +256,12 @@ def test_a_faint_delay_is_as_long_in_every_part_of_a_log(arm, spread, told):
     times = 18.0 + spread * np.array([1.0, -1.0, 0.0, 1.0, -1.0, 0.0])
     by_parts = {1: [18.0], 2: [18.0, 18.0], 6: times}
     rough.lateness_in_parts = lambda sigma, parts: [Late(x).lateness(None) for x in by_parts[parts]]
-    assert (late_torque(arm, rough) is not None) == told
+    assert (late_torque(arm, rough, NOTHING) is not None) == told
     rough.strictness = (
         4.0  # of few rows everything seems steady: 3.7 errors and 40 % of what was left on one
     )
     rough.gain = -0.5
-    assert late_torque(arm, rough) is None
+    assert late_torque(arm, rough, NOTHING) is None
 
 
 @pytest.mark.parametrize(
@@ -215,7 +272,7 @@ def test_a_delay_is_one_that_both_halves_of_a_log_tell(arm, first, second, told)
     rough = Known(0.02, -0.4)
     halves = [Late(seconds).lateness(None) for seconds in (first, second)]
     rough.lateness_in_parts = lambda sigma, parts: np.repeat(halves, parts // 2).tolist()
-    found = late_torque(arm, rough)
+    found = late_torque(arm, rough, NOTHING)
     assert (found is not None) == told
 
 
@@ -230,7 +287,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
     )
     rough.lateness_in_parts = lambda sigma, parts: [rough.lateness(sigma)] * parts
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
-    assert late_torque(robot, rough) is None
+    assert late_torque(robot, rough, rough) is None
 
 
 def test_the_other_joint_of_two_is_the_clock():
@@ -239,5 +296,5 @@ def test_the_other_joint_of_two_is_the_clock():
     late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
     pair.lateness_in_parts = lambda sigma, parts: [late] * parts
-    found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair)
+    found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair)
     assert found is not None and "b is 12 ms late" in found.what

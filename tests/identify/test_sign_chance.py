@@ -6,10 +6,12 @@ import jax
 import numpy as np
 import pytest
 
-from jaxswarm.identify.checks.channels import _believed, _sound, wrong_channels
+from jaxswarm.identify.checks.channels import _believed, wrong_channels
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
-from jaxswarm.identify.checks.rough import Rough, Samples, Tried, samples_of
+from jaxswarm.identify.checks.rough import Rough, Tried
+from jaxswarm.identify.checks.samples import Samples, samples_of
+from jaxswarm.identify.checks.sound import is_sound
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -34,19 +36,22 @@ def samples(noise: float, friction: float, seed: int, rows: int = 300) -> Sample
     return Samples(q, dq, ddq, tau + 1e-3 * rng.normal(size=tau.shape), np.gradient(tau, t, axis=0))
 
 
+def told(one: Samples):
+    rough = Rough(rx60(), one)
+    return wrong_channels(rx60(), rough, lambda: rough)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_a_joint_of_noise_has_no_sign(seed):
-    assert wrong_channels(rx60(), Rough(rx60(), samples(5.0, 0.0, seed, rows=60))) is None
+    assert told(samples(5.0, 0.0, seed, rows=60)) is None
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_joint_that_friction_drives_has_the_wrong_sign(seed):
     one = samples(0.3, 0.5, seed)
-    assert wrong_channels(rx60(), Rough(rx60(), one)) is None
+    assert told(one) is None
     wrong = np.array([-1.0, 1.0, 1.0])
-    found = wrong_channels(
-        rx60(), Rough(rx60(), replace(one, tau=wrong * one.tau, tau_rate=wrong * one.tau_rate))
-    )
+    found = told(replace(one, tau=wrong * one.tau, tau_rate=wrong * one.tau_rate))
     assert found.check == "torque_sign" and "joint1" in found.what
 
 
@@ -56,7 +61,7 @@ def test_a_scale_that_leaves_much_of_its_own_torque_is_not_believed():
     brake = np.ones(3)
     logged = Tried(np.array([0.06, 0.11, 0.22]), brake)
     poorly, well = (Tried(np.array([0.06, 0.05, left]), brake) for left in (0.17, 0.1))
-    assert not _sound(half, poorly) and _sound(half, well)
+    assert not is_sound(half, poorly) and is_sound(half, well)
     assert _believed(half, well, logged, 1.0)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from jaxswarm.effects.examples import usual_friction
 from jaxswarm.identify.checks.channels import wrong_unit
-from jaxswarm.identify.checks.rough import Samples
+from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import robot_from_dh

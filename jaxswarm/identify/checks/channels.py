@@ -5,10 +5,12 @@ it also leaves more of the torque; an exchange of two channels leaves far more. 
 leaves much less than the log as it is, or as little with friction that brakes where it drove.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.identify.checks.faint import clear_gain, is_worth
 from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
     Guess,
@@ -20,8 +22,9 @@ from jaxswarm.identify.checks.guesses import (
     torque_guesses,
     torque_scale_guesses,
 )
-from jaxswarm.identify.checks.rough import Rough, Samples, Tried
-from jaxswarm.identify.checks.scales import is_exact
+from jaxswarm.identify.checks.rough import Rough, Tried
+from jaxswarm.identify.checks.samples import Samples
+from jaxswarm.identify.checks.sound import NONE, UNRELATED, is_sound
 from jaxswarm.identify.checks.zeros import zero_guesses
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.logged import rigid_columns
@@ -39,8 +42,6 @@ _SIGN = 0.3
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
 # 0.04 at most, on joints without friction.
 _SAME, _DRIVES = 0.3, 0.08
-# Friction of a guess that drives by less than this share of the torque is none.
-_NONE = 0.05
 # The log is asked for exchanged positions and degrees too, which costs a regressor a guess, where it leaves
 # this much, or so much on one joint.
 _POOR, _POOR_JOINT = 0.1, 0.3
@@ -53,9 +54,6 @@ _SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8, ENCOD
 # A torque's scale is a valley: any other scale of it costs this part of that more. Where a joint disagrees with
 # the others for another reason, all scales that take its word from it help alike.
 _VALLEY = 0.5
-# A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
-# badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
-_SCALE_LEAVES = 0.15
 # Turns of a joint [rad] and travels [m] that no arm makes; degrees make them at once and need to gain less.
 _FAR, _LIKELY = 4.0 * np.pi, 0.3
 # Mass [kg] of every link, all alike, that would need the logged torques, over the square of the reach [m]: 60
@@ -66,9 +64,8 @@ _LEAST_REACH, _SLIDE, _WIDER = 0.5, 1.0, 10.0
 # Where the masses are known, friction and motors make up to ten times their torque; another unit a thousand.
 _OTHER_UNIT = 300.0
 _UNIT = "Log torques in N m and forces in N, or name the unit"
-# Share of the torque left, on the geometric mean over the joints, from which on motion explains nothing, and of
-# one or two joints, which a single missing law may rule. Pure noise leaves all of it, the worst clean log 0.3.
-_UNRELATED, _FEW_UNRELATED, _FEW = 0.5, 0.8, 2
+# Share of the torque left from which on motion explains nothing of so few joints: one law may rule them.
+_FEW_UNRELATED, _FEW = 0.8, 2
 # Travel [rad or m] below which a position is one number but for the rounding of its smoothing.
 STANDS = 1e-9
 # Rows per parameter that a fit has to have before it tells anything.
@@ -84,8 +81,14 @@ def enough(robot: Robot, samples: Samples) -> bool:
     )
 
 
-def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
-    """The likeliest guess about signs, order and unit of angles that is far better than the log as it is."""
+def wrong_channels(robot: Robot, rough: Rough, fine: Callable[[], Rough]) -> Finding | None:
+    """The likeliest guess about signs, order and unit of angles that is far better than the log as it is.
+
+    Args:
+        robot: Kinematics.
+        rough: Model of the log as it is.
+        fine: Makes a fine one, where a scale or a zero shows faintly.
+    """
     logged, sigma = rough.as_logged()
     much = rough.strictness
     likely = rough.likely_order()
@@ -93,7 +96,7 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     mixtures = [g.mixture for g in guesses if g.mixture is not None]
     tried = list(zip(guesses, rough.fit(mixtures, sigma), strict=True))
     tried += _with_its_own_weights(robot, rough, likely)
-    poor = logged.size > _POOR or logged.left.max() > _POOR_JOINT or logged.braking.min() < -_NONE
+    poor = logged.size > _POOR or logged.left.max() > _POOR_JOINT or logged.braking.min() < -NONE
     far = np.ptp(rough.samples.q, axis=0) > _FAR
     motions = [
         *motion_scale_guesses(robot),
@@ -108,11 +111,13 @@ def wrong_channels(robot: Robot, rough: Rough) -> Finding | None:
     believed = [
         (g, t)
         for g, t in tried
-        if _sound(g, t)
-        and (
-            (_believed(g, t, logged, much) and _is_valley(g, t, tried, much))
-            or is_exact(robot, rough, sigma, g, logged.power - t.power)
-        )
+        if is_sound(g, t) and _believed(g, t, logged, much) and _is_valley(g, t, tried, much)
+    ]
+    faint = [one for one in tried if is_worth(one[0], logged.power - one[1].power)]
+    gains = [clear_gain(robot, fine(), g) for g, _ in faint]
+    # A fine model tells apart what a rough one leaves alike.
+    believed += [
+        one for one, gain in zip(faint, gains, strict=True) if gain > max(0.0, max(gains) - _SAME)
     ]
     if not believed:
         return None
@@ -150,14 +155,6 @@ def _with_its_own_weights(
     return [(order, rough.settled(order.mixture)[0])]
 
 
-def _sound(guess: Guess, found: Tried) -> bool:
-    """Whether friction brakes in what a guess leaves, and enough of the torques is explained by it."""
-    if found.braking.min() < -_NONE or found.size > _UNRELATED:
-        return False
-    own = found.left[list(guess.joints)].max()
-    return bool(guess.check != "torque_scale" or own <= _SCALE_LEAVES)
-
-
 def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     """Whether a guess leaves clearly less; scales have to, so many times (``much``) more."""
     joints = list(guess.joints)
@@ -184,7 +181,7 @@ def _is_valley(guess: Guess, found: Tried, tried: list[tuple[Guess, Tried]], muc
 
 
 def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
-    drove = [robot.joints[j] for j in guess.joints if logged.braking[j] < -_NONE]
+    drove = [robot.joints[j] for j in guess.joints if logged.braking[j] < -NONE]
     driven = f"friction would drive {', '.join(drove)}, and " if drove else ""
     what = (
         f"{guess.what}: as logged {driven}rigid body and friction leave {100 * logged.size:.2g} % of the "
@@ -225,7 +222,7 @@ def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
 def unrelated(rough: Rough) -> Finding | None:
     """Whether the motion explains nothing of the torque, as of noise, or of torques of another log."""
     logged, _ = rough.as_logged()
-    if logged.size < (_FEW_UNRELATED if len(logged.left) <= _FEW else _UNRELATED):
+    if logged.size < (_FEW_UNRELATED if len(logged.left) <= _FEW else UNRELATED):
         return None
     what = (
         f"rigid body, friction and springs leave {100 * min(logged.size, 1.0):.0f} % of the torque: torque "

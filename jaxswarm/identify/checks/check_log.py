@@ -1,6 +1,7 @@
 """From a log as read to the motions that may be fitted: what cannot be right is mended, told or refused."""
 
 from collections.abc import Sequence
+from functools import cache
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.checks.channels import (
@@ -13,7 +14,8 @@ from jaxswarm.identify.checks.channels import (
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.late import late_torque
-from jaxswarm.identify.checks.rough import Rough, samples_of
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
@@ -74,9 +76,10 @@ def checked(
     found += lost.lost_samples(log)
     log, saturated = frozen.without_saturated(log)
     log, stuck = frozen.without_stuck(log)
-    log = with_findings(log, [*found, *saturated, *stuck], accept)
+    mended = [*found, *saturated, *stuck]
+    log = with_findings(log, mended, accept)
     log, motions = prepare_segments(log, filtering)
-    return with_findings(log, against_robot(robot, motions), accept), motions
+    return with_findings(log, against_robot(robot, motions), accept, mended), motions
 
 
 def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
@@ -87,7 +90,8 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     if not enough(robot, samples):
         return dead_encoders(robot, samples)
     rough = Rough(robot, samples)
-    channels = wrong_channels(robot, rough)
+    fine = cache(lambda: Rough(robot, fine_samples(motions)))
+    channels = wrong_channels(robot, rough, fine)
     # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
     unit = None if channels else wrong_unit(robot, samples)
     told_only = channels is not None and not channels.refused  # what is left goes on with it
@@ -95,7 +99,7 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     found = [one for one in (channels, unit, relation) if one is not None]
     # A unit that may be another one says nothing of the clocks; where more is wrong, nothing is known of them.
     if channels is None and relation is None and (unit is None or not unit.refused):
-        late = late_torque(robot, rough)
+        late = late_torque(robot, rough, fine())
         found += [] if late is None else [late]
     return found
 

@@ -8,7 +8,7 @@ way) no motion of the others explains.
 import numpy as np
 
 from jaxswarm.identify.checks.channels import STANDS
-from jaxswarm.identify.checks.rough import Samples
+from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.frozen import STUCK
 from jaxswarm.robot.logged import rigid_columns

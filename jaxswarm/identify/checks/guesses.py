@@ -6,7 +6,7 @@ from itertools import combinations, permutations, product
 
 import numpy as np
 
-from jaxswarm.identify.checks.rough import Samples
+from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.robot.model import Robot
 
 # Joints up to which every order of the torques and every pattern of signs is tried.

@@ -8,21 +8,20 @@ import scipy
 
 from jaxswarm.identify.checks.bristles import bristles
 from jaxswarm.identify.checks.lateness import Lateness, late_by
+from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.estimation.least_squares import triangular_factor
-from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
-# Rows that a sign or a swapped channel needs by far; more only cost time.
-_MOST_ROWS = 1000
-# Width of the smooth sign as a part of the RMS speed: between the sharpest and the widest of real joints.
-_WIDTH = 0.03
+# Width of the smooth sign as a part of the RMS speed: between the sharpest and the widest of real joints; and
+# those beside it of a fine model, which follow any of them and a friction that falls with speed.
+_WIDTH, _FINE_WIDTHS = 0.03, (0.003, 0.01, 0.3)
 # A fit with fewer rows than this per parameter bends: a wrong guess gains what it should not, the more the
 # fewer there are. On a clean log of seven joints with 2.4 of them half a torque gained 1.1.
 ROWS_THAT_HOLD = 3.0
 # There a guess has to gain more, by this power of the lack of rows, but no more than so many times: wrong
 # scales of six joints with one or two rows per parameter gain 2.7 to 28.
-_STRICTER, _STRICTEST = 3.5, 4.0
+_STRICTER, STRICTEST = 3.5, 4.0
 # Columns that depend on others to this part of their length are not told apart.
 _DEPENDENT = 1e-7
 # Friction below this many of its standard errors is none: what is left is no white noise, and a joint whose
@@ -30,20 +29,9 @@ _DEPENDENT = 1e-7
 _CHANCE = 6.0
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
 # rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
-_VISCOUS, _DRY, _OWN = 0, 1, 5
+_VISCOUS, _DRY = 0, 1
 # Parts of a log whose torques may each be late by something else: halves and thirds of them are wholes, too.
 _PARTS = 6
-
-
-@dataclass(frozen=True)
-class Samples:
-    """Motion [rad, m, s], torque [N m or N] and its derivative on the compared clock, each (T, n)."""
-
-    q: np.ndarray
-    dq: np.ndarray
-    ddq: np.ndarray
-    tau: np.ndarray
-    tau_rate: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -70,31 +58,6 @@ class Tried:
         return float(np.sum(np.log(np.maximum(self.left, 1e-9))))
 
 
-def samples_of(motions: Sequence[Motion]) -> Samples:
-    """The stretches of a log, thinned to the rows that a rough fit needs."""
-    kept = [m.decimator.kept(len(m.t)) for m in motions]
-    stride = max(1, sum(map(len, kept)) // _MOST_ROWS)
-
-    def joined(parts) -> np.ndarray:
-        return np.concatenate([part[::stride] for part in parts])
-
-    torques = [m.low_torque for m in motions]
-    steps = [
-        m.t[k[1]] - m.t[k[0]] if len(k) > 1 else 1.0 for m, k in zip(motions, kept, strict=True)
-    ]
-    rates = [
-        np.gradient(x, step, axis=0) if len(x) > 1 else 0.0 * x
-        for x, step in zip(torques, steps, strict=True)
-    ]
-    return Samples(
-        joined([m.q[k] for m, k in zip(motions, kept, strict=True)]),
-        joined([m.dq[k] for m, k in zip(motions, kept, strict=True)]),
-        joined([m.ddq[k] for m, k in zip(motions, kept, strict=True)]),
-        joined(torques),
-        joined(rates),
-    )
-
-
 class Rough:
     """Rigid body, rotors, friction and springs on one motion, ready to be fitted to any mixture of the torques.
 
@@ -108,20 +71,28 @@ class Rough:
         self.samples, self._robot = samples, robot
         self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
         self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
-        rigid = rigid_columns(robot, samples.q, samples.dq, samples.ddq)
-        joints = samples.q.shape[1]
-        width = np.maximum(_WIDTH * self.speed, 1e-9)
-        dry, offset = np.tanh(samples.dq / width), np.ones_like(samples.dq)
-        laws = np.stack([samples.dq, dry, offset, samples.q, samples.ddq], axis=2)
-        memory = bristles(samples.q)
+        joints, remembered = samples.q.shape[1], bristles(samples.q)
+        widths = _WIDTH, *(_FINE_WIDTHS if samples.parts else ())
+        self._dry = len(widths)
+
+        def rigid_of(part: slice) -> np.ndarray:
+            return rigid_columns(robot, samples.q[part], samples.dq[part], samples.ddq[part])
+
+        def laws_of(part: slice) -> np.ndarray:
+            q, dq = samples.q[part], samples.dq[part]
+            dry = [np.tanh(dq / np.maximum(width * self.speed, 1e-9)) for width in widths]
+            return np.stack([dq, *dry, np.ones_like(dq), q, samples.ddq[part]], axis=2)
+
+        rigid, laws = samples.rows(rigid_of), samples.rows(laws_of)
+        memory = samples.rows(lambda part: remembered[part])
         part = _PARTS * np.arange(len(laws)) // len(laws)
         within = part[:, None] == np.arange(_PARTS)
         rates = samples.tau_rate[:, None, :] * within[:, :, None]
-        self._size, self._memory = rigid.shape[2], memory.shape[2]
+        self._size, self._own, self._memory = rigid.shape[2], laws.shape[2], memory.shape[2]
         self._factors = []
         for j in range(joints):
-            own = np.zeros((len(laws), _OWN * joints))
-            own[:, _OWN * j : _OWN * (j + 1)] = laws[:, j]
+            own = np.zeros((len(laws), self._own * joints))
+            own[:, self._own * j : self._own * (j + 1)] = laws[:, j]
             block = np.concatenate(
                 [rigid[:, j], own, samples.tau, rates[:, :, j], memory[:, j]],
                 axis=1,
@@ -140,7 +111,7 @@ class Rough:
     def strictness(self) -> float:
         """How many times more than on a long log a guess has to gain on this one to be believed."""
         lack = ROWS_THAT_HOLD / self.rows_per_parameter
-        return min(max(lack, 1.0) ** _STRICTER, _STRICTEST)
+        return min(max(lack, 1.0) ** _STRICTER, STRICTEST)
 
     def fit(self, mixtures: Sequence[np.ndarray], sigma: np.ndarray) -> list[Tried]:
         """Fit several mixtures of the torques at once, with the same weights.
@@ -150,7 +121,7 @@ class Rough:
             sigma: Standard deviation of every joint's residual [N m or N], (n,).
         """
         joints, (u, inverse) = len(self._factors), self._solved(sigma)
-        first = self._size + _OWN * joints
+        first = self._size + self._own * joints
         taken = np.stack(mixtures, axis=2)
         right = np.concatenate(
             [
@@ -164,16 +135,18 @@ class Rough:
         spread = np.stack([np.abs(m) @ self.spread for m in mixtures], axis=1)
         freedom = max(self._rows - u.shape[1] / joints, 1.0)
         left = np.linalg.norm(residual, axis=1) * sigma[:, None] / np.sqrt(freedom) / spread
-        friction = theta[self._size :].reshape(joints, _OWN, -1)
-        brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, _DRY]
-        own = inverse[self._size :].reshape(joints, _OWN, -1)
-        chance = np.linalg.norm(own[:, _VISCOUS] * self.speed[:, None] + own[:, _DRY], axis=1)
+        friction = theta[self._size :].reshape(joints, self._own, -1)
+        dry = slice(_DRY, _DRY + self._dry)
+        brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, dry].sum(axis=1)
+        own = inverse[self._size :].reshape(joints, self._own, -1)
+        usual = own[:, _VISCOUS] * self.speed[:, None] + own[:, dry].sum(axis=1)
+        chance = np.linalg.norm(usual, axis=1)
         brake = np.where(np.abs(brake) > _CHANCE * chance[:, None], brake, 0.0)
         return [Tried(left[:, k], brake[:, k] / spread[:, k]) for k in range(len(mixtures))]
 
     def _solved(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Orthonormal basis of the weighted columns, and what makes parameters of its coordinates."""
-        parameters = self._size + _OWN * len(self._factors)
+        parameters = self._size + self._own * len(self._factors)
         matrix = np.concatenate(
             [f[:, :parameters] / s for f, s in zip(self._factors, sigma, strict=True)]
         )
@@ -201,7 +174,7 @@ class Rough:
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""
         joints, (u, _) = len(self._factors), self._solved(sigma)
-        torque = self._size + _OWN * joints
+        torque = self._size + self._own * joints
         last, extra = torque + joints, self._memory
         right = np.zeros((joints, len(self._factors[0]), 1 + joints * (_PARTS + extra)))
         for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True)):
@@ -218,7 +191,7 @@ class Rough:
 
     def likely_order(self) -> tuple[int, ...]:
         """For each joint the torque that its own columns explain best, every torque once."""
-        parameters = self._size + _OWN * len(self._factors)
+        parameters = self._size + self._own * len(self._factors)
         joints, left = len(self._factors), []
         for factor in self._factors:
             matrix, torques = factor[:, :parameters], factor[:, parameters : parameters + joints]

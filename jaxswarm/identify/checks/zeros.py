@@ -11,8 +11,8 @@ from jaxswarm.robot.model import Robot
 # Zeros [rad or m] that every joint is asked for, whatever the log; and how many times that is the farthest.
 _PROBE, _FARTHEST = {"revolute": 0.12, "prismatic": 0.05}, 8.0
 # Logarithm of what is left that such a probe has to gain before the zero is searched for: on 67 clean logs of
-# 50 arms no probe of any size gained a tenth, while halfway to a zero that is 0.3 off it is 0.3 and more.
-_WORTH = 0.15
+# 50 arms no probe of any size gained a tenth, while halfway to a zero that shows faintly it is no more.
+_WORTH = 0.05
 # Width [rad or m] to which a zero is searched for, and models that one search may cost.
 _WIDTH, _MOST = 0.01, 16
 
