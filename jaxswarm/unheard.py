@@ -1,9 +1,10 @@
 """A signal that Python does not come to hear: one call of compiled code may take minutes.
 
-A compilation and a wait for arrays hear it (jaxlib 0.10.2: within 0.04 s of a compilation of 34 s); reading a
-result that is not there yet does not, nor does any other library. The handlers of :mod:`jaxswarm.terminal` run between two steps of Python in the main thread. A thread of its own
-is told of every signal at once; where no handler has run some seconds later, it ends the process. Whatever is
-written is written beside its place and moved there whole, so that nothing is left half done.
+A compilation and a wait for arrays hear it (jaxlib 0.10.2: within 0.04 s of a compilation of 34 s); reading
+a result that is not there yet does not, nor does every other library. The handlers of
+:mod:`jaxswarm.terminal` run between two steps of Python in the main thread. A thread of its own is told of
+every signal at once; where no handler has run some seconds later, it ends the process. Whatever is written is
+written beside its place and moved there whole, so that nothing is left half done.
 """
 
 import os
@@ -16,8 +17,8 @@ from contextlib import contextmanager, suppress
 
 from jaxswarm import terminal
 
-# Time [s] that a signal may wait for its handler: Python itself comes by in milliseconds, most compilations end
-# within it, and a user who has asked for an end waits no longer.
+# Time [s] that a signal may wait for its handler: Python itself comes by in milliseconds, most calls of
+# compiled code end within it, and a user who has asked for an end waits no longer.
 _PATIENCE = 5.0
 # Signals within this time [s] of each other call their handler once.
 _TOGETHER = 1.0

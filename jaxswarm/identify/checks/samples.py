@@ -86,9 +86,9 @@ def fine_samples(motions: Sequence[Motion]) -> Samples:
             length = samples.stop - samples.start
             parts.append((slice(end, end + length), low))
             end += length
-    motion_columns = [np.concatenate(x) for x in zip(*moved, strict=True)]
-    torque_columns = [np.concatenate(x) for x in zip(*pushed, strict=True)]
-    return Samples(*motion_columns, *torque_columns, tuple(parts))
+    q, dq, ddq = (np.concatenate(x) for x in zip(*moved, strict=True))
+    tau, tau_rate = (np.concatenate(x) for x in zip(*pushed, strict=True))
+    return Samples(q, dq, ddq, tau, tau_rate, tuple(parts))
 
 
 def _spread(count: int, share: float) -> list[tuple[int, int]]:
