@@ -130,6 +130,14 @@ def test_what_can_be_mended_or_judged_is_told(clean, arm, spoiling):
     assert {name for name in names if not name.startswith(GAPS)} == {check}
 
 
+def test_a_refusal_tells_what_was_found_before_too(clean, arm):
+    """An encoder that stood may be why time seems to run at another pace."""
+    log = with_stop(clean)
+    log = replace(log, tau=column(log.tau, 2, np.negative))
+    with pytest.raises(InputError, match="torque_sign: .*Besides, stuck: the position of joint2"):
+        checked(log, arm, Filtering())
+
+
 def test_a_table_converted_to_degrees_has_slides_that_travel_meters(data_root):
     robot = load_robot(data_root / "cases" / "q03" / "robot.urdf")
     log = read_log(data_root / "cases" / "q03" / "train.npz", robot.joints)

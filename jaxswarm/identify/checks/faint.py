@@ -21,8 +21,8 @@ _WORTH = 0.05
 # whose strictness is 4; time 0.5 on a stretch of one that lacks a gravity compensator, at a strictness of 1.3.
 # Of wrong scales that show in a rough model 98 % gain 0.3 and more, and 1.1 of few rows.
 _FAINT = {"torque_scale": 0.25, "encoder_scale": 0.3, "time_scale": 0.4}
-# The same of a guess that leaves so much of a joint: there 0.15 was gained where a third was left, and 0.34 by an
-# encoder where torques stood at their limit. Clean logs leave 0.04.
+# The same of a guess that leaves so much of a joint: there 0.15 was gained where a third was left, and 0.34 by
+# an encoder where torques stood at their limit. Clean logs leave 0.04.
 _FAINT_UNSURE, _WELL = 0.5, 0.08
 # Zeros gain more where gravity is bent by a spring or a tilt, 0.23 and 0.29; for them no log is refused.
 _FAINT_ZERO, _FAINT_ZERO_OF_FEW = 0.35, 0.18
