@@ -11,8 +11,9 @@ from jaxswarm.robot.model import Robot
 # Zeros [rad or m] that every joint is asked for, whatever the log; and how many times that is the farthest.
 _PROBE, _FARTHEST = {"revolute": 0.12, "prismatic": 0.05}, 8.0
 # Logarithm of what is left that such a probe has to gain before the zero is searched for: on 67 clean logs of
-# 50 arms no probe of any size gained a tenth, while halfway to a zero that shows faintly it is no more.
-_WORTH = 0.05
+# 50 arms no probe of any size gained a tenth, while halfway to a zero that is 0.3 off it is 0.3 and more; where
+# it gains less only a sizable zero is one.
+_WORTH, _FAINTLY = 0.15, 0.05
 # Width [rad or m] to which a zero is searched for, and models that one search may cost.
 _WIDTH, _MOST = 0.01, 16
 
@@ -33,10 +34,12 @@ def zero_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Guess]:
 
         probe = _PROBE[kind]
         low, zero = min((left(side), side) for side in (-probe, probe))
-        if low > power - _WORTH:
+        if low > power - _FAINTLY:
             continue
         ends = sorted((0.0, _FARTHEST * zero))
         found = scipy.optimize.minimize_scalar(
             left, bounds=ends, method="bounded", options={"xatol": _WIDTH, "maxiter": _MOST}
         )
-        yield zero_guess(robot, joint, float(found.x))
+        guess = zero_guess(robot, joint, float(found.x))
+        if guess.sizable or low < power - _WORTH:
+            yield guess
