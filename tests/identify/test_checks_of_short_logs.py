@@ -71,7 +71,11 @@ def test_halves_of_a_short_log_are_asked_with_one_arm(arm, short, joint):
     """A half of its own bends its own arm until nothing is late: joint 3 was not told."""
     late = column(short.tau, joint, lambda x: np.interp(short.t - 0.02, short.t, x))
     _, motions = prepare_segments(replace(short, tau=late), Filtering(torque_cutoff=5.0))
-    found = late_torque(arm, *(Rough(arm, made(motions)) for made in (samples_of, fine_samples)))
+    found = late_torque(
+        arm,
+        *(Rough(arm, made(motions)) for made in (samples_of, fine_samples)),
+        motions[0].interval,
+    )
     assert found is not None and f"the torque of {arm.joints[joint]} is " in found.what
 
 

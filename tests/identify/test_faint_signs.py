@@ -196,8 +196,11 @@ class Known:
         return Lateness(1e-3 * seconds, gain)
 
 
-# A model that has nothing to tell.
+# A model that has nothing to tell, and one of too few rows to be asked.
 NOTHING = Known(0.02, 0.0, 0.0)
+TOO_FEW = Known(0.02, 0.0, 0.0)
+TOO_FEW.strictness = 4.0
+INTERVAL = 0.005
 
 
 class Late(Known):
@@ -226,9 +229,24 @@ class Late(Known):
 )
 def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, milliseconds, told):
     """Bristles of harmonic drives look 33 ms late and more, on joints of which they leave a tenth."""
-    found = late_torque(arm, Known(left, gain, milliseconds), NOTHING)
+    found = late_torque(arm, Known(left, gain, milliseconds), TOO_FEW, INTERVAL)
     assert (found is not None) == told
     assert not told or f"joint2 is {milliseconds:.0f} ms late" in found.what
+
+
+@pytest.mark.parametrize(
+    ("in_fine", "told"), [(18.0, True), (10.0, True), (6.0, False), (-18.0, False)]
+)
+def test_what_a_rough_model_takes_for_a_delay_a_fine_one_has_to_confirm(arm, in_fine, told):
+    """Play looked 13 ms early in a rough model, by a tenth of what that left; a fine one left a thirtieth."""
+    rough, fine = Known(0.02, -0.4, 18.0), Known(0.003, -0.01, in_fine)
+    assert (late_torque(arm, rough, fine, INTERVAL) is not None) == told
+
+
+@pytest.mark.parametrize(("interval", "told"), [(0.005, True), (0.02, True), (0.04, False)])
+def test_what_is_a_part_of_a_sample_apart_is_a_matter_of_the_clock(arm, interval, told):
+    rough = Known(0.02, -0.4, 18.0)
+    assert (late_torque(arm, rough, rough, interval) is not None) == told
 
 
 @pytest.mark.parametrize(
@@ -250,10 +268,10 @@ def test_a_fine_model_tells_a_delay_that_a_rough_one_does_not(
     times = milliseconds + spread * np.array([1.0, -1.0, 0.0, 1.0, -1.0, 0.0])
     by_parts = {1: [milliseconds], 2: 2 * [milliseconds], 6: times}
     fine.lateness_in_parts = lambda sigma, parts: [Late(x).lateness(None) for x in by_parts[parts]]
-    assert late_torque(arm, NOTHING, NOTHING) is None
-    assert (late_torque(arm, NOTHING, fine) is not None) == told
+    assert late_torque(arm, NOTHING, NOTHING, INTERVAL) is None
+    assert (late_torque(arm, NOTHING, fine, INTERVAL) is not None) == told
     fine.strictness = 4.0  # fewer rows than two a parameter: of them nothing is known
-    assert late_torque(arm, NOTHING, fine) is None
+    assert late_torque(arm, NOTHING, fine, INTERVAL) is None
 
 
 @pytest.mark.parametrize(("spread", "told"), [(6.0, True), (20.0, False)])
@@ -263,12 +281,12 @@ def test_a_faint_delay_is_as_long_in_every_part_of_a_log(arm, spread, told):
     times = 18.0 + spread * np.array([1.0, -1.0, 0.0, 1.0, -1.0, 0.0])
     by_parts = {1: [18.0], 2: [18.0, 18.0], 6: times}
     rough.lateness_in_parts = lambda sigma, parts: [Late(x).lateness(None) for x in by_parts[parts]]
-    assert (late_torque(arm, rough, NOTHING) is not None) == told
+    assert (late_torque(arm, rough, TOO_FEW, INTERVAL) is not None) == told
     rough.strictness = (
         4.0  # of few rows everything seems steady: 3.7 errors and 40 % of what was left on one
     )
     rough.gain = -0.5
-    assert late_torque(arm, rough, NOTHING) is None
+    assert late_torque(arm, rough, TOO_FEW, INTERVAL) is None
 
 
 @pytest.mark.parametrize(
@@ -279,7 +297,7 @@ def test_a_delay_is_one_that_both_halves_of_a_log_tell(arm, first, second, told)
     rough = Known(0.02, -0.4)
     halves = [Late(seconds).lateness(None) for seconds in (first, second)]
     rough.lateness_in_parts = lambda sigma, parts: np.repeat(halves, parts // 2).tolist()
-    found = late_torque(arm, rough, NOTHING)
+    found = late_torque(arm, rough, TOO_FEW, INTERVAL)
     assert (found is not None) == told
 
 
@@ -294,7 +312,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
     )
     rough.lateness_in_parts = lambda sigma, parts: [rough.lateness(sigma)] * parts
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
-    assert late_torque(robot, rough, rough) is None
+    assert late_torque(robot, rough, rough, INTERVAL) is None
 
 
 def test_the_other_joint_of_two_is_the_clock():
@@ -303,5 +321,5 @@ def test_the_other_joint_of_two_is_the_clock():
     late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
     pair.lateness_in_parts = lambda sigma, parts: [late] * parts
-    found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair)
+    found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair, INTERVAL)
     assert found is not None and "b is 12 ms late" in found.what

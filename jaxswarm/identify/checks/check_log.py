@@ -99,7 +99,8 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     found = [one for one in (channels, unit, relation) if one is not None]
     # A unit that may be another one says nothing of the clocks; where more is wrong, nothing is known of them.
     if channels is None and relation is None and (unit is None or not unit.refused):
-        late = late_torque(robot, rough, fine())
+        interval = max(m.interval for m in motions)
+        late = late_torque(robot, rough, fine(), interval)
         found += [] if late is None else [late]
     return found
 
