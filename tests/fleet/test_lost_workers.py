@@ -26,7 +26,7 @@ def test_a_log_whose_worker_was_killed_is_done_again(tmp_path, monkeypatch):
         return {"stamp": place.name, "result": {"process": os.getpid()}}
 
     monkeypatch.setattr(schedule, "examine", deadly)
-    monkeypatch.setattr(schedule, "start", lambda: None)  # nothing is computed there
+    monkeypatch.setattr(schedule, "start", lambda queue: None)  # nothing is computed there
     names = ["first", "deadly", "last"]
     sources = [Source(str(tmp_path / n), n, n, None, 1) for n in names]
     with connected(Cluster(workers=1)) as client:
