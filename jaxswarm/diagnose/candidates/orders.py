@@ -24,7 +24,7 @@ def leaves_room(term: Term, motions: Sequence[Motion]) -> bool:
     return term.law.several and _periods(term, motions) > _MULTIPLES
 
 
-def seen_as_one(term: Term, motions: Sequence[Motion]) -> bool:
+def hardly_repeats(term: Term, motions: Sequence[Motion]) -> bool:
     """Whether a term is an order of which too few periods are seen to tell it from a torque at one place."""
     return term.law.several and _periods(term, motions) <= _MULTIPLES
 

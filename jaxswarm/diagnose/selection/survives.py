@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.orders import seen_as_one
+from jaxswarm.diagnose.candidates.orders import hardly_repeats
 from jaxswarm.diagnose.decision.rules import (
     ABOVE_NOISE,
     GAIN,
@@ -68,7 +68,7 @@ def one_place(after: Estimate, added: Term, rules: Rules, seed: int) -> str | No
     A magnet of 0.15 rad on a cycle of 0.6 rad was told as a ripple of 1.5 periods, at 1.8 times the noise, and
     doubled the error of motion that went further.
     """
-    if not seen_as_one(added, after.motions):
+    if not hardly_repeats(added, after.motions):
         return None
     share, p_value = own_position(after, cross_fit(after), added.index, seed)
     if share < ONE_PLACE or p_value > rules.significance:
