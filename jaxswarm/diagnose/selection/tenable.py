@@ -25,11 +25,8 @@ def can_be(term: Term, errors: dict[str, float]) -> bool:
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:
     """Whether a linear coefficient is certain: else it stands for something else."""
-    linear = term.law.linear
-    return not linear or any(
-        abs(term.values[p.name]) > CERTAIN * errors[p.name] or np.isnan(errors[p.name])
-        for p in linear
-    )
+    linear = [p.name for p in term.law.linear]
+    return not linear or _one_is_certain(term, errors, linear)
 
 
 def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
@@ -48,8 +45,14 @@ def goes_beyond(term: Term, errors: dict[str, float]) -> bool:
     """
     inner = {p.name for name in term.law.contains for p in get_law(name).parameters}
     own = [p.name for p in term.law.linear if p.name not in inner]
-    sure = [not abs(term.values[name]) <= CERTAIN * errors[name] for name in own]
-    return not inner or not own or any(sure)
+    return not inner or not own or _one_is_certain(term, errors, own)
+
+
+def _one_is_certain(term: Term, errors: dict[str, float], names: list[str]) -> bool:
+    """Whether one of some coefficients is beyond its doubt, or told by no doubt at all."""
+    return any(
+        abs(term.values[name]) > CERTAIN * errors[name] or np.isnan(errors[name]) for name in names
+    )
 
 
 def can_be_read(term: Term) -> bool:
