@@ -112,7 +112,7 @@ def test_rows_of_a_joint_say_what_freed_columns_say(crossfit, joint):
         held = RIDGE * np.trace(square) / len(square) * np.eye(len(square))
         a = np.linalg.solve(square + held, inside.T @ fold.residual[fold.train, joint])
         rows = joint_rows(fold, joint)
-        said = rows.predicted(columns[fold.train], columns[~fold.train])
+        (said,) = rows.predicted(columns[fold.train], columns[~fold.train], (0.03,))
         np.testing.assert_allclose(said, outside @ a, rtol=1e-8, atol=1e-10)
         np.testing.assert_array_equal(rows.unseen, fold.residual[~fold.train, joint])
 

@@ -13,28 +13,41 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
-from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.diagnose.selection.take_back import take_back_shadows
+from jaxswarm.diagnose.selection.take_back import take_back_shadows, take_back_stand_ins
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
 
 OFFSET = Term("torque_offset", 1)
+SPRING = Term("joint_spring", 1)
+DRAG = Term("quadratic_drag", 1)
+# Of a log of 12 s half does not tell the bodies well enough to see what is left of a friction law [s].
+LONG = 30.0
+LOAD = Term("load_dependent_friction", 1)
+COUPLING = Term("transmission_coupling", 1, 0)
+RIPPLE = Term("torque_ripple", 1)
 
 
 def searched(unknown: float) -> Search:
     """As if an offset of 1.5 N m had been added, with a wave of no known law of so many N m beside it."""
     log = log_with(replace(OFFSET, values={"tau0": 1.5}))
+    return told_as(OFFSET, log, unknown * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5))
+
+
+def told_as(term: Term, log: Log, extra: np.ndarray) -> Search:
+    """As if a term of joint 2 had been added to a log with a further torque (T,) there."""
     tau = log.tau.copy()
-    tau[:, 1] += unknown * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5)
+    tau[:, 1] += extra
     motion = prepare(replace(log, tau=tau), BAND)
     before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
     crossfit = cross_fit(before)
-    (score,) = score_terms(Linearization(before, crossfit), [OFFSET], 0)
+    (score,) = score_terms(Linearization(before, crossfit), [term], 0)
     after = with_motion_noise(refit_with(before, score))
-    step = Step(find_term(after, OFFSET), score, (), (), before, after, ())
+    step = Step(find_term(after, term), score, (), (), before, after, ())
     search = Search(after, before, Rules(), 0, Memory(), (), lambda text: None, Budget())
     search.steps, search.crossfit = [step], cross_fit(after)
     return search
@@ -69,3 +82,82 @@ def test_the_folds_are_those_of_the_model_that_is_left(unknown):
     search = searched(unknown)
     take_back_shadows(search)
     np.testing.assert_allclose(search.crossfit.noise, cross_fit(search.current).noise)
+
+
+def _position(log, joint=1):
+    return log.q[:, joint]
+
+
+def _velocity(log, joint=1):
+    return np.gradient(log.q[:, joint], log.t)
+
+
+def _by_load(log):
+    """What friction by the load adds to the same motion [N m]."""
+    true = replace(LOAD, values={"mu": 0.1, "inertial": 0.0})
+    return log_with(true, duration=LONG).tau[:, 1] - log.tau[:, 1]
+
+
+OTHER_FORMS = [
+    (SPRING, lambda log: 2.0 * np.exp(_position(log) / 0.4)),
+    (DRAG, lambda log: 3.0 * _velocity(log) * np.sin(0.9 * np.abs(_velocity(log))) ** 4),
+    (COUPLING, lambda log: 3.0 * np.sin(2.5 * _velocity(log, 0))),
+    (LOAD, lambda log: 16.0 * _by_load(log) * np.abs(_by_load(log))),
+]
+
+
+@pytest.mark.parametrize(("term", "extra"), OTHER_FORMS, ids=lambda x: getattr(x, "effect", ""))
+def test_what_leaves_a_function_of_its_own_variable_is_taken_back(term, extra):
+    log = log_with(duration=LONG)
+    search = told_as(term, log, extra(log))
+    take_back_stand_ins(search)
+    assert not search.steps
+    ((refused, why),) = search.refused
+    assert refused.effect == term.effect and "a law of another form" in why
+
+
+TRUE_FORMS = [
+    replace(SPRING, values={"k": 9.0, "tau0": -0.9}),
+    replace(DRAG, values={"c": 3.0}),
+    replace(LOAD, values={"mu": 0.1, "inertial": 0.0}),
+]
+
+
+@pytest.mark.parametrize("true", TRUE_FORMS, ids=lambda term: term.effect)
+@pytest.mark.parametrize("unknown", [0.0, 1.0])
+def test_a_law_of_its_form_stays_whatever_else_is_missing(true, unknown):
+    log = log_with(true)
+    other = unknown * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5)
+    search = told_as(replace(true, values={}), log, other)
+    take_back_stand_ins(search)
+    assert [s.added.effect for s in search.steps] == [true.effect]
+
+
+def test_of_a_ripple_more_orders_may_be_left():
+    log = log_with(replace(RIPPLE, values={"sine": 2.0, "cosine": 0.0, "n": 9.0}))
+    search = told_as(RIPPLE, log, 1.0 * np.sin(18.0 * _position(log)))
+    take_back_stand_ins(search)
+    assert [s.added.effect for s in search.steps] == ["torque_ripple"]
+
+
+def test_what_is_small_beside_what_a_law_took_is_a_detail_of_it():
+    log = log_with(replace(SPRING, values={"k": 60.0, "tau0": -6.0}))
+    search = told_as(SPRING, log, 0.5 * np.exp(_position(log) / 0.4))
+    assert search.current.fit.sigma[1] > 2.0 * search.crossfit.noise[1]
+    take_back_stand_ins(search)
+    assert [s.added.effect for s in search.steps] == ["joint_spring"]
+
+
+def test_both_ends_of_a_law_between_two_joints_go():
+    """The one end leaves another form; the other one fits by chance and is no law without it."""
+    ends = Term("cable_coupling", 1, 0), Term("cable_coupling", 0, 1)
+    log = log_with(duration=LONG)
+    search = told_as(ends[0], log, 4.0 * np.exp(_position(log, 0) + _position(log)))
+    before = search.current
+    (score,) = score_terms(Linearization(before, search.folds), [ends[1]], 0)
+    after = with_motion_noise(refit(before, (*before.model.terms, ends[1])))
+    step = Step(find_term(after, ends[1]), score, (), (), before, after, ())
+    search.steps, search.current, search.crossfit = [*search.steps, step], after, cross_fit(after)
+    take_back_stand_ins(search)
+    assert not search.steps
+    assert not {t.identity for t in ends} & {t.identity for t in search.current.model.terms}

@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 from planted import added, declared_fit, diagnose_log, log_with
 
-from jaxswarm.diagnose.decision.unexplained import (
-    find_unexplained,
-    residual_variables,
-    with_smooth_terms,
-)
-from jaxswarm.diagnose.folds.joint_rows import _RIDGE, JointRows
+from jaxswarm.diagnose.decision.smooth_rows import residual_variables
+from jaxswarm.diagnose.decision.unexplained import find_unexplained, with_smooth_terms
+from jaxswarm.diagnose.folds.joint_rows import RIDGES, JointRows
 from jaxswarm.identify import load_model, model_torque, save_model
 from jaxswarm.logs.motion import prepare
 
@@ -114,16 +111,17 @@ def test_variables_are_named_and_sampled_like_the_residual():
     assert all(x.shape == (len(found.regression.t),) for x in table.values())
 
 
-def test_a_ridge_loses_no_digits_to_its_squares():
+@pytest.mark.parametrize("ridge", RIDGES)
+def test_a_ridge_loses_no_digits_to_its_squares(ridge):
     """Columns that nearly depend on each other: the ridge bounds the condition of their squares themselves."""
     rng = np.random.default_rng(0)
     free = rng.normal(size=(400, 20))
     free[:, 10:] = free[:, :10] + 1e-6 * rng.normal(size=(400, 10))
     residual = rng.normal(size=400)
-    held = np.sqrt(_RIDGE * (free**2).sum() / free.shape[1])
+    held = np.sqrt(ridge * (free**2).sum() / free.shape[1])
     rows = np.concatenate([free, held * np.eye(20)])
     exact = np.linalg.lstsq(rows, np.append(residual, np.zeros(20)), rcond=None)[0]
     nothing, none = np.zeros((len(free), 0)), np.zeros(0)
     train = np.ones(len(free), bool)
     rows = JointRows(train, nothing, nothing[:0], residual, none, np.zeros((0, 0)), none)
-    np.testing.assert_allclose(rows.coefficients(free)[0], exact, rtol=1e-10, atol=1e-14)
+    np.testing.assert_allclose(rows.coefficients(free, ridge)[0], exact, rtol=1e-10, atol=1e-14)

@@ -16,6 +16,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.own_variables import torque_at_joint
 from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, NEAR, Rules
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.sharpness import score_softly
@@ -131,11 +132,9 @@ def _certainty(after: Estimate, term: Term, noise: np.ndarray) -> float:
     """A fitted term's value over its standard error; zero where it is against physics or within the noise."""
     number = number_of(term, after.model.terms)
     fitted, errors = after.model.terms[number], after.std_errors[number]
-    names = after.regression.names
-    own = [names.index(name) for name in fitted.columns(after.model.robot.joints)]
     values = np.array([fitted.values[p.name] for p in fitted.law.linear])
     doubts = np.nan_to_num([errors[p.name] for p in fitted.law.linear], nan=np.inf)
-    torque = after.regression.columns[:, term.joint, own] @ values
+    torque = torque_at_joint(after, fitted)
     if (values < [p.lower for p in fitted.law.linear]).any():
         return 0.0
     if np.sqrt((torque**2).mean()) < EVERYDAY_MATERIAL * noise[term.joint]:

@@ -33,7 +33,11 @@ from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
-from jaxswarm.diagnose.selection.take_back import take_back_harm, take_back_shadows
+from jaxswarm.diagnose.selection.take_back import (
+    take_back_harm,
+    take_back_shadows,
+    take_back_stand_ins,
+)
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
@@ -84,6 +88,7 @@ def diagnose(
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     take_back_harm(search)
     take_back_shadows(search)
+    take_back_stand_ins(search)
     if search.steps:
         settle_clocks(search)
         _hold_within_bounds(search)

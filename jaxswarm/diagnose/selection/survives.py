@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.orders import hardly_repeats
+from jaxswarm.diagnose.decision.own_variables import left_of_own
 from jaxswarm.diagnose.decision.rules import (
     ABOVE_NOISE,
     GAIN,
@@ -31,7 +32,6 @@ from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import (
     Unexplained,
     find_unexplained,
-    own_position,
     with_smooth_terms,
 )
 from jaxswarm.diagnose.folds.noise import noise_of
@@ -70,7 +70,7 @@ def one_place(after: Estimate, added: Term, rules: Rules, seed: int) -> str | No
     """
     if not hardly_repeats(added, after.motions):
         return None
-    share, p_value = own_position(after, cross_fit(after), added.index, seed)
+    share, p_value = left_of_own(after, cross_fit(after), added, seed)
     if share < ONE_PLACE or p_value > rules.significance:
         return None
     return "is seen through too few periods and leaves what follows the position: move the joint further"

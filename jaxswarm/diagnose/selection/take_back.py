@@ -4,14 +4,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.decision.own_variables import left_of_own
+from jaxswarm.diagnose.decision.rules import FOLLOWS_OWN, NEAR, OF_TAKEN
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, chain
+from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -32,6 +34,17 @@ def take_back_shadows(search: Search) -> None:
         _take_back(search, lambda: _shadow(search))
 
 
+def take_back_stand_ins(search: Search) -> None:
+    """Take back what leaves, far above the noise, little but a function of what its own law is about.
+
+    It has the place and the variable of what is missing, not its form: a cushion at the end of the travel was
+    told as a spring with a dead zone, friction by the partner's direction as a coupling of velocities. A ripple
+    may have more orders than were found, and beside everyday friction there may be any other. What a law leaves
+    that is small beside what it took is a detail of it.
+    """
+    _take_back(search, lambda: _stand_in(search))
+
+
 def _take_back(search: Search, wrong: Callable[[], tuple[Step, str] | None]) -> None:
     """Take back what is wrong, with the reason, until nothing is."""
     while search.steps:
@@ -40,10 +53,20 @@ def _take_back(search: Search, wrong: Callable[[], tuple[Step, str] | None]) -> 
             break
         step, why = found
         search.refused.append((step.added, why))
-        search.steps = [s for s in search.steps if s is not step]
-        search.current = with_motion_noise(_without(search.current, step), search.seed)
+        gone = [s for s in search.steps if s is step or _other_end(s.added, step.added)]
+        search.steps = [s for s in search.steps if s not in gone]
+        terms = search.current.model.terms
+        for one in gone:
+            terms = without(one.added, terms)
+        search.current = with_motion_noise(refit(search.current, terms), search.seed)
         search.steps = chain(search.steps) if search.steps else []
         search.crossfit = cross_fit(search.current)
+
+
+def _other_end(one: Term, two: Term) -> bool:
+    """Whether two terms are the ends of one law between two joints."""
+    ends = one.effect == two.effect and one.joint == two.other and one.other == two.joint
+    return ends and one.law.mutual
 
 
 def _without(current: Estimate, step: Step) -> Estimate:
@@ -73,3 +96,32 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
     name = current.model.robot.joints[joint]
     part = f"takes {100 * share:.0f} % off the squared error of {name}"
     return step, f"{part}, which stays {left[joint]:.1f} times its noise"
+
+
+def _stand_in(search: Search) -> tuple[Step, str] | None:
+    """The addition of whose own variables most is left, and why it is no name; None if none is."""
+    current, told = search.current, []
+    left = current.fit.sigma / noise_of(current)
+    for step in search.steps:
+        term = find_term(current, step.added)
+        law, joint = term.law, term.joint
+        if law.in_one_log or law.everyday or law.several or joint is None or left[joint] < NEAR:
+            continue
+        share, p_value = left_of_own(current, search.folds, term, search.seed)
+        if share < FOLLOWS_OWN or p_value > search.rules.significance:
+            continue
+        if left[joint] * np.sqrt(share) < NEAR:
+            continue
+        one, two = (
+            np.square(e.fit.residual[:, joint]).sum() for e in (_without(current, step), current)
+        )
+        if two > OF_TAKEN**2 * one:
+            told.append((share, joint, step))
+    if not told:
+        return None
+    share, joint, step = max(told, key=lambda item: item[0])
+    part = f"leaves {left[joint]:.1f} times the noise on {current.model.robot.joints[joint]}"
+    return (
+        step,
+        f"{part}, {100 * share:.0f} % of it by what it is about itself: a law of another form",
+    )
