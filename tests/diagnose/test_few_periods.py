@@ -1,19 +1,28 @@
 """A ripple of which few periods are seen is one only if it leaves nothing that follows the position."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from planted import declared_fit, log_with
+from planted import BAND, declared_fit, log_with
 from test_unexplained import with_extra
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.orders import imitates
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.diagnose.selection.survives import one_place
 from jaxswarm.effects.term import Term
+from jaxswarm.logs.motion import prepare
 
 RIPPLE = Term("torque_ripple", 1)
+FEW = replace(RIPPLE, values={"sine": 1.0, "cosine": 0.0, "n": 4.0})
+MANY = replace(RIPPLE, values={"sine": 1.0, "cosine": 0.0, "n": 40.0})
+SPRING, CUBIC, DEAD_ZONE, BRISTLES = (
+    Term(name, 1) for name in ("joint_spring", "cubic_spring", "dead_zone_spring", "hysteresis")
+)
 
 
 def magnet(q, dq):
@@ -42,3 +51,23 @@ def test_a_ripple_is_one(order):
 def test_a_magnet_is_none():
     why, found = why_not(with_extra(magnet))
     assert why is not None
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [(FEW, SPRING), (FEW, CUBIC), (CUBIC, DEAD_ZONE)], ids=lambda t: t.effect
+)
+def test_two_that_imitate_any_law_of_the_position_do_not_stand_together(one, other):
+    """Whichever came first: a cushion was told as a cubic spring and such a ripple, which leave nothing."""
+    motions = [prepare(log_with(), BAND)]
+    assert imitates(one, [one, other], motions) and imitates(other, [one, other], motions)
+    assert not imitates(one, [replace(other, joint=0)], motions)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(MANY, CUBIC), (MANY, MANY), (FEW, FEW), (FEW, BRISTLES), (SPRING, CUBIC)],
+    ids=lambda t: t.effect,
+)
+def test_what_has_a_shape_of_its_own_may_stand_beside_another_one(one, other):
+    motions = [prepare(log_with(), BAND)]
+    assert not imitates(one, [other], motions) and not imitates(other, [one], motions)

@@ -1,13 +1,16 @@
-"""Several orders of the position on one joint: beside which of them another one may be asked.
+"""Several torques by the position of one joint: beside which of them another one may be asked.
 
 A joint that goes through few periods of an order leaves room for a series of them, which imitates any law of
-its position. Multiples of an order are what a cogging motor has, and no free series.
+its position. Multiples of an order are what a cogging motor has, and no free series. Two bent laws of the
+position imitate any, too.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import Motion
 
@@ -39,6 +42,30 @@ def strays(term: Term, held: Sequence[Term], motions: Sequence[Motion]) -> bool:
         for t in held
         if t.law.several
     )
+
+
+def imitates(term: Term, held: Sequence[Term], motions: Sequence[Motion]) -> bool:
+    """Whether a term and one that is held are together a function of their joint's position, and neither a law.
+
+    A cushion at the end of the travel was told as a cubic spring and a ripple of 1.4 periods, which leave
+    nothing; without the ripple as a cubic spring and one with a dead zone.
+    """
+    beside = [t for t in held if t.identity != term.identity and _share_position(t, term)]
+    if any(hardly_repeats(t, motions) for t in (term, *beside)):
+        return bool(beside)
+    return any(all(x.law.searched and not x.law.several for x in (t, term)) for t in beside)
+
+
+def _share_position(one: Term, two: Term) -> bool:
+    """Whether two torques follow the position of one joint; several orders of it are one series."""
+    about = _follows_position(one.law) and _follows_position(two.law) and one.joint == two.joint
+    return about and not (one.law.several and two.law.several)
+
+
+def _follows_position(law: Effect) -> bool:
+    """Whether a law is a torque by the position of its joint, without a memory and without friction's sign."""
+    about = isinstance(law, TorqueLaw) and law.rate is None and not law.dissipative
+    return about and law.shown_against == "position"
 
 
 def _is_multiple(one: float, other: float) -> bool:

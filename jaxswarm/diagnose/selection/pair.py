@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.orders import imitates
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score, passes
@@ -52,6 +53,8 @@ def pair(
             if two is None or both is None:
                 continue
             if not _predicts_better(both, current, step.score.joint, asked, rules):
+                continue
+            if imitates(find_term(both, rival), both.model.terms, both.motions):
                 continue
             others = tuple(s for s in step.others if s.candidate.term.identity != rival.identity)
             found = [

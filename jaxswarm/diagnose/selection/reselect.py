@@ -1,14 +1,14 @@
 """Once everything is added, every choice is made again: what one law hid may have misled an earlier one.
 
-An effect was chosen among its competitors while others were still missing. With the others in place, the
-model is fitted without it, it and its competitors are asked again, and the winner stays. What nobody
-needs any more is dropped.
+An effect was chosen among its competitors while others were still missing. With the others in place, the model
+is fitted without it, it and its competitors are asked again, the winner stays, what nobody needs is dropped.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.orders import imitates
 from jaxswarm.diagnose.decision.competing import choose, is_special_case, plainness
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, Rules
@@ -112,12 +112,13 @@ def reconsider(
         if not rivals and certain:
             continue
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
-        own = step.added.identity
         rest = refit(current, without(step.added, current.model.terms))
         crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
         scores = score_terms(Linearization(rest, crossfit), terms, seed)
+        held = rest.model.terms, rest.motions
         passed = [s for s in scores if passes(s, asked, rules)]
+        passed = [s for s in passed if not imitates(s.candidate.term, *held)]
         place = done.index(step)
         if not passed:
             if _nobody_needs(step, certain, scores, rules):
@@ -126,7 +127,7 @@ def reconsider(
                 freed.add(step.added.joint)
             continue
         chosen, near = choose(passed, rules, crossfit)
-        same = chosen.candidate.term.identity == own
+        same = chosen.candidate.term.identity == step.added.identity
         picks = _simpler(chosen, passed) if same else [chosen]
         instead = _replacement(picks, chosen, rest, current, other)
         if instead is None and same and fuller:

@@ -13,7 +13,7 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.orders import strays
+from jaxswarm.diagnose.candidates.orders import imitates, strays
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score
@@ -139,7 +139,10 @@ def _act(search: Search, passed: list[Score]) -> bool:
     stray = [s for s in passed if strays(s.candidate.term, model.terms, motions)]
     for one in stray:
         search.refuse(one.candidate.term, "is no multiple of an order seen through too few periods")
-    passed = [s for s in passed if s not in sharp and s not in stray]
+    bent = [s for s in passed if imitates(s.candidate.term, model.terms, motions)]
+    for one in bent:
+        search.refuse(one.candidate.term, "would be, with another law, any torque of one place")
+    passed = [s for s in passed if s not in (*sharp, *stray, *bent)]
     if add_both_ends(search, passed):
         return True
     return _add_best(search, passed) if passed else _choose_again(search)

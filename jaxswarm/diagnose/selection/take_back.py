@@ -13,7 +13,6 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.effects.alike import without
-from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -42,18 +41,20 @@ def take_back_stand_ins(search: Search) -> None:
     may have more orders than were found, and beside everyday friction there may be any other. What a law leaves
     that is small beside what it took is a detail of it.
     """
-    _take_back(search, lambda: _stand_in(search))
+    _take_back(search, lambda: _stand_in(search), events=True)
 
 
-def _take_back(search: Search, wrong: Callable[[], tuple[Step, str] | None]) -> None:
-    """Take back what is wrong, with the reason, until nothing is."""
+def _take_back(
+    search: Search, wrong: Callable[[], tuple[Step, str] | None], events: bool = False
+) -> None:
+    """Take back what is wrong, with the reason, until nothing is; ``events`` of its joint with it."""
     while search.steps:
         found = wrong()
         if found is None:
             break
         step, why = found
         search.refused.append((step.added, why))
-        gone = [s for s in search.steps if s is step or _other_end(s.added, step.added)]
+        gone = [s for s in search.steps if s is step or _goes_with(s, step, events)]
         search.steps = [s for s in search.steps if s not in gone]
         terms = search.current.model.terms
         for one in gone:
@@ -63,10 +64,14 @@ def _take_back(search: Search, wrong: Callable[[], tuple[Step, str] | None]) -> 
         search.crossfit = cross_fit(search.current)
 
 
-def _other_end(one: Term, two: Term) -> bool:
-    """Whether two terms are the ends of one law between two joints."""
-    ends = one.effect == two.effect and one.joint == two.other and one.other == two.joint
-    return ends and one.law.mutual
+def _goes_with(one: Step, step: Step, events: bool) -> bool:
+    """Whether an addition is the other end of another one's law, or an event found beside it on its joint.
+
+    Beside a spring that stood in for a cushion two contacts were told at the ends of the travel.
+    """
+    a, b = one.added, step.added
+    ends = a.law.mutual and (a.effect, a.joint, a.other) == (b.effect, b.other, b.joint)
+    return ends or (events and a.law.in_one_log and one.score.joint == b.joint)
 
 
 def _without(current: Estimate, step: Step) -> Estimate:
