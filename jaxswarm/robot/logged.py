@@ -16,7 +16,7 @@ from jaxswarm.robot.model import Robot
 from jaxswarm.robot.regressor import link_row
 
 # Samples that pass at a time: the hundreds of entries in between stay in the cache.
-BLOCK = 4096
+BLOCK = 8192
 
 
 def rigid_columns(

@@ -61,29 +61,31 @@ def is_zero(x: Entry) -> bool:
     return isinstance(x, float) and x == 0.0
 
 
+# Asked a million times along a log of six joints: each asks what it has to, and calls nothing for it.
 def times(x: Entry, y: Entry) -> Entry:
     """Return x y; known zeros and ones cost nothing."""
-    if is_zero(x) or is_zero(y):
-        return 0.0
     if isinstance(y, float):
         x, y = y, x
-    if isinstance(x, float) and abs(x) == 1.0:
-        return y if x == 1.0 else -y
+    if isinstance(x, float):
+        if x == 0.0 or (isinstance(y, float) and y == 0.0):
+            return 0.0
+        if abs(x) == 1.0:
+            return y if x == 1.0 else -y
     return x * y
 
 
 def plus(x: Entry, y: Entry) -> Entry:
     """Return x + y; a known zero costs nothing."""
-    if is_zero(x):
+    if isinstance(x, float) and x == 0.0:
         return y
-    return x if is_zero(y) else x + y
+    return x if isinstance(y, float) and y == 0.0 else x + y
 
 
 def minus(x: Entry, y: Entry) -> Entry:
     """Return x - y; a known zero costs nothing."""
-    if is_zero(y):
+    if isinstance(y, float) and y == 0.0:
         return x
-    return -y if is_zero(x) else x - y
+    return -y if isinstance(x, float) and x == 0.0 else x - y
 
 
 def total(terms: Iterable[Entry]) -> Entry:
@@ -111,7 +113,10 @@ def scale(s: Entry, a: Vector) -> Vector:
 
 def dot(a: Iterable[Entry], b: Iterable[Entry]) -> Entry:
     """Return the sum of products of two equally long sequences of entries."""
-    return total(times(x, y) for x, y in zip(a, b, strict=True))
+    result: Entry = 0.0
+    for x, y in zip(a, b, strict=True):
+        result = plus(result, times(x, y))
+    return result
 
 
 def cross(a: Vector, b: Vector) -> Vector:

@@ -54,15 +54,18 @@ class _Task(NamedTuple):
 def _columns_at(
     laws: tuple[TorqueLaw, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array
 ):
-    """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law."""
+    """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law.
+
+    Every law decimates its own: what a switch gives is written to memory, and there before decimation it is as
+    long as the log, which took half of a search.
+    """
     width = max(len(law.linear) for law in laws)
 
     def columns_of(law, u):
-        columns = law_columns(law, _decode(law, u), task.series)
+        columns = decimate(law_columns(law, _decode(law, u), task.series), taps, factor)
         return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
 
-    full = jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
-    return decimate(full, taps, factor)
+    return jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
 
 
 @program("laws", "factor", "batch")

@@ -6,6 +6,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+# Rows of a decimated log that are made at a time: of 16 to 64 the fastest, for 160 taps.
+_ROWS = 32
+
 
 class FoldData(NamedTuple):
     """One joint on one fold, ready for a search: the rows of the joint only.
@@ -22,15 +25,24 @@ class FoldData(NamedTuple):
 
 
 def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
-    """Decimate columns (T, k) like :class:`jaxswarm.logs.filtering.Decimator`, shape (T', k)."""
+    """Decimate columns (T, k) like :class:`jaxswarm.logs.filtering.Decimator`, shape (T', k).
+
+    Rows are made some at a time, as products with the taps written once for each of them: each number of the
+    log is read a few times, and nothing longer than the log is written.
+    """
     size = taps.shape[0]
     kept = (x.shape[0] - size) // factor + 1
-    spans = -(-size // factor)
-    padded = jnp.pad(x, ((0, (kept + spans) * factor - x.shape[0]), (0, 0)))
-    frames = padded.reshape(kept + spans, factor, -1)
-    weights = jnp.pad(taps, (0, spans * factor - size)).reshape(spans, factor)
-    parts = jnp.einsum("sf,tfk->stk", weights, frames)
-    return jnp.asarray(sum(parts[s, s : s + kept] for s in range(spans)))
+    length = _ROWS * factor
+    blocks, parts = -(-kept // _ROWS), -(-((_ROWS - 1) * factor + size) // length)
+    tap = jnp.arange(parts * length) - factor * jnp.arange(_ROWS)[:, None]
+    inside = jnp.logical_and(tap >= 0, tap < size)
+    weights = jnp.where(inside, taps[jnp.clip(tap, 0, size - 1)], 0.0).reshape(_ROWS, parts, -1)
+    padded = jnp.pad(x, ((0, (blocks + parts) * length - x.shape[0]), (0, 0)))
+    frames = padded.reshape(blocks + parts, length, -1)
+    products = (
+        jnp.einsum("rl,blk->brk", weights[:, p], frames[p : p + blocks]) for p in range(parts)
+    )
+    return jnp.asarray(sum(products)).reshape(blocks * _ROWS, -1)[:kept]
 
 
 def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) -> jax.Array:
