@@ -22,8 +22,11 @@ def bristles(q: np.ndarray) -> np.ndarray:
     [0.0, 1.0, -1.0]
     """
     ways = np.maximum(np.ptp(q, axis=0)[:, None] * np.array(_WAYS), 1e-12)
-    states, state = np.zeros((*q.shape, len(_WAYS))), np.zeros_like(ways)
-    for k, step in enumerate(np.diff(q, axis=0), 1):
-        state = np.clip(state + step[:, None] / ways, -1.0, 1.0)
-        states[k] = state
+    states = np.zeros((*q.shape, len(_WAYS)))
+    steps = np.diff(q, axis=0)[:, :, None] / ways
+    # Written where they stay, a step after the other: a log is asked for them some dozen times.
+    for before, step, state in zip(states, steps, states[1:], strict=False):
+        np.add(before, step, out=state)
+        np.minimum(state, 1.0, out=state)
+        np.maximum(state, -1.0, out=state)
     return states
