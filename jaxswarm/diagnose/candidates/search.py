@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose.candidates.lattice import BATCH, batch_of, lattice_of, points_of
-from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained, explained_of
+from jaxswarm.diagnose.folds.fold_data import FoldData, decimating, explained, explained_of
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
@@ -59,10 +59,10 @@ def _columns_at(
     Every law decimates its own: what a switch gives is written to memory, and there before decimation it is as
     long as the log, which took half of a search.
     """
-    width = max(len(law.linear) for law in laws)
+    width, low = max(len(law.linear) for law in laws), decimating(taps, factor)
 
     def columns_of(law, u):
-        columns = decimate(law_columns(law, _decode(law, u), task.series), taps, factor)
+        columns = low(law_columns(law, _decode(law, u), task.series))
         return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
 
     return jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)

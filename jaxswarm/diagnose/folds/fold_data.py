@@ -1,5 +1,6 @@
 """A joint on a fold as the compiled searches see it, and what columns explain there."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -25,24 +26,33 @@ class FoldData(NamedTuple):
 
 
 def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
-    """Decimate columns (T, k) like :class:`jaxswarm.logs.filtering.Decimator`, shape (T', k).
+    """Decimate columns (T, k) like :class:`jaxswarm.logs.filtering.Decimator`, shape (T', k)."""
+    return decimating(taps, factor)(x)
 
-    Rows are made some at a time, as products with the taps written once for each of them: each number of the
+
+def decimating(taps: jax.Array, factor: int) -> Callable[[jax.Array], jax.Array]:
+    """:func:`decimate` for columns that pass the same taps.
+
+    Rows are made some at a time, as products with the taps written once for each of them: every number of the
     log is read a few times, and nothing longer than the log is written.
     """
-    size = taps.shape[0]
-    kept = (x.shape[0] - size) // factor + 1
-    length = _ROWS * factor
-    blocks, parts = -(-kept // _ROWS), -(-((_ROWS - 1) * factor + size) // length)
+    size, length = taps.shape[0], _ROWS * factor
+    parts = -(-((_ROWS - 1) * factor + size) // length)
     tap = jnp.arange(parts * length) - factor * jnp.arange(_ROWS)[:, None]
     inside = jnp.logical_and(tap >= 0, tap < size)
     weights = jnp.where(inside, taps[jnp.clip(tap, 0, size - 1)], 0.0).reshape(_ROWS, parts, -1)
-    padded = jnp.pad(x, ((0, (blocks + parts) * length - x.shape[0]), (0, 0)))
-    frames = padded.reshape(blocks + parts, length, -1)
-    products = (
-        jnp.einsum("rl,blk->brk", weights[:, p], frames[p : p + blocks]) for p in range(parts)
-    )
-    return jnp.asarray(sum(products)).reshape(blocks * _ROWS, -1)[:kept]
+
+    def low(x: jax.Array) -> jax.Array:
+        kept = (x.shape[0] - size) // factor + 1
+        blocks = -(-kept // _ROWS)
+        padded = jnp.pad(x, ((0, (blocks + parts) * length - x.shape[0]), (0, 0)))
+        frames = padded.reshape(blocks + parts, length, -1)
+        products = (
+            jnp.einsum("rl,blk->brk", weights[:, p], frames[p : p + blocks]) for p in range(parts)
+        )
+        return jnp.asarray(sum(products)).reshape(blocks * _ROWS, -1)[:kept]
+
+    return low
 
 
 def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) -> jax.Array:
