@@ -67,14 +67,15 @@ class Program:
         fixed = tuple(x for x, is_fixed in zip(args, self._fixed, strict=True) if is_fixed)
         data = tuple(x for x, is_fixed in zip(args, self._fixed, strict=True) if not is_fixed)
         leaves, tree = jax.tree.flatten(data)
-        shapes = _shapes(leaves)
-        folder = None if shapes is None else _folder()
-        if folder is None:
+        kinds = _kinds(leaves)
+        folder = None if kinds is None else _folder()
+        if kinds is None or folder is None:
             return self._jit(*args)
-        place = (_handle(fixed), tree, shapes, _CONFIG.jax_enable_x64)
+        place = (_handle(fixed), tree, kinds, _CONFIG.jax_enable_x64)
         found = self._ready.get(place)
         if found is None:  # another thread may let go of it before it is called
-            found = self._ready[place] = self._program(folder, fixed, (tree, shapes), args), fixed
+            given = tree, tuple(map(_shape, kinds))
+            found = self._ready[place] = self._program(folder, fixed, given, args), fixed
         return found[0](*data)
 
     def forget(self) -> None:
@@ -123,19 +124,30 @@ def _with_fixed(function: Callable, is_fixed: list[bool], fixed: tuple, *data: A
     return function(*(next(parts[0] if one else parts[1]) for one in is_fixed))
 
 
-def _shapes(leaves: list) -> tuple | None:
-    """What of data a program is compiled for; None within another program, which holds no data."""
-    found: list[Any] = []
+def _kinds(leaves: list) -> tuple[tuple, ...] | None:
+    """What of data a program is compiled for; None within another program, which holds no data.
+
+    Asked thousands of times: types stand for themselves here, whose names take longer than all else.
+    """
+    found: list[tuple] = []
     for x in leaves:
         if isinstance(x, jax.core.Tracer):
             return None
         if isinstance(x, (np.ndarray, np.generic)):
-            found.append((x.shape, x.dtype.str))
+            found.append((x.shape, x.dtype))
         elif isinstance(x, jax.Array):
-            found.append((x.shape, str(x.dtype), getattr(x, "weak_type", False)))
+            found.append((x.shape, x.dtype, getattr(x, "weak_type", False)))
         else:
-            found.append(type(x).__name__)
+            found.append((type(x),))
     return tuple(found)
+
+
+def _shape(kind: tuple) -> Any:
+    """One of :func:`_kinds` in words that hold in another process."""
+    if len(kind) == 1:
+        return kind[0].__name__
+    shape, dtype, *weak = kind
+    return (shape, str(dtype), *weak) if weak else (shape, dtype.str)
 
 
 def _handle(fixed: Any) -> Any:
