@@ -67,7 +67,9 @@ ALLOWED = {
 SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
     **dict.fromkeys(("space", "bounds", "scales", "forward"), "leaves"),
-    **dict.fromkeys(("schedules", "random", "quantile", "pytree", "fingerprint"), "leaves"),
+    **dict.fromkeys(
+        ("schedules", "random", "quantile", "pytree", "fingerprint", "lanes"), "leaves"
+    ),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
     **dict.fromkeys(("start", "standing", "stopping", "result", "needed"), "minimize"),

@@ -1,8 +1,7 @@
 """The two ways to repeat the step of a search, and what is carried from step to step.
 
-A state is carried as :func:`flat` makes it. XLA on a CPU runs the loops of an elementwise step along
-the last axis of its result; over rows of a dozen coordinates it unrolls them and gathers lane by lane,
-which took two to three times as long as one pass over a flat array.
+A state is carried as :func:`flat` makes it, its fields laid as elementwise steps are fast
+(:mod:`~jaxswarm.swarm.lanes`).
 """
 
 from functools import partial
@@ -12,6 +11,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.forward import forward_only
+from jaxswarm.swarm.lanes import laned
 from jaxswarm.swarm.pytree import replace
 from jaxswarm.swarm.standing import STEPS_DONE, progress_of
 from jaxswarm.swarm.stopping import ask, begin
@@ -109,24 +109,27 @@ def held(history: Any, num_steps: jax.Array, axis: int) -> Any:
 
 
 def flat(carry):
-    """Join the last two axes of the fields that a state names in ``CARRIED_FLAT``."""
-    return _reshape(carry, lambda lead, dims: (*lead, -1))
+    """Lay the fields that a state names in ``CARRIED_LANED`` as steps are fast over them."""
+    return _each(carry, lambda field, part: laned(field))
 
 
 def unflat(carry):
     """Undo :func:`flat`."""
-    return _reshape(carry, lambda lead, dims: (*lead, -1, dims))
+
+    def rows(field, part):
+        lead, dims = part.best_position.shape[:-1], part.best_position.shape[-1]
+        return field.reshape(*lead, -1, dims)
+
+    return _each(carry, rows)
 
 
-def _reshape(carry, shape):
-    def reshape(part):
-        to = shape(part.best_position.shape[:-1], part.best_position.shape[-1])
-        return replace(
-            part, **{name: getattr(part, name).reshape(to) for name in part.CARRIED_FLAT}
-        )
+def _each(carry, change):
+    def changed(part):
+        fields = {name: getattr(part, name) for name in part.CARRIED_LANED}
+        return replace(part, **{name: change(field, part) for name, field in fields.items()})
 
-    named = lambda part: hasattr(part, "CARRIED_FLAT")  # noqa: E731
-    return jax.tree.map(lambda p: reshape(p) if named(p) else p, carry, is_leaf=named)
+    named = lambda part: hasattr(part, "CARRIED_LANED")  # noqa: E731
+    return jax.tree.map(lambda p: changed(p) if named(p) else p, carry, is_leaf=named)
 
 
 def _hold(done, old, new):

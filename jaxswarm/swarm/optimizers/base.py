@@ -37,9 +37,9 @@ __all__ = [
 class State(Protocol):
     """Fields that every optimizer state has; algorithms add their own.
 
-    A state class may name in ``CARRIED_FLAT`` those of its (n, d) fields that a loop had better carry
-    as (n d,): see :mod:`jaxswarm.swarm.loop`. One that keeps candidates with their values from step to
-    step names the fields of both in ``MEMORY``, so that others can read them and value them anew.
+    A state class may name in ``CARRIED_LANED`` those of its (n, d) fields that a loop had better carry
+    as :mod:`jaxswarm.swarm.lanes` lays them. One that keeps candidates with their values from step to step
+    names the fields of both in ``MEMORY``, so that others can read them and value them anew.
     """
 
     position: jax.Array  # (n, d) candidates to evaluate next, in [0, 1]

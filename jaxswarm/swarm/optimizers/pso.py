@@ -33,6 +33,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.lanes import laned
 from jaxswarm.swarm.optimizers.base import at_least, candidate_info, comparable, dimensions, once
 from jaxswarm.swarm.optimizers.boundaries import absorb
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
@@ -53,8 +54,8 @@ def default_particles(num_dims: int) -> int:
     return min(max(FEWEST, PER_DIMENSION * num_dims), MOST)
 
 
-# Position and velocity are replaced coordinate by coordinate, as one pass over a flat array (see ``loop``).
-@facts(CARRIED_FLAT=("position", "velocity"), MEMORY=("memory_position", "memory_value"))
+# Position and velocity are replaced coordinate by coordinate (see ``lanes``).
+@facts(CARRIED_LANED=("position", "velocity"), MEMORY=("memory_position", "memory_value"))
 class PSOState(NamedTuple):
     """State of a particle swarm: n particles in d dimensions.
 
@@ -151,9 +152,9 @@ class PSO:
 
         def accelerate():
             limit = hyper["velocity_limit"]
-            return jnp.clip(self.rule(random, swarm(), hyper), -limit, limit).ravel()
+            return laned(jnp.clip(self.rule(random, swarm(), hyper), -limit, limit))
 
-        velocity = once(accelerate).reshape(state.position.shape)  # flat: see ``loop``
+        velocity = once(accelerate).reshape(state.position.shape)
         position, velocity = self.boundary(random, state.position + velocity, velocity)
         info = candidate_info(state.position, value, memory_value[leader], improved, hyper)
         state = PSOState(

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.lanes import laned
 from jaxswarm.swarm.pytree import pytree
 
 __all__ = ["Swarm", "bare_bones", "canonical", "spherical"]
@@ -63,8 +64,7 @@ class Canonical:
     """See :func:`canonical`."""
 
     def __call__(self, random, swarm, hyper):
-        # Every coordinate for itself, so along one axis: short rows vectorize badly on a CPU.
-        x, v, p, g = (part.ravel() for part in swarm[:4])
+        x, v, p, g = map(laned, swarm[:4])  # every coordinate for itself
         r1, r2 = random.uniforms("pulls", 2, x.shape, x.dtype)
         v = (
             hyper["inertia"] * v
