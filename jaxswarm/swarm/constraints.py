@@ -172,6 +172,7 @@ def constrained(
 
     Constraints should be of the size of one where they are clearly broken: their violations add up.
     Multipliers suit a distribution (``cma_es``) best: a population can collapse before they have settled.
+    An optimizer may have a form for constraints, ``among_constraints()``: a swarm reflects at the walls.
 
     Args:
       inner: any optimizer; for a ``handling`` that adapts, one that is not wrapped itself.
@@ -193,4 +194,7 @@ def constrained(
     if equal > num:
         raise InputError(f"num_equalities={equal} is more than num_constraints={num}.")
     limit = coefficient("tolerance", tolerance, lower=0.0)
-    return Constrained(as_optimizer(inner), handling or feasibility_rules(), limit, num, equal)
+    inner = as_optimizer(inner)
+    if hasattr(inner, "among_constraints"):
+        inner = inner.among_constraints()
+    return Constrained(inner, handling or feasibility_rules(), limit, num, equal)

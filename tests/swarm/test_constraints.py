@@ -1,5 +1,7 @@
 """Constraints on problems of the CEC 2006 collection, whose optima are published."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -8,7 +10,9 @@ import pytest
 from jaxswarm.errors import InputError
 from jaxswarm.swarm import (
     Space,
+    absorb,
     augmented_lagrangian,
+    bounce,
     cma_es,
     constrained,
     de,
@@ -17,9 +21,10 @@ from jaxswarm.swarm import (
     minimize,
     minimize_runs,
     pso,
+    reflect,
     restart,
 )
-from jaxswarm.swarm.handling import feasible_first, total
+from jaxswarm.swarm.handling import AugmentedLagrangian, feasible_first, total
 
 KEY = jax.random.key(0)
 
@@ -31,6 +36,24 @@ def g06(x, _):
     return (x[0] - 10.0) ** 3 + (x[1] - 20.0) ** 3, jnp.array([inner, outer]) / 100.0
 
 
+def g04(x, _):
+    """The same: -30665.53867 at (78, 33, 29.995, 45, 36.776)."""
+    x1, x2, x3, x4, x5 = x
+    first = 85.334407 + 0.0056858 * x2 * x5 + 0.0006262 * x1 * x4 - 0.0022053 * x3 * x5
+    second = 80.51249 + 0.0071317 * x2 * x5 + 0.0029955 * x1 * x2 + 0.0021813 * x3**2
+    third = 9.300961 + 0.0047026 * x3 * x5 + 0.0012547 * x1 * x3 + 0.0019085 * x3 * x4
+    value = 5.3578547 * x3**2 + 0.8356891 * x1 * x5 + 37.293239 * x1 - 40792.141
+    within = [first - 92.0, -first, second - 110.0, 90.0 - second, third - 25.0, 20.0 - third]
+    return value, jnp.array(within) / 10.0
+
+
+def g08(x, _):
+    """The same: -0.0958250414 at (1.22797, 4.24537)."""
+    waves = jnp.sin(2.0 * jnp.pi * x[0]) ** 3 * jnp.sin(2.0 * jnp.pi * x[1])
+    value = -waves / (x[0] ** 3 * (x[0] + x[1]))
+    return value, jnp.array([x[0] ** 2 - x[1] + 1.0, 1.0 - x[0] + (x[1] - 4.0) ** 2])
+
+
 def g11(x, _):
     """The same: 0.75 at (+-sqrt(1/2), 1/2), one equality."""
     return x[0] ** 2 + (x[1] - 1.0) ** 2, jnp.array([x[1] - x[0] ** 2])
@@ -38,6 +61,13 @@ def g11(x, _):
 
 G06 = Space.vector([13.0, 0.0], [100.0, 100.0])
 G11 = Space.vector([-1.0, -1.0], [1.0, 1.0])
+G04 = Space.vector([78.0, 33.0, 27.0, 27.0, 27.0], [102.0, 45.0, 45.0, 45.0, 45.0])
+G08 = Space.vector([1e-3, 1e-3], [10.0, 10.0])
+INEQUALITIES = {
+    "g04": (g04, G04, 6, -30665.53867178),
+    "g06": (g06, G06, 2, -6961.81387558),
+    "g08": (g08, G08, 2, -0.0958250414),
+}
 HANDLINGS = (feasibility_rules(), epsilon_level(), augmented_lagrangian())
 
 
@@ -52,6 +82,27 @@ def test_two_inequalities_that_leave_a_sliver(handling, inner):
     value, constraints = g06(found.params, None)
     assert bool((constraints <= 0.0).all()) and float(value) == float(found.value)
     assert -6961.8139 <= float(found.value) < -6961.0
+
+
+@pytest.mark.parametrize("handling", HANDLINGS, ids=lambda part: type(part).__name__)
+@pytest.mark.parametrize("problem, within", [("g04", 1e-6), ("g06", 2e-4), ("g08", 1e-6)])
+def test_a_swarm_of_forty_gets_there_from_every_key(handling, problem, within):
+    """G06 with walls that stop a particle: 8 and 16 of 20 runs ended in a corner of the box, at rest."""
+    fn, space, num, lowest = INEQUALITIES[problem]
+    optimizer = constrained(pso(40), num, handling=handling)
+    keys = jax.random.split(KEY, 20)
+    found = minimize_runs(fn, optimizer, space, keys, num_steps=800, vectorized=False)
+    assert not found.state.violation.any()
+    gap = np.sort(abs(np.asarray(found.value / lowest - 1.0)))
+    # Multipliers let a swarm settle in another of many local minima.
+    hard = problem == "g08" and isinstance(handling, AugmentedLagrangian)
+    assert gap[9 if hard else -1] <= within
+
+
+def test_walls_that_were_asked_for_stay():
+    assert constrained(pso(), 1).inner.boundary == reflect() != pso().boundary
+    for asked in (pso(boundary=absorb()), dataclasses.replace(pso(), boundary=bounce())):
+        assert constrained(asked, 1).inner.boundary == asked.boundary
 
 
 @pytest.mark.parametrize("handling", HANDLINGS[1:], ids=lambda part: type(part).__name__)
