@@ -189,6 +189,19 @@ def test_de_walks_down_a_linear_slope_in_twenty_dimensions():
     np.testing.assert_allclose(result.value, -5.0 * float(slope.sum()), atol=1e-8)
 
 
+@pytest.mark.parametrize("dims, members", [(2, 24), (5, 30), (20, 40)])
+def test_de_has_as_many_members_as_it_needs(dims, members):
+    """On an ellipsoid with 1,000 evaluations a dimension; fifty members are 1e6 times as far off."""
+    scale = 10.0 ** (6.0 * jnp.linspace(0.0, 1.0, dims))
+    space, keys = Space.vector([-5.0] * dims, [5.0] * dims), jax.random.split(KEY, 10)
+    assert de().init(KEY, dims).position.shape == (members, dims)
+    assert de(50).init(KEY, dims).position.shape == (50, dims)
+    result = minimize_runs(
+        lambda x, _: (x - 1.0) ** 2 @ scale, de(), space, keys, num_steps=1000 * dims // members
+    )
+    assert float(result.value.max()) < 1e-9
+
+
 def test_cma_rates_of_the_tutorial():
     rates = Rates.of(10, 10)
     assert rates.weights[:5].sum() == pytest.approx(1.0) and len(rates.weights) == 10

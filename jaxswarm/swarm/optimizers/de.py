@@ -11,6 +11,10 @@ worse:
 with a, b, c distinct and not i. A coordinate that leaves the cube is put halfway between x_i and
 the wall. With ``dither`` every generation draws F uniform in F -+ dither.
 
+How many members there are was chosen on BBOB. Of the targets in 2-D, 5-D and 20-D with 1,000 evaluations a
+dimension 50 members reached 0.752, 0.467 and 0.252, 30 of them 0.832, 0.550 and 0.275; twenty and fewer are
+first where evaluations are few, but collapse with 10,000 a dimension.
+
 Reference:
     R. Storn, K. Price, "Differential evolution", J. Global Optim. 11 (1997),
     doi 10.1023/A:1008202821328.
@@ -30,6 +34,8 @@ from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 __all__ = ["DE", "DEState", "de"]
 
 STRATEGIES = ("rand/1", "best/1", "current-to-best/1")
+FEWEST, PER_DIMENSION, MOST = 20, 2, 40
+"""Members, in no and in many dimensions, and how many more a dimension."""
 
 
 @facts(MEMORY=("members", "member_value"))
@@ -55,14 +61,14 @@ class DE:
     crossover_rate: ScalarOrSchedule
     dither: ScalarOrSchedule
     strategy: str = static()
-    num_particles: int = static()
+    num_particles: int | None = static()
     random: str = static()
 
     def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> DEState:
         """Uniform first trials."""
         num_dims = dimensions(num_dims)
         dtype = jnp.result_type(float if dtype is None else dtype)
-        shape = (self.num_particles, num_dims)
+        shape = (self.num_particles or default_members(num_dims), num_dims)
         position = Random(key, self.random).uniform("position", shape, dtype)
         infinite = jnp.full(shape[:1], jnp.inf, dtype)
         zero = jnp.zeros((), jnp.int32)
@@ -84,7 +90,7 @@ class DE:
         }
         shift = 2.0 * random.uniform("dither", (), dtype) - 1.0
         weight = hyper["weight"] + hyper["dither"] * shift
-        a, b, c = random.others("members", self.num_particles, 3).T
+        a, b, c = random.others("members", value.size, 3).T
         leader = members[jnp.argmin(member_value)]
         base = {
             "rand/1": lambda: members[a],
@@ -96,6 +102,11 @@ class DE:
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = DEState(trial, members, member_value, best_position, best_value, state.count + 1)
         return new, info
+
+
+def default_members(num_dims: int) -> int:
+    """Return the members of a population that was given no number."""
+    return min(FEWEST + PER_DIMENSION * num_dims, MOST)
 
 
 def cross(random: Random, members: jax.Array, mutants: jax.Array, rate: jax.Array) -> jax.Array:
@@ -113,7 +124,7 @@ def within(mutants: jax.Array, members: jax.Array) -> jax.Array:
 
 
 def de(
-    num_particles: int = 50,
+    num_particles: int | None = None,
     *,
     strategy: str = "best/1",
     weight: ScalarOrSchedule = 0.75,
@@ -127,7 +138,7 @@ def de(
     collapsed in 20 dimensions before it had walked down a linear slope.
 
     Args:
-      num_particles: n, at least 4.
+      num_particles: n, at least 4; default 20 and two a dimension, at most 40.
       strategy: ``"rand/1"``, ``"best/1"`` or ``"current-to-best/1"``.
       weight: F, scale of the difference, in [0, 2].
       crossover_rate: CR, share of coordinates taken from the mutant, in [0, 1].
@@ -139,11 +150,13 @@ def de(
     """
     if strategy not in STRATEGIES:
         raise InputError(f"strategy={strategy!r} is unknown. {nearest(str(strategy), STRATEGIES)}")
+    if num_particles is not None:
+        num_particles = at_least("num_particles", num_particles, 4, "a mutant takes three others")
     return DE(
         weight=coefficient("weight", weight, lower=0.0, upper=2.0),
         crossover_rate=coefficient("crossover_rate", crossover_rate, lower=0.0, upper=1.0),
         dither=coefficient("dither", dither, lower=0.0, upper=2.0),
         strategy=strategy,
-        num_particles=at_least("num_particles", num_particles, 4, "a mutant takes three others"),
+        num_particles=num_particles,
         random=check_source(random),
     )
