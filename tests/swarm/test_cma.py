@@ -165,6 +165,38 @@ def test_a_generation_of_parts_is_the_same_generation():
         np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12, err_msg=name)
 
 
+def test_runs_side_by_side_look_for_stagnation_when_one_is_due():
+    """The look is most of the criteria: mapped as a branch, every run took it in every generation."""
+
+    def ended(begun):
+        now = round_at(jnp.full(3, 0.5), 0.3)
+        values = lambda g: jnp.where(g % 2, 1.0, 2.0) + jnp.arange(4.0)  # noqa: E731
+
+        def enter(seen, generation):
+            now_here = now._replace(generation=generation + begun)
+            limits = dict(n=4, sigma=0.3, tol_x=1e-12, tol_fun=1e-12)
+            return watch(seen, now_here, values(generation), **limits), None
+
+        steps = 1 + jnp.arange(400, dtype=jnp.int32)
+        return jax.lax.scan(enter, unwatched(4, 3, now.mean.dtype), steps)[0]
+
+    begun = jnp.array([0, 0, 3], jnp.int32)
+    branches = lambda function, of: str(jax.make_jaxpr(function)(of)).count("cond[")  # noqa: E731
+    assert branches(jax.vmap(ended), begun) == branches(ended, begun[0])
+    together, alone = jax.vmap(ended)(begun), [ended(one) for one in begun]
+    for run, one in enumerate(alone):
+        assert REASONS[int(one.code)] == "best and median values stagnate"
+        assert all(map(jnp.array_equal, one, jax.tree.map(lambda leaf: leaf[run], together)))  # noqa: B023
+    slope = jax.grad(
+        lambda x: (
+            minimize(
+                lambda p, a: ((p - a) ** 2).sum(), cma_es(8), SQUARE, KEY, x, num_steps=3
+            ).value
+        )
+    )
+    assert bool(jnp.isfinite(slope(0.3)))
+
+
 @pytest.mark.parametrize("n, d", [(6, 2), (24, 5), (96, 20)])
 def test_rates_of_a_traced_number_are_those_of_a_known_one(n, d):
     known = Rates.of(n, d)

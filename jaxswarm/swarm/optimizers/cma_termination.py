@@ -112,8 +112,8 @@ def watch(
     highest, lowest = recent.max(), recent.min()
     flat = (highest == lowest) | (jnp.maximum(highest, worst) - lowest <= tol_fun)
     look = due & (entered >= window) & (entered % LOOK == 0)
-    no_better = lambda: _no_better(jnp.stack([bests, medians]), entered)  # noqa: E731
-    stale = jax.lax.cond(look, no_better, lambda: jnp.asarray(False))
+    # No slope passes: what comes out is true or false, and mapped by hand it has none to give.
+    stale = _stale(look, *jax.lax.stop_gradient((jnp.stack([bests, medians]), entered)))
     level = jnp.asarray(EQUAL_SHARE * n).astype(jnp.int32)
     equal = jnp.where(value[level] == best, old.equal + 1, 0)
     here = jnp.stack(
@@ -154,6 +154,26 @@ def _lost_axis(now):
     axis = now.generation % now.mean.size
     step = 0.1 * now.sigma * now.spread[axis] * now.basis[:, axis]
     return jnp.all(now.mean == now.mean + step)
+
+
+@jax.custom_batching.custom_vmap
+def _stale(look, history, entered):
+    return jax.lax.cond(look, lambda: _no_better(history, entered), lambda: jnp.asarray(False))
+
+
+@_stale.def_vmap
+def _stale_of_runs(num, mapped, look, history, entered):
+    """Runs side by side look when one of them does: most are equally old, and all look together.
+
+    A branch that is mapped is taken by every run in every generation.
+    """
+    given = [
+        part if own else jnp.broadcast_to(part, (num, *part.shape))
+        for part, own in zip((look, history, entered), mapped, strict=True)
+    ]
+    look, history, entered = given
+    stale = lambda: look & jax.vmap(_no_better)(history, entered)  # noqa: E731
+    return jax.lax.cond(look.any(), stale, lambda: jnp.zeros((num,), bool)), True
 
 
 def _no_better(history, entered):
