@@ -29,8 +29,8 @@ register(
         scope="joint",
         parameters=(
             Parameter("k", "N m/rad", 0.0, 1e6, True, 10.0, "stiffness where it is taut"),
-            Parameter("q0", "rad", -3.2, 3.2, False, 0.0, "middle of the slack part"),
-            Parameter("gap", "rad", 0.0, 3.2, False, 0.3, "slack to either side"),
+            Parameter("q0", "rad", -3.2, 3.2, False, 0.0, "middle of the slack part", lies="place"),
+            Parameter("gap", "rad", 0.0, 3.2, False, 0.3, "slack to either side", lies="width"),
         ),
         summary="k (abs(q - q0) - gap) sign(q - q0) beyond the gap: end stop, taut hose",
         reference="Slotine, Li 1991, Applied Nonlinear Control, sec. 5.2",
@@ -42,7 +42,7 @@ register(
         contains=("joint_spring",),
         derived=lambda p: {"low": (p["q0"] - p["gap"], "rad"), "high": (p["q0"] + p["gap"], "rad")},
         shown_against="position",
-        # A torque with two kinks: points lie 0.4 rad apart in both directions.
+        # A torque with two kinks: points lie a fifteenth of the motion apart in both directions.
         grid_size=256,
     )
 )

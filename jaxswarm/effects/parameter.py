@@ -48,6 +48,8 @@ class Parameter:
         hidden_by: Another parameter that leaves this one undetermined unless it is zero.
         shown_by: Linear parameters without each of which it does nothing: where one is not told from zero, the
             fit has put this one where noise is explained best, and no standard error tells how far that is off.
+        lies: ``"place"`` or ``"width"`` on the way of the joint: a search looks for it among the positions
+            seen; None: anywhere between its bounds.
     """
 
     name: str
@@ -62,6 +64,7 @@ class Parameter:
     neutral: float | None = None
     hidden_by: str = ""
     shown_by: tuple[str, ...] = ()
+    lies: str | None = None
 
     def decode(self, u):
         """Value at a position u in [0, 1] between the bounds, on the parameter's scale.

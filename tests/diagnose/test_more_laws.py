@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from planted import BAND, NOISE, added, diagnose_log, log_with
 
+from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
@@ -16,6 +17,7 @@ from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import random_links, synthetic_log
+from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import robot_from_dh
 
@@ -54,6 +56,33 @@ def test_of_a_spring_with_slack_the_ends_are_told_that_the_motion_reaches(joint,
     assert fitted.values["k"] == pytest.approx(k, rel=0.05)
     told = fitted.law.derived(fitted.values)
     assert {name: told[name][0] for name in ends} == pytest.approx(ends, abs=0.02)
+
+
+def test_a_stop_is_found_on_the_way_of_a_slide():
+    """Points 0.4 m apart held none of it: it was told as a cubic spring and a ripple of one period."""
+    slide = robot_from_dh(
+        "slide",
+        convention="modified",
+        alpha=[0.0],
+        a=[0.0],
+        d=[0.0],
+        kinds=["prismatic"],
+        gravity=[0, 0, 0],
+    )
+    friction = parse_terms("viscous_friction,coulomb_friction", slide.joints)
+    rng = np.random.default_rng(0)
+    t = np.arange(3000) * 0.01
+    waves = [(0.11, 0.21, 0.3), (0.07, 0.53, 1.0), (0.04, 0.97, 2.0)]
+    q = sum(a * np.sin(2 * np.pi * f * t + p) for a, f, p in waves)
+    dq = np.gradient(q, t)
+    x = q - 0.06
+    tau = 20.0 * np.gradient(dq, t) + 30.0 * dq + 5.0 * np.tanh(dq / 0.01)
+    tau += 400.0 * np.sign(x) * np.maximum(np.abs(x) - 0.12, 0.0) + 0.1 * rng.normal(size=len(t))
+    log = Log("slide", slide.joints, t, q[:, None], tau=tau[:, None])
+    found = diagnose(slide, friction, [prepare(log, BAND)])
+    assert added(found) == [("dead_zone_spring", 0)]
+    fitted = found.steps[0].added.values
+    assert fitted == pytest.approx({"k": 400.0, "q0": 0.06, "gap": 0.12}, rel=0.05)
 
 
 def test_a_wrong_zero_is_seen_in_the_torque_of_the_links_beyond():

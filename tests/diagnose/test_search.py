@@ -9,6 +9,7 @@ import pytest
 from planted import log_with, small_arm
 
 from jaxswarm.diagnose.candidates import search
+from jaxswarm.diagnose.candidates.lattice import ordered, seen_of
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import get_law
@@ -181,3 +182,19 @@ def test_what_is_nearly_absorbed_is_explained_by_its_rest(free):
     fold = FoldData(*map(jnp.asarray, (basis, residual, np.ones(300))))
     exact = (rest @ residual) ** 2 / (rest @ rest)
     assert float(explained(column[:, None], fold, False)) == pytest.approx(exact, rel=2e-3)
+
+
+def test_places_and_widths_are_looked_for_among_the_positions_seen():
+    law = get_law("dead_zone_spring")
+    low, span = seen_of(law, [np.array([-0.1, 0.3]), np.array([0.0, 0.2])], 3)
+    gap, middle = ordered(law)
+    assert (gap.name, middle.name) == ("gap", "q0")
+    ends = [(p.decode(low[k]), p.decode(low[k] + span[k])) for k, p in enumerate((gap, middle))]
+    np.testing.assert_allclose(ends, [(0.0, 0.4), (-0.1, 0.3)], atol=1e-12)
+    np.testing.assert_array_equal((low[2], span[2]), (0.0, 1.0))
+
+
+def test_what_is_no_place_is_looked_for_between_its_bounds():
+    low, span = seen_of(get_law("stribeck_friction"), [np.array([-0.1, 0.3])], 2)
+    np.testing.assert_array_equal(low, 0.0)
+    np.testing.assert_array_equal(span, 1.0)

@@ -19,7 +19,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.diagnose.candidates.lattice import BATCH, batch_of, lattice_of, points_of
+from jaxswarm.diagnose.candidates.lattice import (
+    BATCH,
+    batch_of,
+    lattice_of,
+    ordered,
+    points_of,
+    seen_of,
+)
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimating, explained, explained_of
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
@@ -173,6 +180,8 @@ def searching(
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
         points = points_of(law)
         lattice, cell = lattice_of(len(law.nonlinear), points, most)
+        low, span = seen_of(law, [m.q[:, joint] for m in motions], most[1])
+        lattice, cell = low + span * lattice, span * cell
         task = _Task(
             np.int32(laws.index(law)),
             np.bool_(law.positive),
@@ -226,5 +235,4 @@ def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
 
 def _decode(law: TorqueLaw, u) -> dict:
     """Nonlinear parameters by name at a point of the unit cube."""
-    ordered = sorted(law.nonlinear, key=lambda p: p.name)
-    return {p.name: p.decode(u[k]) for k, p in enumerate(ordered)}
+    return {p.name: p.decode(u[k]) for k, p in enumerate(ordered(law))}
