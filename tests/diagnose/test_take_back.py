@@ -140,6 +140,16 @@ def test_of_a_ripple_more_orders_may_be_left():
     assert [s.added.effect for s in search.steps] == ["torque_ripple"]
 
 
+def test_half_of_what_a_smooth_function_explains_is_no_law():
+    log = log_with(duration=LONG)
+    q = _position(log)
+    bumps = 8.0 * np.exp(-(((q - 0.3) / 0.12) ** 2)) - 6.0 * np.exp(-(((q + 0.35) / 0.1) ** 2))
+    search = told_as(RIPPLE, log, bumps)
+    take_back_stand_ins(search)
+    assert not search.steps
+    assert "a function of q_joint2" in search.refused[0][1]
+
+
 def test_what_is_small_beside_what_a_law_took_is_a_detail_of_it():
     log = log_with(replace(SPRING, values={"k": 60.0, "tau0": -6.0}))
     search = told_as(SPRING, log, 0.5 * np.exp(_position(log) / 0.4))

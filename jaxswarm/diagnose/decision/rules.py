@@ -68,6 +68,10 @@ SMALL_PART, NEARLY_ALL, TIMES_OWN = 0.45, 0.7, 2.0
 # above the noise, and that is beyond the second part of what it took: a cushion told as a spring with a dead
 # zone left 20 times the noise, 0.97 of it by its position, a fifth of its torque.
 FOLLOWS_OWN, OF_TAKEN = 0.7, 0.05
+# Nor is one that leaves at least the first part of its joint's squared error, far above the noise, where a
+# smooth function in its place leaves less than the second part of that: bumps at two places told as a ripple
+# left 0.39 to 0.53 and 0.01 to 0.09.
+A_THIRD, FAR_LESS = 1.0 / 3.0, 0.25
 # Share of what a ripple of few periods leaves that may follow its position: a magnet left 0.2 (p = 1e-4).
 ONE_PLACE = 0.1
 
