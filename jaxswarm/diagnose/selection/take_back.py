@@ -57,13 +57,14 @@ def _take_back(
             break
         step, why = found
         search.refused.append((step.added, why))
-        gone = [s for s in search.steps if s is step or _goes_with(s, step, events)]
-        search.steps = [s for s in search.steps if s not in gone]
-        terms = search.current.model.terms
-        for one in gone:
-            terms = without(one.added, terms)
+        kept, terms = [], search.current.model.terms
+        for one in search.steps:
+            if one is step or _goes_with(one, step, events):
+                terms = without(one.added, terms)
+            else:
+                kept.append(one)
         search.current = with_motion_noise(refit(search.current, terms), search.seed)
-        search.steps = chain(search.steps) if search.steps else []
+        search.steps = chain(kept) if kept else []
         search.crossfit = cross_fit(search.current)
 
 
