@@ -52,9 +52,9 @@ def pair(
             both = None if two is None else refit_with(first, two)
             if two is None or both is None:
                 continue
-            if not _predicts_better(both, current, step.score.joint, asked, rules):
-                continue
             if imitates(find_term(both, rival), both.model.terms, both.motions):
+                continue
+            if not _predicts_better(both, current, step.score.joint, asked, rules):
                 continue
             others = tuple(s for s in step.others if s.candidate.term.identity != rival.identity)
             found = [

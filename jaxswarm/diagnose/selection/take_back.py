@@ -83,10 +83,20 @@ def _without(current: Estimate, step: Step) -> Estimate:
     return refit(current, without(step.added, current.model.terms))
 
 
+def _leaves(current: Estimate, rest: Estimate) -> np.ndarray:
+    """Shares (n,) of the squared errors without an addition that are left with it."""
+    with_it, bare = (np.square(e.fit.residual).sum(axis=0) for e in (current, rest))
+    return with_it / np.maximum(bare, 1e-300)
+
+
+def _over_noise(current: Estimate) -> np.ndarray:
+    """What is left on every joint over its noise, (n,)."""
+    return current.fit.sigma / noise_of(current)
+
+
 def _shadow(search: Search) -> tuple[Step, str] | None:
     """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
-    current = search.current
-    left = current.fit.sigma / noise_of(current)
+    current, left = search.current, _over_noise(search.current)
     told = []
     for step in search.steps:
         law = step.added.law
@@ -94,9 +104,8 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
         far = [j for j in acts if j is not None and left[j] > NEAR]
         if law.in_one_log or law.everyday or not far:
             continue
-        rest = _without(current, step)
-        one, two = (np.square(e.fit.residual).sum(axis=0) for e in (rest, current))
-        told += [(float(1.0 - two[j] / one[j]), j, step) for j in far]
+        leaves = _leaves(current, _without(current, step))
+        told += [(float(1.0 - leaves[j]), j, step) for j in far]
     if not told:
         return None
     share, joint, step = min(told, key=lambda item: item[0])
@@ -109,8 +118,7 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
 
 def _stand_in(search: Search) -> tuple[Step, str] | None:
     """The addition of whose own variables most is left, and why it is no name; None if none is."""
-    current, told = search.current, []
-    left = current.fit.sigma / noise_of(current)
+    current, left, told = search.current, _over_noise(search.current), []
     for step in search.steps:
         term = find_term(current, step.added)
         law, joint = term.law, term.joint
@@ -121,10 +129,7 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
             continue
         if left[joint] * np.sqrt(share) < NEAR:
             continue
-        one, two = (
-            np.square(e.fit.residual[:, joint]).sum() for e in (_without(current, step), current)
-        )
-        if two > OF_TAKEN**2 * one:
+        if _leaves(current, _without(current, step))[joint] > OF_TAKEN**2:
             told.append((share, joint, step))
     if not told:
         return None
@@ -138,20 +143,19 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
 
 def _poor(search: Search) -> tuple[Step, str] | None:
     """The first addition instead of which a smooth function leaves far less, and why; None if none is."""
-    current = search.current
-    left = current.fit.sigma / noise_of(current)
+    current, left = search.current, _over_noise(search.current)
     for step in search.steps:
         law, joint = step.added.law, step.added.joint
         if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:
             continue
         rest = _without(current, step)
-        one, two = (np.square(e.fit.residual[:, joint]).sum() for e in (rest, current))
-        smooth = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
-        if two < A_THIRD * one or not smooth:
+        leaves = _leaves(current, rest)[joint]
+        if leaves < A_THIRD:
             continue
-        if 1.0 - smooth[0].share < FAR_LESS * two / one:
+        smooth = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
+        if smooth and 1.0 - smooth[0].share < FAR_LESS * leaves:
             names = " and ".join(smooth[0].depends_on)
-            part = f"takes {100 * (1.0 - two / one):.0f} % off the squared error of"
+            part = f"takes {100 * (1.0 - leaves):.0f} % off the squared error of"
             told = f"{part} {current.model.robot.joints[joint]}, a function of {names}"
             return step, f"{told} {100 * smooth[0].share:.0f} %"
     return None
