@@ -8,7 +8,7 @@ from planted import BAND, declared_fit, log_with
 from test_unexplained import with_extra
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.orders import imitates
+from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.refit import refit_with

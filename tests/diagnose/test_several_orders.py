@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted import added, diagnose_log, log_with, small_arm
 
-from jaxswarm.diagnose.candidates.orders import leaves_room, strays
+from jaxswarm.diagnose.candidates.position_laws import leaves_room, strays
 from jaxswarm.diagnose.report.text import grouped
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.alike import number_of, without

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.orders import leaves_room
+from jaxswarm.diagnose.candidates.position_laws import leaves_room
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import TorqueLaw

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.orders import imitates
+from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score, passes

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.orders import imitates
+from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.competing import choose, is_special_case, plainness
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, Rules

@@ -13,7 +13,7 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.orders import imitates, strays
+from jaxswarm.diagnose.candidates.position_laws import imitates, strays
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.orders import hardly_repeats
+from jaxswarm.diagnose.candidates.position_laws import hardly_repeats
 from jaxswarm.diagnose.decision.own_variables import left_of_own
 from jaxswarm.diagnose.decision.rules import (
     ABOVE_NOISE,
