@@ -96,6 +96,28 @@ def test_a_contact_belongs_to_its_log_alone(tmp_path):
     )
 
 
+BODY = {"m": 1.5, "mcx": 0.3, "mcy": 0.0, "mcz": 0.0} | dict.fromkeys(
+    ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"), 0.0
+)
+
+
+@pytest.mark.parametrize(
+    ("effect", "joint", "values", "place"),
+    [
+        ("payload_change", None, {**BODY, "start": 5.0, "end": 8.0, "log": 0.0}, ("start", "end")),
+        ("periodic_force", 0, {"sine": 2.0, "cosine": 1.0, "hertz": 1.7, "log": 0.0}, ("hertz",)),
+    ],
+)
+def test_a_contact_is_told_beside_what_else_happened_in_its_log(effect, joint, values, place):
+    """A body that was carried for a while, too, is no part of the contact's torque."""
+    motion = prepare(pushed(log_with(Term(effect, joint, values=values)), CONTACTS[1:2]), BAND)
+    beside = Term(effect, joint, values={name: values[name] for name in (*place, "log")})
+    found = estimate(small_arm(), (*blank(), beside, contact(6.0, 6.7)), [motion], width=0.01)
+    torque, errors = found.model.terms[-1].values, found.std_errors[-1]
+    for name, true in (("tau_joint1", 0.0), ("tau_joint2", 5.0)):
+        assert abs(torque[name] - true) < 4.0 * errors[name] and errors[name] < 0.5
+
+
 def test_the_filter_of_rows_outside_does_not_reach_into_the_window():
     motion = prepare(pushed(log_with(), CONTACTS[:1]), BAND)
     plain = prepare(log_with(), BAND)

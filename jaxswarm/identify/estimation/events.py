@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.forward.columns import Rigid
@@ -38,20 +39,23 @@ def with_event_torques(
         if term.law.recurring:
             number = int(term.values.get("log", 0))
             motion = motions[number]
+            # What else acts in that log, a body carried for a while with it, but no event.
+            here = model.during(number)
+            here = replace(here, terms=tuple(t for t in here.terms if not t.law.recurring))
             columns = assemble(
                 model.robot,
-                model.during(None).terms,
+                here.terms,
                 motion,
                 model.width,
                 np.asarray(model.robot.parameters).ravel(),
                 rigids[number],
                 decimate=True,
             )
-            left = motion.low_torque - columns @ linear_values(model.during(None))
+            left = motion.low_torque - columns @ linear_values(here)
             own_window = own_columns(term, motion, model.width, None)
             window = motion.decimator.apply(own_window)[:, 0, 0]
-            lasting = [k for k, name in enumerate(names) if name not in _own_columns(model)]
-            doubt = covariance[np.ix_(lasting, lasting)]
+            held = _columns_of(model, here.terms)
+            doubt = covariance[np.ix_(held, held)]
             values, spread = _mean(window, left, columns, doubt, solution.sigma, memory)
             # Begin and end lie anywhere within a step; a window too short holds too large a torque.
             edge = regression.step[number] / np.sqrt(12.0)
@@ -88,10 +92,12 @@ def edge_error(torque: np.ndarray, sigma: np.ndarray, memory: float) -> float:
     return float(_WITHIN * memory / max(((torque / sigma) ** 2).sum(), 1e-12) / _NORMAL)
 
 
-def _own_columns(model: Model) -> set[str]:
-    """Names of the columns of events."""
-    events = (t for t in model.terms if t.law.recurring)
-    return {name for term in events for name in term.columns(model.robot.joints)}
+def _columns_of(model: Model, held: Sequence[Term]) -> np.ndarray:
+    """Numbers of the columns of the rigid body and of some of a model's terms, in the model's order."""
+    joints = model.robot.joints
+    flags = [np.full(10 * model.robot.num_joints, True)]
+    flags += [np.full(len(t.columns(joints)), any(t is h for h in held)) for t in model.terms]
+    return np.flatnonzero(np.concatenate(flags))
 
 
 def _mean(window, left, columns, doubt, sigma, memory) -> tuple[list[float], list[float]]:
