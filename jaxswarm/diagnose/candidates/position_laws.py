@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.direction import follows_direction
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import Motion
@@ -64,8 +65,8 @@ def _share_position(one: Term, two: Term) -> bool:
 
 def _follows_position(law: Effect) -> bool:
     """Whether a law is a torque by the position of its joint, without a memory and without friction's sign."""
-    about = isinstance(law, TorqueLaw) and law.rate is None and not law.dissipative
-    return about and law.shown_against == "position"
+    about = isinstance(law, TorqueLaw) and law.shown_against == "position"
+    return about and not follows_direction(law)
 
 
 def _is_multiple(one: float, other: float) -> bool:

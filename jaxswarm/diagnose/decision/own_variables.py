@@ -14,6 +14,7 @@ from jaxswarm.diagnose.decision.smooth_rows import (
 )
 from jaxswarm.diagnose.folds.joint_rows import joint_rows
 from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.effects.direction import follows_direction
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -71,7 +72,7 @@ def _variables(found: Estimate, term: Term) -> dict[str, Variable]:
         torque = torque_at_joint(found, term)
         return {"own torque": variable(torque, None)} if np.ptp(torque) > VARIES else {}
     names = [f"{_OWN[axis]}_{own}"] if axis in _OWN else []
-    if axis == "position" and law.dissipative:
+    if axis == "position" and follows_direction(law):
         names.append(f"dq_{own}")
     if term.other is not None:
         partner = _PARTNER.get(axis, _OWN.get(axis))

@@ -72,6 +72,9 @@ FOLLOWS_OWN, OF_TAKEN = 0.7, 0.05
 # smooth function in its place leaves less than the second part of that: bumps at two places told as a ripple
 # left 0.39 to 0.53 and 0.01 to 0.09.
 A_THIRD, FAR_LESS = 1.0 / 3.0, 0.25
+# An event is none where a function of the motion predicts this share of what its joint lacks without any, and
+# takes as much off its window: cushions and friction by the position gave 0.7 to 1.0, a push none.
+BY_STATE = 0.6
 # Share of what a ripple of few periods leaves that may follow its position: a magnet left 0.2 (p = 1e-4).
 ONE_PLACE = 0.1
 

@@ -44,7 +44,7 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
     _list(console, "to be looked at:", flagged(result))
     _list(console, "no longer in the model:", taken_out(result))
     refused = [f"{where(s)} {s['because']}" for s in result.get("refused", ())]
-    _list(console, "not kept, on other motion:", refused)
+    _list(console, "found and not kept:", refused)
     _list(console, "found in the logs:", log_notes(result))
     _list(console, "what to know and do next:", [*reasons(result), *next_steps(result)])
     if out is not None:

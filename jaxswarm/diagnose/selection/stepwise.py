@@ -34,6 +34,7 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
 from jaxswarm.diagnose.selection.take_back import (
+    take_back_events,
     take_back_harm,
     take_back_shadows,
     take_back_stand_ins,
@@ -87,6 +88,7 @@ def diagnose(
     search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
     run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
     take_back_harm(search)
+    take_back_events(search)
     take_back_shadows(search)
     take_back_stand_ins(search)
     if search.steps:

@@ -11,6 +11,7 @@ from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.state_events import event_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.effects.alike import without
@@ -20,6 +21,11 @@ from jaxswarm.identify.estimation.estimate import Estimate
 def take_back_harm(search: Search) -> None:
     """Take back, one after the other, what in the end raises a joint's error on other motion."""
     _take_back(search, lambda: harmful(search.declared, search.steps, search.current, search.other))
+
+
+def take_back_events(search: Search) -> None:
+    """Take back events that a function of the arm's motion predicts as well, see :func:`event_of_state`."""
+    _take_back(search, lambda: event_of_state(search), events=True)
 
 
 def take_back_shadows(search: Search) -> None:
@@ -74,8 +80,9 @@ def _goes_with(one: Step, step: Step, events: bool) -> bool:
     Beside a spring that stood in for a cushion two contacts were told at the ends of the travel.
     """
     a, b = one.added, step.added
+    joint = step.score.joint if b.joint is None else b.joint
     ends = a.law.mutual and (a.effect, a.joint, a.other) == (b.effect, b.other, b.joint)
-    return ends or (events and a.law.in_one_log and one.score.joint == b.joint)
+    return ends or (events and a.law.in_one_log and one.score.joint == joint)
 
 
 def _without(current: Estimate, step: Step) -> Estimate:

@@ -1,0 +1,61 @@
+"""Events of a log that are none: where the arm was says as much as when it was."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.rules import BY_STATE
+from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def event_of_state(search: Search) -> tuple[Step, str] | None:
+    """An event that a function of the arm's motion predicts as well, and why it is none; None if none is.
+
+    What is left without all events of its joint has to follow that function on blocks of the log that it was
+    not fitted to, and so have their windows. A cushion at the end of the travel was told as five contacts, each
+    while the arm rested in it.
+    """
+    current = search.current
+    events = [step for step in search.steps if _lasts(step.added)]
+    for joint in sorted({step.score.joint for step in events}):
+        own = [step for step in events if step.score.joint == joint]
+        terms = current.model.terms
+        for step in own:
+            terms = without(step.added, terms)
+        rest = with_motion_noise(refit(current, terms), search.seed)
+        left = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
+        if not left or "t" in left[0].depends_on or left[0].share < BY_STATE:
+            continue
+        share = _share_within(rest, left[0], [step.added for step in own])
+        if share > BY_STATE:
+            names = " and ".join(left[0].depends_on)
+            return own[0], (
+                f"is {100 * share:.0f} % a function of {names}, which predicts {100 * left[0].share:.0f} % "
+                f"of what {current.model.robot.joints[joint]} lacks: no event is needed"
+            )
+    return None
+
+
+def _lasts(term: Term) -> bool:
+    """Whether a term is an event with a begin and an end."""
+    return term.law.in_one_log and {"start", "end"} <= set(term.values)
+
+
+def _share_within(rest: Estimate, left: Unexplained, events: Sequence[Term]) -> float:
+    """Share of the squared error within the windows of events that a smooth function takes off."""
+    regression, joint = rest.regression, left.joint
+    inside = np.zeros(len(regression.t), bool)
+    for event in events:
+        within = (regression.t >= event.values["start"]) & (regression.t <= event.values["end"])
+        inside |= within & (regression.log == event.values["log"])
+    before = rest.fit.residual[:, joint]
+    after = before - left.smooth - regression.columns[:, joint] @ left.change
+    return 1.0 - float(np.sum(after[inside] ** 2) / max(np.sum(before[inside] ** 2), 1e-300))

@@ -1,0 +1,87 @@
+"""A window in which the position says as much as the time is no event; a push stays one."""
+
+from dataclasses import replace
+
+import numpy as np
+from planted import BAND, blank, log_with, small_arm
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.diagnose.selection.take_back import take_back_events
+from jaxswarm.effects.base import REGISTRY, get_law
+from jaxswarm.effects.direction import follows_direction
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare
+
+LONG = 30.0
+
+
+def told_as_contacts(extra, count: int) -> Search:
+    """As if contacts had been added to a log with a further torque of joint 2, ``extra(log)`` [N m]."""
+    log = log_with(duration=LONG)
+    tau = log.tau.copy()
+    tau[:, 1] += extra(log)
+    motion = prepare(replace(log, tau=tau), BAND)
+    declared = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    search = Search(declared, declared, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search.crossfit = cross_fit(declared)
+    for _ in range(count):
+        before = search.current
+        (score,) = score_terms(Linearization(before, search.folds), [Term("contact")], 0)
+        after = with_motion_noise(refit_with(before, score))
+        added = find_term(after, score.candidate.term)
+        search.steps = [*search.steps, Step(added, score, (), (), before, after, ())]
+        search.current, search.crossfit = after, cross_fit(after)
+    return search
+
+
+def cushion(log):
+    """At one end of the travel [N m]."""
+    return 3.0 * np.exp((log.q[:, 1] - 0.5) / 0.15)
+
+
+def push(log):
+    """Half a second of 6 N m."""
+    return 6.0 * ((log.t > 9.0) & (log.t < 9.5))
+
+
+def test_a_cushion_is_no_row_of_contacts():
+    search = told_as_contacts(cushion, 2)
+    take_back_events(search)
+    assert not search.steps
+    assert not any(t.effect == "contact" for t in search.current.model.terms)
+    (_, why) = search.refused[0]
+    assert "a function of q_joint2" in why and "no event is needed" in why
+
+
+def test_a_push_stays_an_event():
+    search = told_as_contacts(push, 1)
+    take_back_events(search)
+    assert [s.added.effect for s in search.steps] == ["contact"]
+
+
+def test_a_push_stays_one_beside_a_law_of_the_position_that_nobody_knows():
+    search = told_as_contacts(lambda log: push(log) + 2.0 * np.sin(6.0 * log.q[:, 1]), 1)
+    assert abs(search.steps[0].added.values["start"] - 9.0) < 0.1
+    take_back_events(search)
+    assert [s.added.effect for s in search.steps] == ["contact"]
+
+
+def test_laws_that_look_at_the_direction_are_told_from_those_of_the_position_alone():
+    asked = [
+        x for x in REGISTRY.values() if isinstance(x, TorqueLaw) and x.shown_against == "position"
+    ]
+    still = {x.name for x in asked if not follows_direction(x)}
+    assert {"joint_spring", "cubic_spring", "dead_zone_spring", "torque_ripple"} <= still
+    assert follows_direction(get_law("position_dependent_friction"))
+    assert not any(x.dissipative or x.rate is not None for x in asked if x.name in still)
