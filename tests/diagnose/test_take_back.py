@@ -70,11 +70,28 @@ def test_a_small_part_of_what_is_missing_is_taken_back_and_told():
 
 
 def test_a_large_part_stays_though_more_is_missing():
-    search = searched(1.0)
+    search = searched(0.6)
     left = search.current.fit.sigma[1] / search.crossfit.noise[1]
-    assert left > 2.0
+    assert 2.0 < left < 8.0
     take_back_shadows(search)
     assert [s.added.effect for s in search.steps] == ["torque_offset"]
+
+
+def test_half_is_no_name_where_the_rest_is_very_far_above_the_noise():
+    search = searched(2.0)
+    left = search.current.fit.sigma[1] / search.crossfit.noise[1]
+    before = search.declared.fit.sigma[1]
+    assert left > 8.0 and search.current.fit.sigma[1] < 0.8 * before
+    take_back_shadows(search)
+    assert not search.steps
+
+
+def test_nearly_all_is_one_whatever_is_left():
+    log = log_with(replace(SPRING, values={"k": 60.0, "tau0": -6.0}))
+    search = told_as(SPRING, log, 2.0 * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5))
+    assert search.current.fit.sigma[1] / search.crossfit.noise[1] > 8.0
+    take_back_shadows(search)
+    assert [s.added.effect for s in search.steps] == ["joint_spring"]
 
 
 @pytest.mark.parametrize("unknown", [0.0, 12.0])
