@@ -9,6 +9,7 @@ from planted import added, declared_fit, diagnose_log, log_with
 from jaxswarm.diagnose.decision.smooth_rows import residual_variables
 from jaxswarm.diagnose.decision.unexplained import find_unexplained, with_smooth_terms
 from jaxswarm.diagnose.folds.joint_rows import RIDGES, JointRows
+from jaxswarm.effects.term import Term
 from jaxswarm.identify import load_model, model_torque, save_model
 from jaxswarm.logs.motion import prepare
 
@@ -38,6 +39,18 @@ def test_law_outside_the_catalog_is_unexplained_with_its_variables(other, law):
     assert set(left[0].depends_on) == {other, "dq_joint2"}
     assert left[0].share > 0.3 and left[0].p_value < 1e-3
     assert left[0].variables.shape == (len(left[0].smooth), 2)
+
+
+@pytest.mark.parametrize("law", [lambda x: 4.0 * x * np.abs(x), lambda x: 3.0 * np.tanh(x / 0.3)])
+def test_friction_by_the_load_in_a_form_that_nobody_knows_names_the_load(law):
+    log = log_with(duration=30.0)
+    known = Term("load_dependent_friction", 1, values={"mu": 0.1, "inertial": 1.0})
+    extra = np.zeros_like(log.tau)
+    extra[:, 1] = law(log_with(known, duration=30.0).tau[:, 1] - log.tau[:, 1])
+    left = find_unexplained(*declared_fit(replace(log, tau=log.tau + extra)))
+    assert [(u.joint, set(u.depends_on)) for u in left] == [(1, {"dq_joint2", "load_joint2"})]
+    # A load depends on the model: the smooth function is told, and is no part of it.
+    assert left[0].share > 0.8 and left[0].term is None
 
 
 def test_what_sits_at_one_place_is_a_function_of_the_position():

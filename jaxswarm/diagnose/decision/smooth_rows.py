@@ -71,6 +71,16 @@ def table_of(found: Estimate) -> dict[str, Variable]:
     return {n: variable(x, width.get(n)) for n, x in variables.items()}
 
 
+def load_of(found: Estimate, joint: int) -> dict[str, Variable]:
+    """The torque of the rigid body on a joint [N m or N], by its name; nothing where it is constant."""
+    robot = found.model.robot
+    rigid = slice(10 * robot.num_joints)
+    torque = found.regression.columns[:, joint, rigid] @ found.fit.theta[rigid]
+    return (
+        {f"load_{robot.joints[joint]}": variable(torque, None)} if np.ptp(torque) > VARIES else {}
+    )
+
+
 def variable(x: np.ndarray, width: float | None) -> Variable:
     """A variable (T,), with the width of its sign if it is a velocity."""
     lower, upper = np.quantile(x, [_TAIL, 1.0 - _TAIL])

@@ -19,6 +19,7 @@ from jaxswarm.diagnose.decision.smooth_rows import (
     SmoothOf,
     Variable,
     held_out_share,
+    load_of,
     smooth_rows,
     table_of,
     waves_of,
@@ -37,12 +38,13 @@ class Unexplained:
 
     Attributes:
         joint: Index.
-        depends_on: Names such as ``q_joint1``, most important first.
+        depends_on: Names such as ``q_joint1``, most important first; ``load_joint1`` is the torque of the
+            rigid body.
         share: Share of the joint's held-out squared error that a smooth function of them takes off.
         p_value: One-sided, over blocks.
         smooth: The smooth function on the decimated clock, whole fit [N m], shape (T,).
         variables: Values of the named variables, shape (T, m).
-        term: The same as a term that predicts other motion; None if it depends on time or temperature.
+        term: The same as a term that predicts other motion; None if it depends on time, temperature or load.
         change: Change of the model's columns' values that goes with it, shape (p,).
         elsewhere: Share that it takes off on motion it was not fitted to: on the worst other log, or without
             any in regions of the states held out in turn; below zero where it adds error, None if unknown.
@@ -79,8 +81,11 @@ def _look(
     halves = [joint_rows(fold, joint) for fold in crossfit.halves]
     weight = crossfit.weight[:, joint, None]
 
+    load = load_of(found, joint)
+    known = {**table, **load}
+
     def tried(of: SmoothOf) -> Share:
-        rows = smooth_rows([table[n] for n in of.names], waves_of(of, seed)) * weight
+        rows = smooth_rows([known[n] for n in of.names], waves_of(of, seed)) * weight
         return held_out_share(halves, crossfit.block, rows)
 
     own = found.model.robot.joints[joint]
@@ -96,10 +101,16 @@ def _look(
     asked = len(singles) + len(told)
     if told and told[0][0].share > best.share + SECOND_VARIABLE:
         best, pick = told[0]
+    # A load is a function of all positions: it is named where it says more than any two of them do.
+    loads = [SmoothOf(names) for n in load for names in ((n,), (f"dq_{own}", n))]
+    for share, of in [(tried(of), of) for of in loads]:
+        if share.share > best.share + SECOND_VARIABLE:
+            best, pick = share, of
+    asked += len(loads)
     worth = best._replace(p_value=min(1.0, best.p_value * asked))
     if worth.share < STRUCTURE or worth.p_value > STRUCTURE_SIGNIFICANCE:
         return None
-    return _unexplained(found, crossfit, joint, pick, worth, table, seed)
+    return _unexplained(found, crossfit, joint, pick, worth, known, seed)
 
 
 def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:
