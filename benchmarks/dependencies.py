@@ -19,12 +19,12 @@ from typing import NamedTuple
 
 TAKES = "seconds; --audit a minute of network"
 
-# Packages that were looked at: kept by the authors of JAX, NumPy, SciPy, Matplotlib, Rich, Typer and
-# Pydantic, by those they build on, or by Python's own.
+# Packages that were looked at: kept by the authors of JAX, NumPy, SciPy, Matplotlib, Rich, Typer, Pydantic
+# and Clarabel (University of Oxford; CVXPY's own solver of cones), by those they build on, or by Python's own.
 KNOWN = frozenset(
-    "jax jaxlib ml-dtypes opt-einsum optax absl-py chex toolz typing-extensions numpy scipy "
-    "matplotlib contourpy cycler fonttools kiwisolver packaging pillow pyparsing python-dateutil six "
-    "rich markdown-it-py mdurl pygments typer click shellingham annotated-doc setuptools "
+    "jax jaxlib ml-dtypes opt-einsum optax absl-py chex toolz typing-extensions numpy scipy clarabel cffi "
+    "pycparser matplotlib contourpy cycler fonttools kiwisolver packaging pillow pyparsing "
+    "python-dateutil six rich markdown-it-py mdurl pygments typer click shellingham annotated-doc setuptools "
     "pydantic pydantic-core annotated-types typing-inspection tzdata".split()
 )
 _PERMISSIVE = (

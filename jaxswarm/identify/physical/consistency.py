@@ -1,4 +1,4 @@
-r"""Which parameters a rigid body can have, and coordinates in which every value is one.
+r"""Which parameters a rigid body can have.
 
 Ten parameters (m, h, I) belong to a body of non-negative density exactly if the pseudo-inertia
 
@@ -6,9 +6,7 @@ Ten parameters (m, h, I) belong to a body of non-negative density exactly if the
           \Sigma = \tfrac12 \mathrm{tr}(I)\, 1 - I
 
 is positive semidefinite; positive mass, positive principal moments and their triangle inequality all
-follow. Writing :math:`P = U U^T` with U upper triangular and exponentials on its diagonal gives ten free
-numbers, the log-Cholesky coordinates: a swarm or a gradient that moves in them meets physical bodies
-only.
+follow.
 
 References: P. Wensing, S. Kim, J.-J. Slotine, "Linear matrix inequalities for physically consistent
 inertial parameter identification", IEEE RA-L 3(1), 2018; C. Rucker, P. Wensing, "Smooth parameterization
@@ -22,12 +20,6 @@ from jaxswarm.robot.model import Robot
 from jaxswarm.robot.placements import inertia_matrix
 
 TOLERANCE = 1e-9  # relative to the size of the body, for rounding in files
-
-
-# Where the coordinates stand in U: its diagonal, then its upper entries row by row.
-_ROWS, _COLUMNS = np.array(
-    [(0, 0), (1, 1), (2, 2), (3, 3), *zip(*np.triu_indices(4, 1), strict=True)]
-).T
 
 
 def pseudo_inertia(parameters: np.ndarray) -> np.ndarray:
@@ -68,51 +60,25 @@ def parameters_of(pseudo: np.ndarray) -> np.ndarray:
     )
 
 
-def from_log_cholesky(coordinates: np.ndarray) -> np.ndarray:
-    """Return the link parameters (..., 10) of a physical body for any real coordinates (..., 10).
+def factor_of(parameters: np.ndarray) -> np.ndarray:
+    """Return the upper triangle U (4, 4), its diagonal positive, with U U^T the pseudo-inertia of a body.
 
-    The coordinates are the logarithms of U's diagonal (four), then its upper entries row by row.
-
-    >>> (from_log_cholesky(np.zeros(10)) + 0.0).tolist()
-    [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 2.0]
-    """
-    u = _factor(coordinates)
-    return parameters_of(u @ u.swapaxes(-1, -2))
-
-
-def log_cholesky_slopes(coordinates: np.ndarray) -> np.ndarray:
-    """Return the derivatives (..., 10, 10) of :func:`from_log_cholesky`, a column for each coordinate."""
-    u = _factor(coordinates)
-    change = np.zeros((*coordinates.shape, 4, 4))
-    # An entry of the diagonal is the exponential of its coordinate, the others are theirs.
-    change[..., range(4), range(4), range(4)] = np.diagonal(u, axis1=-2, axis2=-1)
-    change[..., range(4, 10), _ROWS[4:], _COLUMNS[4:]] = 1.0
-    half = change @ u.swapaxes(-1, -2)[..., None, :, :]
-    return parameters_of(half + half.swapaxes(-1, -2)).swapaxes(-1, -2)
-
-
-def _factor(coordinates: np.ndarray) -> np.ndarray:
-    """Return the upper triangles U (..., 4, 4) of coordinates (..., 10)."""
-    u = np.zeros((*coordinates.shape[:-1], 4, 4))
-    u[..., _ROWS[:4], _COLUMNS[:4]] = np.exp(coordinates[..., :4])
-    u[..., _ROWS[4:], _COLUMNS[4:]] = coordinates[..., 4:]
-    return u
-
-
-def to_log_cholesky(parameters: np.ndarray) -> np.ndarray:
-    """Return the coordinates (10,) of a physical body.
+    Args:
+        parameters: (10,), of a body of positive extent.
 
     Raises:
-        InputError: If the parameters (10,) belong to no body of positive extent.
+        InputError: If the parameters belong to no body of positive extent.
+
+    >>> factor_of(np.array([4.0, 0, 0, 0, 2.0, 0, 2.0, 0, 0, 2.0])).diagonal().tolist()
+    [1.0, 1.0, 1.0, 2.0]
     """
     pseudo = pseudo_inertia(np.asarray(parameters, float))
     try:
         # U U^T with U upper: factor the matrix read backwards.
-        u = np.linalg.cholesky(pseudo[::-1, ::-1])[::-1, ::-1]
+        return np.linalg.cholesky(pseudo[::-1, ::-1])[::-1, ::-1]
     except np.linalg.LinAlgError:
         reasons = "; ".join(body_violations(parameters)) or "it has no extent in some direction"
-        raise InputError(f"no log-Cholesky coordinates: {reasons}.") from None
-    return np.concatenate([np.log(np.diag(u)), u[np.triu_indices(4, 1)]])
+        raise InputError(f"parameters of no rigid body: {reasons}.") from None
 
 
 def body_violations(parameters: np.ndarray, *, inertia_only: bool = False) -> tuple[str, ...]:

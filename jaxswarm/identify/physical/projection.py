@@ -1,13 +1,15 @@
 r"""The physical set of link parameters nearest to an identified one, with a prior for the rest.
 
 Least squares determines only base combinations :math:`B \theta`; a full set that gives them and belongs
-to rigid bodies is found in log-Cholesky coordinates :math:`\xi`,
+to rigid bodies with pseudo-inertias :math:`P_i` minimizes
 
-.. math:: \min_\xi \| W (B\,\theta(\xi) - \beta) \|^2 + \lambda^2 \sum_i \| \xi_i - \xi_i^0 \|^2 ,
+.. math:: \| W (B\,\theta - \beta) \|^2 + \lambda^2 \sum_i D(P_i, P_i^0) ,
 
-with :math:`\xi^0` the prior bodies (CAD, or :func:`plain_prior`) and W the triangular factor of the
-regression, so that a deviation counts as the torque it causes. A small :math:`\lambda` leaves the base
-parameters as identified if any physical body has them, and the nearest ones by torque if none has.
+with :math:`P_i^0` the prior bodies (CAD, or :func:`plain_prior`), D the divergence of
+:mod:`~jaxswarm.identify.physical.cone_program`, and W the triangular factor of the regression, so that a
+deviation counts as the torque it causes. A small :math:`\lambda` leaves the base parameters as identified
+if any physical body has them, and the nearest ones by torque if none has. The problem is convex: one
+minimum.
 
 Reference: P. Wensing, S. Kim, J.-J. Slotine, IEEE RA-L 3(1), 2018; T. Lee, P. Wensing, F. Park,
 "Geometric robot dynamic identification", IEEE T-RO 36(2), 2020 (priors).
@@ -17,14 +19,10 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from jaxswarm.errors import InputError
-from jaxswarm.identify.physical.consistency import (
-    from_log_cholesky,
-    log_cholesky_slopes,
-    to_log_cholesky,
-)
+from jaxswarm.identify.physical.cone_program import Problem, nearest_bodies
+from jaxswarm.identify.physical.consistency import factor_of
 from jaxswarm.robot.placements import body_parameters
 
 
@@ -86,8 +84,8 @@ def nearest_physical(
         prior: (n, 10), physical link parameters to stay near where the base values leave freedom.
         weight: (p, p), e.g. the triangular factor of the regression; default scales each base
             parameter by its size.
-        pull: Strength of the prior, > 0: what a change of a log-Cholesky coordinate by 1 (a mass by
-            the factor e^2) costs, in units of the weighted error.
+        pull: Strength of the prior, > 0, in units of the weighted error: a body with half of the prior's
+            mass and inertia costs 0.8 times its square, one with twice of both 1.2 times.
         further: Linear parameters besides the bodies that the base parameters hold, such as friction.
 
     Raises:
@@ -99,63 +97,18 @@ def nearest_physical(
     _check_shape(base_matrix, base_values, prior, further)
     if weight is None:
         weight = np.diag(1.0 / (np.abs(base_values) + 0.05 * np.abs(base_values).max() + 1e-12))
-    bodies_start = np.concatenate([to_log_cholesky(row) for row in prior])
+    factors = np.stack([factor_of(row) for row in prior])
     inside = np.clip(further.start, further.lower, further.upper)
-    # Coordinates of the further parameters are such that a change by 1 matters as much as for a body.
+    # Units of the further parameters are such that a change by 1 matters as much as for a body.
     scale = 1.0 + np.abs(inside)
-    start = np.concatenate([bodies_start, inside / scale])
-
-    weighted = weight @ base_matrix, weight @ base_values
-    found = _minimum(*weighted, start, scale, pull, (further.lower / scale, further.upper / scale))
-    bodies = from_log_cholesky(found[:size].reshape(-1, 10))
-    left = found[size:] * scale
+    weighted = weight @ base_matrix
+    weighted[:, size:] *= scale
+    own = inside / scale, further.lower / scale, further.upper / scale
+    problem = Problem(weighted, weight @ base_values, factors, *own, pull)
+    bodies, left = nearest_bodies(problem)
+    left = left * scale
     error = base_values - base_matrix @ np.concatenate([bodies.ravel(), left])
     return PhysicalSet(bodies, error, float(np.linalg.norm(weight @ error)), left)
-
-
-def _minimum(
-    matrix: np.ndarray,
-    values: np.ndarray,
-    start: np.ndarray,
-    scale: np.ndarray,
-    pull: float,
-    bounds: tuple[np.ndarray, np.ndarray],
-) -> np.ndarray:
-    """Coordinates of the bodies and, in units of ``scale``, of the further parameters at the minimum.
-
-    Args:
-        matrix, values: Weighted base matrix (p, m) and base values (p,).
-        start: The prior's coordinates (m,), where the search begins and where the pull goes.
-        scale: Units of the last k coordinates, (k,).
-        pull: Strength of the prior.
-        bounds: Lower and upper bounds of the last k coordinates.
-    """
-    size = len(start) - len(scale)
-    of_links = matrix[:, :size].reshape(len(matrix), -1, 10)
-
-    def residual(x):
-        links = from_log_cholesky(x[:size].reshape(-1, 10)).ravel()
-        full = np.concatenate([links, x[size:] * scale])
-        return np.concatenate([matrix @ full - values, pull * (x - start)])
-
-    def derivative(x):
-        slopes = log_cholesky_slopes(x[:size].reshape(-1, 10))
-        by_links = np.einsum("blp,lpc->blc", of_links, slopes).reshape(len(matrix), -1)
-        by_all = np.column_stack([by_links, matrix[:, size:] * scale])
-        return np.concatenate([by_all, pull * np.eye(len(x))])
-
-    free = np.full(size, np.inf)
-    return scipy.optimize.least_squares(
-        residual,
-        start,
-        jac=derivative,
-        bounds=tuple(
-            np.concatenate([own, bound]) for own, bound in zip((-free, free), bounds, strict=True)
-        ),
-        method="trf",
-        x_scale=1.0,
-        max_nfev=500,
-    ).x
 
 
 def _check_shape(
