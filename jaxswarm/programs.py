@@ -164,6 +164,12 @@ def _folder() -> Path | None:
     off = not config.jax_enable_compilation_cache or config.jax_disable_jit or config.jax_debug_nans
     if off or not place or "://" in place or not _is_alone():
         return None
+    return _within(place)
+
+
+@functools.cache
+def _within(place: str) -> Path:
+    """The folder of programs in the one of JAX's own: to put a path together takes longer than to call one."""
     return Path(place) / FOLDER
 
 

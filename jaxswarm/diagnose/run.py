@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from jaxswarm import cores, outputs
+from jaxswarm import outputs
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.remainder import find_material
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
@@ -108,13 +108,11 @@ def conclude(
 ) -> tuple[dict, list[Unexplained]]:
     """What remains after the loop, and everything as ``diagnosis.json`` has it."""
     progress("looking at what remains")
-    # Two seconds of six joints, in which nothing else is asked of the other core.
-    with cores.beside(lambda: consistency_told(diagnosis.final)) as bodies:
-        left = find_material(diagnosis.final, diagnosis.crossfit, seed)
-        left = proven(diagnosis.final, left, unseen)
-        laws = search.found if search else ()
-        result = to_result(outcome_of(diagnosis, left, unseen, laws), search=search)
-        result["physical_consistency"] = bodies()
+    left = find_material(diagnosis.final, diagnosis.crossfit, seed)
+    left = proven(diagnosis.final, left, unseen)
+    laws = search.found if search else ()
+    result = to_result(outcome_of(diagnosis, left, unseen, laws), search=search)
+    result["physical_consistency"] = consistency_told(diagnosis.final)
     return result, left
 
 

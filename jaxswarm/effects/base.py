@@ -245,6 +245,6 @@ def get_law(name: str) -> Effect:
     >>> get_law("viscous_friction").scope
     'joint'
     """
-    if name not in REGISTRY:
+    if (law := REGISTRY.get(name)) is None:
         raise InputError(f"unknown effect {name!r}. {nearest(name, REGISTRY)}")
-    return REGISTRY[name]
+    return law

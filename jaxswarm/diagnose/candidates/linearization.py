@@ -148,12 +148,17 @@ class Linearization:
             return self.on_joint(self.low(build), term.index)
         # They follow from the motion, and many from that alone: the next round finds them ready.
         laws = self.memory.laws
-        reports = tuple((t.place, *t.values.items()) for t in of_kind(terms, MeasurementLaw))
         own_width = width[term.index] if term.law.uses_direction else None
-        place = (term, *term.values.items(), own_width, reports)
+        place = (term, *term.values.items(), own_width, self._reports)
         if place not in laws:
             laws[place] = self.low(build)
         return self.on_joint(laws[place], term.index)
+
+    @cached_property
+    def _reports(self) -> tuple:
+        """The model's drives, by which a law's columns are known again."""
+        measured = of_kind(self.found.model.terms, MeasurementLaw)
+        return tuple((t.place, *t.values.items()) for t in measured)
 
     def _series(self, k: int, term: Term) -> Sample:
         """What laws on a joint, with a partner, see along a log, where programs have it at hand."""

@@ -23,10 +23,15 @@ def filled(series: Any, axis: int = 0) -> Any:
     >>> filled(np.arange(3.0)).shape, filled(np.zeros((2, 1025)), axis=1).shape
     ((1024,), (2, 2048))
     """
+    done: dict[int, np.ndarray] = {}
 
-    def fill(x: np.ndarray) -> np.ndarray:
-        x = np.asarray(x)
-        held = np.repeat(np.take(x, [-1], axis), -x.shape[axis] % CHUNK, axis)
-        return np.concatenate([x, held], axis)
+    def fill(given: Any) -> np.ndarray:
+        found = done.get(id(given))  # of what laws see half is the same zeros
+        if found is None:
+            x = np.asarray(given)
+            last = x[(slice(None),) * (axis % x.ndim) + (slice(-1, None),)]
+            found = np.concatenate([x, np.repeat(last, -x.shape[axis] % CHUNK, axis)], axis)
+            done[id(given)] = found
+        return found
 
     return jax.tree.map(fill, series)

@@ -133,14 +133,15 @@ def _block(
     """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
     motion = body.motion
     # What is written down of the whole arm may mix its joints: then no term stays with its own.
-    mixed = any(t.joint is None for t in of_kind(terms, MeasurementLaw))
+    measured = of_kind(terms, MeasurementLaw)
+    mixed = any(t.joint is None for t in measured)
     if mixed or not isinstance(term.law, TorqueLaw):
         return low(report(terms, motion, _supplied(term, body, width, load)))
 
     def own() -> np.ndarray:
         return low(report_own(terms, motion, term_columns(term, motion, width, load), term.index))
 
-    known = None if low is np.asarray or of_kind(terms, MeasurementLaw) else body.rigid
+    known = None if low is np.asarray or measured else body.rigid
     made = own() if known is None else known.law(term, width, own)
     return placed(made, term.index, motion.q.shape[1])
 
