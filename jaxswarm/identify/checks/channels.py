@@ -68,26 +68,30 @@ _UNIT = "Log torques in N m and forces in N, or name the unit"
 _FEW_UNRELATED, _FEW = 0.8, 2
 # Travel [rad or m] below which a position is one number but for the rounding of its smoothing.
 STANDS = 1e-9
-# Rows per parameter that a fit has to have before it tells anything.
-_ROWS_PER_PARAMETER = 3.0
+# Rows per parameter that a fit has to have before it tells anything; and before it tells that nothing at all is
+# explained: noise has no band, which leaves few rows of it, and a clean log leaves a third at most of any length.
+_ROWS_PER_PARAMETER, ROWS_OF_NOISE = 3.0, 2.0
 
 
-def enough(robot: Robot, samples: Samples) -> bool:
+def enough(robot: Robot, samples: Samples, rows_each: float = _ROWS_PER_PARAMETER) -> bool:
     """Whether a rough fit tells anything: enough rows, and all joints move."""
     rows = samples.q.size
     return bool(
-        rows >= _ROWS_PER_PARAMETER * 14 * robot.num_joints
-        and (np.ptp(samples.q, axis=0) >= STANDS).all()
+        rows >= rows_each * 14 * robot.num_joints and (np.ptp(samples.q, axis=0) >= STANDS).all()
     )
 
 
-def wrong_channels(robot: Robot, rough: Rough, fine: Callable[[], Rough]) -> Finding | None:
+def wrong_channels(
+    robot: Robot, rough: Rough, fine: Callable[[], Rough], *, every_joint: bool = False
+) -> Finding | None:
     """The likeliest guess about signs, order and unit of angles that is far better than the log as it is.
 
     Args:
         robot: Kinematics.
         rough: Model of the log as it is.
         fine: Makes a fine one, where a scale or a zero shows faintly.
+        every_joint: Whether a guess has to explain the torque of every joint: where one contradicts the others,
+            most guesses bend the others towards it.
     """
     logged, sigma = rough.as_logged()
     much = rough.strictness
@@ -108,6 +112,8 @@ def wrong_channels(robot: Robot, rough: Rough, fine: Callable[[], Rough]) -> Fin
     for guess in motions:
         other = Rough(robot, guess.moved(rough.samples))
         tried.append((guess, other.as_logged()[0]))
+    if every_joint:
+        tried = [(g, t) for g, t in tried if t.left.max() < UNRELATED]
     believed = [
         (g, t)
         for g, t in tried

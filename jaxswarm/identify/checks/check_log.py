@@ -6,16 +6,18 @@ from functools import cache
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.identify.checks.channels import (
     NO_RELATION,
+    ROWS_OF_NOISE,
     enough,
     unrelated,
     wrong_channels,
     wrong_unit,
 )
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
+from jaxswarm.identify.checks.dead_torque import dead_torque
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough
-from jaxswarm.identify.checks.samples import fine_samples, samples_of
+from jaxswarm.identify.checks.samples import Samples, fine_samples, samples_of
 from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
@@ -88,15 +90,20 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
         return []
     samples = samples_of(motions)
     if not enough(robot, samples):
-        return dead_encoders(robot, samples)
+        return dead_encoders(robot, samples) or _unrelated_by_few(robot, samples)
     rough = Rough(robot, samples)
     fine = cache(lambda: Rough(robot, fine_samples(motions)))
-    channels = wrong_channels(robot, rough, fine)
+    dead = dead_torque(robot, rough)
+    contradicted = dead is not None and dead.refused
+    channels = wrong_channels(robot, rough, fine, every_joint=contradicted)
+    if contradicted and channels is None:
+        return [dead]
     # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
     unit = None if channels else wrong_unit(robot, samples)
     told_only = channels is not None and not channels.refused  # what is left goes on with it
     relation = None if told_only else unrelated(rough)
-    found = [one for one in (channels, unit, relation) if one is not None]
+    told = dead if relation is None and (channels is None or told_only) else None
+    found = [one for one in (channels, unit, relation, told) if one is not None]
     # A unit that may be another one says nothing of the clocks; where more is wrong, nothing is known of them.
     if channels is None and relation is None and (unit is None or not unit.refused):
         interval = max(m.interval for m in motions)
@@ -107,8 +114,13 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
 
 def without_relation(robot: Robot, motions: Sequence[Motion]) -> list[str]:
     """A sentence if torques and motions of all logs have nothing to do with each other."""
-    samples = samples_of(motions)
-    if not enough(robot, samples):
+    found = _unrelated_by_few(robot, samples_of(motions))
+    return [f"{one.what}; {one.remedy[0].lower()}{one.remedy[1:]}" for one in found]
+
+
+def _unrelated_by_few(robot: Robot, samples: Samples) -> list[Finding]:
+    """What is told of torques and motions without relation, on fewer rows than other checks need."""
+    if not enough(robot, samples, ROWS_OF_NOISE):
         return []
     found = unrelated(Rough(robot, samples))
-    return [] if found is None else [f"{found.what}; {found.remedy[0].lower()}{found.remedy[1:]}"]
+    return [] if found is None else [found]
