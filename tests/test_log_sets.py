@@ -7,8 +7,8 @@ import pytest
 from slide import EFFECTS, assert_refused, identify, run, slide_log
 
 
-def rows(length=3000):
-    return [[float(cell) for cell in line.split(",")] for line in slide_log(length)[1:]]
+def rows(length=3000, seed=0):
+    return [[float(cell) for cell in line.split(",")] for line in slide_log(length, seed)[1:]]
 
 
 def write(path, table, header="t,q_slide,tau_slide"):
@@ -27,7 +27,10 @@ def folder(tmp_path_factory):
 
 
 def paused(length=3000, seconds=10.0):
-    return [[t + seconds * (k >= length // 2), *rest] for k, (t, *rest) in enumerate(rows(length))]
+    """Of another recording than that of the folder."""
+    return [
+        [t + seconds * (k >= length // 2), *rest] for k, (t, *rest) in enumerate(rows(length, 1))
+    ]
 
 
 def test_the_same_log_twice_is_refused(folder, tmp_path):

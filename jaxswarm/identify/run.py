@@ -23,6 +23,7 @@ from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.report import order_pictures, report_of
 from jaxswarm.logs import Log, read_log, summarize
 from jaxswarm.logs.motion import Filtering, Motion, with_skew_of
+from jaxswarm.logs.repeated import refuse_repeated_stretches
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 
@@ -54,6 +55,7 @@ def read_motions(
     logs, motions = [], []
     for path in paths:
         log = read_log(path, robot.joints, gains)
+        refuse_repeated_stretches(log, logs)
         log, parts = checked(log, robot, filtering, accept)
         filtering = parts[0].filtering
         logs.append(log)

@@ -27,6 +27,7 @@ from jaxswarm.identify.run import (
 )
 from jaxswarm.logs import Log
 from jaxswarm.logs.motion import Filtering, Motion, with_skew_of
+from jaxswarm.logs.repeated import refuse_repeated_stretches
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result
 from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double, refuse_shared
@@ -81,7 +82,8 @@ def prepared(
         raise InputError("no logs: pass at least one")
     refuse_missing_channels(terms, read)
     noted, motions = [], []
-    for log in read:
+    for number, log in enumerate(read):
+        refuse_repeated_stretches(log, read[:number])
         log, parts = checked(log, robot, filtering, accept)
         filtering = parts[0].filtering
         noted.append(log)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model, load_model
 from jaxswarm.logs import Log, LogChoice, read_log
+from jaxswarm.logs.repeated import refuse_repeated_stretches
 from jaxswarm.robot import Robot, RobotChoice, load_robot
 from jaxswarm.room import room_for_programs
 
@@ -79,8 +80,9 @@ def refuse_shared(fitted: Sequence[Log], scored: Sequence[Log]) -> None:
     Raises:
         InputError: Naming the log that stands on both sides.
     """
-    for one in fitted:
-        for other in scored:
+    for other in scored:
+        refuse_repeated_stretches(other, fitted)
+        for one in fitted:
             if np.array_equal(one.t, other.t) and np.array_equal(one.q, other.q):
                 raise InputError(
                     f"{other.source}: holds the motion that is fitted; it proves nothing, validate on another"

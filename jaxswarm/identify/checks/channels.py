@@ -68,8 +68,8 @@ _UNIT = "Log torques in N m and forces in N, or name the unit"
 _FEW_UNRELATED, _FEW = 0.8, 2
 # Travel [rad or m] below which a position is one number but for the rounding of its smoothing.
 STANDS = 1e-9
-# Rows per parameter that a fit has to have before it tells anything; and before it tells that nothing at all is
-# explained: noise has no band, which leaves few rows of it, and a clean log leaves a third at most of any length.
+# Rows per parameter that a fit has to have before it tells anything; and before it tells that nothing at all
+# is explained: noise has no band, which leaves few rows of it, and no clean log leaves more than a third.
 _ROWS_PER_PARAMETER, ROWS_OF_NOISE = 3.0, 2.0
 
 

@@ -1,4 +1,4 @@
-"""A torque that measures nothing but its own noise: no motion explains it, and the other joints contradict it."""
+"""A torque that measures nothing but its noise: no motion explains it, and the other joints contradict it."""
 
 import numpy as np
 
@@ -8,10 +8,10 @@ from jaxswarm.identify.checks.sound import UNRELATED
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
-# A joint is contradicted where the others, fitted without it, lower the sum of the logarithms of what is left of
-# them by this much, times the log's strictness: on 24 logs that are clean or lack a law no joint did by more than
-# 0.6, and none had more than 0.4 of its torque left; of 120 others none is complained of. Noise in the place of
-# a torque that holds links gains 0.8 to 20; a last joint that weighs little contradicts nobody.
+# A joint is contradicted where the others, fitted without it, lower the sum of the logarithms of what is left
+# of them by this much, times the log's strictness: on 24 logs that are clean or lack a law no joint did by more
+# than 0.6, and none had more than 0.4 of its torque left; of 120 others none is complained of. Noise in place
+# of a torque that holds links gains 0.8 to 20; a last joint that weighs little contradicts nobody.
 _CONTRADICTED = 0.8
 # Share left from which on nothing of a torque follows the motion, to be told where nobody contradicts it.
 _NOTHING = 0.95
@@ -22,8 +22,8 @@ _OUT = 1e9
 def dead_torque(robot: Robot, rough: Rough) -> Finding | None:
     """The joint whose torque no motion explains; refused where it spoils the fit of the others.
 
-    A channel that is not connected shows a little noise, which a fit weighted by what it leaves takes for the best
-    sensor of all: every joint is then fitted to nothing.
+    A channel that is not connected shows a little noise, which a fit weighted by what it leaves takes for the
+    best sensor of all: every joint is then fitted to nothing.
 
     Args:
         robot: For the names.
