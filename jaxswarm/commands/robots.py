@@ -108,6 +108,8 @@ def register(app: typer.Typer) -> None:
         result = summary(choice)
         result["notes"] = with_effects(result["notes"])
         if out is not None:
+            if out.suffix.lower() != ".png":
+                raise InputError(f"--out {out}: name a file that ends in .png, such as arm.png")
             outputs.check_file(out)
             with work(out, (Path(choice),)):
                 outputs.write_told(out.parent, {out.name: lambda part: draw(choice, part)})

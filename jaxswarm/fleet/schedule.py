@@ -52,7 +52,7 @@ def connected(cluster: Cluster) -> Iterator[Any]:
     """A client of the cluster; a cluster of this machine ends with it.
 
     Raises:
-        InputError: If the scheduler does not answer.
+        InputError: If the scheduler does not answer, or no worker can be started.
     """
     from distributed import Client, LocalCluster
 
@@ -63,13 +63,19 @@ def connected(cluster: Cluster) -> Iterator[Any]:
         count = cluster.workers or _cores()
         if cluster.processes and cluster.workers:
             refuse_beyond_free(_WORKER * count, f"{count} workers take", "ask for fewer --workers")
-        own = LocalCluster(
-            n_workers=0 if cluster.adaptive else count,
-            threads_per_worker=1,
-            processes=cluster.processes,
-            dashboard_address=":0",  # whichever port is free
-            silence_logs=logging.CRITICAL,
-        )
+        try:
+            own = LocalCluster(
+                n_workers=0 if cluster.adaptive else count,
+                threads_per_worker=1,
+                processes=cluster.processes,
+                dashboard_address=":0",  # whichever port is free
+                silence_logs=logging.CRITICAL,
+            )
+        except (OSError, RuntimeError) as error:
+            raise InputError(
+                f"--workers {count}: they cannot be started ({type(error).__name__}: {error}). Ask for fewer; "
+                'in a script, call it below if __name__ == "__main__": each worker reads the script again'
+            ) from None
         if cluster.adaptive:
             own.adapt(minimum=1, maximum=count)
     try:

@@ -43,6 +43,11 @@ def _read(path: Path, handle: BinaryIO) -> Table:
             f"{path}: holds a single array. Write a log with numpy.savez(path, t=t, q=q, ...)."
         )
     handle.seek(0)
+    if not zipfile.is_zipfile(handle):  # numpy would take it for a pickle, and advise to load that
+        raise InputError(
+            f"{path}: is no NPZ archive, or one cut short. Write the file again, or check its ending."
+        )
+    handle.seek(0)
     archive = np.load(handle, allow_pickle=False)
     columns, rejected, joints = {}, {}, None
     with archive:

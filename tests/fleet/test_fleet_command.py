@@ -47,6 +47,16 @@ def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
     assert_refused(result, "tcp://localhost:9")
 
 
+def test_workers_that_cannot_be_started_are_told(tmp_path, monkeypatch):
+    def fails(**options):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr("distributed.LocalCluster", fails)
+    (tmp_path / "a_2026-01-05.csv").write_text("t,q1\n0,0\n")
+    result = fleet(tmp_path / "out", "--workers", 3, logs=f"{tmp_path}/*.csv")
+    assert_refused(result, "--workers 3", "Nanny failed to start", "__main__")
+
+
 @pytest.mark.parametrize("options", [("--against", "fleet"), ("--workers", 2), ("--adaptive",)])
 def test_options_of_a_fleet_need_one(tmp_path, options):
     result = run("diagnose", "a.csv", "--robot", "emps", "--out", tmp_path / "out", *options)

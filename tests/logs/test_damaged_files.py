@@ -8,7 +8,7 @@ from hypothesis.extra import numpy as hnp
 from log_samples import JOINTS, arrays_of, make_log, read, table_of, write_table
 
 from jaxswarm.errors import InputError
-from jaxswarm.logs import Log
+from jaxswarm.logs import Log, read_log
 
 RELAXED = settings(
     max_examples=60,
@@ -164,3 +164,14 @@ def test_any_numbers(tmp_path, q, tau, periods, dq):
 def test_any_finite_numbers_on_an_increasing_clock_are_a_log(tmp_path, q, tau, periods):
     arrays = {"t": np.cumsum(periods), "q": q, "tau": tau, "dq": tau}
     assert refused_or_read(write_table(tmp_path / "log.npz", arrays)) == ""
+
+
+@pytest.mark.parametrize(
+    "content", [b"\x89PNG\r\n\x1a\n" + bytes(100), b"t,q,tau\n0,0,0\n", b"", b"PK\x03\x04"]
+)
+def test_what_is_no_archive_is_not_called_a_pickle(tmp_path, content):
+    path = tmp_path / "log.npz"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="is no NPZ archive") as told:
+        read_log(path)
+    assert "pickle" not in str(told.value)

@@ -90,6 +90,13 @@ def test_a_name_cannot_start_a_formula_in_the_picture(run, tmp_path):
     assert "$x_{$ [/b]" in out
 
 
+def test_a_picture_does_not_replace_a_log(run, tmp_path):
+    log = tmp_path / "log.npz"
+    log.write_bytes(b"a log")
+    code, _, err = run("robots", "show", "rx60", "--out", log)
+    assert code == 2 and "ends in .png" in err and log.read_bytes() == b"a log"
+
+
 @pytest.mark.parametrize(
     ("options", "word"),
     [
