@@ -22,6 +22,7 @@ ALLOWED = {
     "console": {"outputs"},
     "catalog": set(),
     "memory": set(),
+    "documents": set(),
     "waiting": set(),
     "work": {"claim", "console", "terminal"},
     "plots": set(),
@@ -34,9 +35,9 @@ ALLOWED = {
     "robot": set(),
     "effects": {"robot", "programs"},
     "simulate": {"robot", "effects"},
-    "logs": set(),
+    "logs": {"documents"},
     "identify": {
-        *(*PHYSICS, "swarm", "memory", "waiting"),
+        *(*PHYSICS, "swarm", "memory", "waiting", "documents"),
         *("outputs", "plots", "programs", "drawing", "tables"),
     },
     "diagnose": {
@@ -47,7 +48,7 @@ ALLOWED = {
     "tables": set(),
     "tasks": {
         *(*PHYSICS, "swarm", "identify", "diagnose"),
-        *("memory", "outputs", "plots", "tables", "room"),
+        *("memory", "outputs", "plots", "tables", "room", "documents"),
     },
     "fleet": {
         *(*PHYSICS, "identify", "diagnose", "tasks"),

@@ -1,6 +1,7 @@
 """Logs as sets and with pauses, through the commands: no evidence twice, every stamp answered."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -153,3 +154,16 @@ def test_a_recording_that_is_a_folder_proves_nothing_about_itself(tmp_path):
     refuse_repeated([tmp_path / "one", tmp_path / "three"])
     with pytest.raises(InputError, match="two: holds the same as .*one"):
         refuse_repeated([tmp_path / "one", tmp_path / "two"])
+
+
+def test_a_large_log_of_its_own_size_is_not_read_to_be_compared(tmp_path, monkeypatch):
+    from jaxswarm.identify import run as module
+
+    def fails(*given):
+        raise AssertionError("hashed")
+
+    for name, size in (("one", 20 * 2**30), ("two", 20 * 2**30 + 1)):
+        (tmp_path / name).touch()
+        os.truncate(tmp_path / name, size)  # without a byte on disk
+    monkeypatch.setattr(module.hashlib, "file_digest", fails)
+    module.refuse_repeated([tmp_path / "one", tmp_path / "two"])

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -52,7 +53,8 @@ def read_motions(
     """
     refuse_repeated(paths)
     gains = np.asarray(robot.drive_gain if drive_gain is None else drive_gain)
-    logs, motions = [], []
+    logs: list[Log] = []
+    motions: list[list[Motion]] = []
     for path in paths:
         log = read_log(path, robot.joints, gains)
         refuse_repeated_stretches(log, logs)
@@ -79,16 +81,22 @@ def refuse_repeated(paths: list[Path]) -> None:
     Raises:
         InputError: Naming both files.
     """
-    seen: dict[str, Path] = {}
+    named = []
     for path in paths:
         if not os.path.exists(path):  # nor a name that no file system takes
             continue
         inside = sorted(Path(path).rglob("*")) if os.path.isdir(path) else [Path(path)]
+        parts = [part for part in inside if part.is_file()]
+        named.append((path, parts, sum(part.stat().st_size for part in parts)))
+    sizes = Counter(size for _, _, size in named)
+    seen: dict[str, Path] = {}
+    for path, parts, size in named:
+        if sizes[size] == 1:  # no other can be the same, and a hash of gigabytes takes a minute
+            continue
         content = hashlib.sha256()
-        for part in inside:
-            if part.is_file():
-                with open(part, "rb") as file:
-                    content.update(hashlib.file_digest(file, "sha256").digest())
+        for part in parts:
+            with open(part, "rb") as file:
+                content.update(hashlib.file_digest(file, "sha256").digest())
         digest = content.hexdigest()
         if digest in seen:
             raise InputError(

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from jaxswarm.documents import read_document
 from jaxswarm.errors import InputError, nearest
 
 SIDES = ("motor", "link")
@@ -121,9 +122,11 @@ def _document(text: str) -> dict[str, Any]:
     if not text.lower().endswith(".toml"):
         return {"columns": _listed(text)}
     try:
-        document = tomllib.loads(Path(text).read_text(encoding="utf-8"))
+        document = tomllib.loads(read_document(text))
     except OSError as error:
         raise InputError(f"--columns {text}: cannot be read ({error.strerror})") from None
+    except InputError as error:
+        raise InputError(f"--columns {error}") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"--columns {text}: not valid TOML ({error})") from None
     for key in document:

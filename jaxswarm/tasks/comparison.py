@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jaxswarm.documents import read_document
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.model import Model, load_model
 from jaxswarm.identify.physical.physical_model import random_columns
@@ -88,9 +89,11 @@ def _read(item: Any, which: str) -> tuple[str, Any]:
         if path.is_dir():
             raise InputError(f"{path}: this folder holds none of {', '.join(_WRITTEN)}")
         try:
-            item = json.loads(path.read_text(encoding="utf-8"))
+            item = json.loads(read_document(path))
         except FileNotFoundError:
             raise InputError(f"{path}: no such file; pass a .json that a command wrote") from None
+        except InputError:
+            raise
         except (OSError, ValueError, RecursionError) as error:
             raise InputError(f"{path}: cannot be read as JSON ({error})") from None
         if isinstance(item, dict) and "format" in item and "terms" in item:

@@ -173,5 +173,5 @@ def test_what_is_no_archive_is_not_called_a_pickle(tmp_path, content):
     path = tmp_path / "log.npz"
     path.write_bytes(content)
     with pytest.raises(InputError, match="is no NPZ archive") as told:
-        read_log(path)
+        read_log(path, JOINTS)
     assert "pickle" not in str(told.value)

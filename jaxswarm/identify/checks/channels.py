@@ -132,19 +132,24 @@ def wrong_channels(
     guess, found = min(
         alike, key=lambda one: (len(one[0].joints), one[0].motion is not None, one[1].power)
     )
-    mirrored = {g.check for g, _ in alike if g.joints == guess.joints} >= _SIGNS
+    return _told(robot, _with_rivals(robot, guess, [g for g, _ in alike]), found, logged)
+
+
+def _with_rivals(robot: Robot, guess: Guess, alike: list[Guess]) -> Guess:
+    """The guess, naming what explains the log as well."""
+    mirrored = {g.check for g in alike if g.joints == guess.joints} >= _SIGNS
     if mirrored:  # as at a vertical base
         guess = replace(
             guess, what=guess.what.replace("the torque of", "the torque or the position of")
         )
     rivals = [
         robot.joints[g.joints[0]]
-        for g, _ in alike
+        for g in alike
         if g.check == guess.check and len(g.joints) == 1 and g.joints != guess.joints
     ]
     if rivals:  # as of parallel axes
         guess = replace(guess, what=f"{guess.what} (or that of {' or '.join(rivals)})")
-    return _told(robot, guess, found, logged)
+    return guess
 
 
 def _with_its_own_weights(

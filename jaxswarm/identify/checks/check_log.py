@@ -96,7 +96,7 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     dead = dead_torque(robot, rough)
     contradicted = dead is not None and dead.refused
     channels = wrong_channels(robot, rough, fine, every_joint=contradicted)
-    if contradicted and channels is None:
+    if dead is not None and contradicted and channels is None:
         return [dead]
     # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
     unit = None if channels else wrong_unit(robot, samples)

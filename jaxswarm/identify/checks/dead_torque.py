@@ -30,10 +30,10 @@ def dead_torque(robot: Robot, rough: Rough) -> Finding | None:
         rough: Model of the log as it is.
     """
     logged, sigma = rough.as_logged()
-    suspects = np.flatnonzero(logged.left >= UNRELATED)
-    if len(suspects) == 0 or len(sigma) == 1:
+    silent = np.flatnonzero(logged.left >= UNRELATED)
+    if len(silent) == 0 or len(sigma) == 1:
         return None
-    without = {int(j): _without(rough, int(j), sigma) for j in suspects}
+    without = {int(j): _without(rough, int(j), sigma) for j in silent}
     gains = {
         j: float(np.log(np.delete(logged.left, j) / left).sum()) for j, left in without.items()
     }
@@ -46,7 +46,7 @@ def dead_torque(robot: Robot, rough: Rough) -> Finding | None:
         )
         remedy = f"Log it again, or hold what nobody moves still: --lock {name}"
         return Finding(NO_RELATION, what, remedy)
-    alone = [robot.joints[j] for j in suspects if logged.left[j] >= _NOTHING]
+    alone = [robot.joints[j] for j in silent if logged.left[j] >= _NOTHING]
     if not alone:
         return None
     what = f"nothing of the torque of {' and '.join(alone)} follows the motion: it is noise, or another joint's"

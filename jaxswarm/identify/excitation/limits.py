@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from jaxswarm.documents import read_document
 from jaxswarm.errors import InputError, nearest
 
 _JOINT = ("position", "velocity", "acceleration")
@@ -73,11 +74,13 @@ def read_limits(path: str | Path, joints: tuple[str, ...]) -> Limits:
     """
     path = Path(path)
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        document = tomllib.loads(read_document(path))
     except FileNotFoundError:
         raise InputError(f"limits file {path} does not exist: correct the path.") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as text ({error}).") from None
+    except InputError:
+        raise
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not valid TOML ({error}): correct the file.") from None
     try:

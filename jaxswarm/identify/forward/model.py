@@ -8,6 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.documents import read_document
 from jaxswarm.effects import formula
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
@@ -148,9 +149,11 @@ def load_model(path: Path) -> Model:
     """
     path = Path(path)
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(read_document(path))
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; identify writes it as DIR/model.json") from None
+    except InputError:
+        raise
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: cannot be read as JSON ({error}); pass a model.json") from None
     if not isinstance(content, dict) or "format" not in content:
