@@ -97,10 +97,11 @@ def write_results(folder: Path, files: Mapping[str, Content]) -> list[Path]:
         n for n in files if (folder / n).exists() and not as_written(folder / n, ours.get(n))
     ]
     done = write_files(folder, files)
-    _tell_overwritten(folder, replaced, ", not made by an earlier run")
-    for name, digest in ours.items():
-        if name not in files and as_written(folder / name, digest):
-            (folder / name).unlink(missing_ok=True)
+    _tell(folder, "overwritten, not made by an earlier run", replaced)
+    gone = [n for n, d in ours.items() if n not in files and as_written(folder / n, d)]
+    for name in gone:
+        (folder / name).unlink(missing_ok=True)
+    _tell(folder, "removed, made by an earlier run", gone)
     kept = [known for known in sets if known not in stale]
     written = {path.name: digest_of(path) for path in done}
     write_files(folder, {MANIFEST: to_json({"sets": [*kept, written]})})
@@ -111,15 +112,15 @@ def write_told(folder: Path, files: Mapping[str, Content]) -> list[Path]:
     """Write files of their own, see :func:`write_files`; what they take the place of is told."""
     before = {n: digest_of(folder / n) for n in files if (folder / n).is_file()}
     done = write_files(folder, dict(files))
-    _tell_overwritten(folder, [n for n, d in before.items() if not as_written(folder / n, d)])
+    _tell(folder, "overwritten", [n for n, d in before.items() if not as_written(folder / n, d)])
     return done
 
 
-def _tell_overwritten(folder: Path, names: Sequence[str], more: str = "") -> None:
+def _tell(folder: Path, what: str, names: Sequence[str]) -> None:
     """Told afterwards: whatever is told before could still fail."""
     if names:
         told = ", ".join(printable(name) for name in names)
-        warnings.warn(f"{folder}: overwritten{more}: {told}", Notice, 3)
+        warnings.warn(f"{folder}: {what}: {told}", Notice, 3)
 
 
 def write_files(folder: Path, files: dict[str, Content]) -> list[Path]:

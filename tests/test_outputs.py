@@ -46,7 +46,8 @@ def test_the_files_of_an_earlier_run_are_replaced_as_a_set(tmp_path):
     write_results(tmp_path, {"trajectory.csv": "t"})
     (tmp_path / "effect_9.png").write_bytes(b"the user's own")
     (tmp_path / "effect_2.png").write_bytes(b"edited by the user")
-    write_results(tmp_path, {"model.json": "2"})
+    with pytest.warns(Notice, match=r"removed, made by an earlier run: effect_1\.png$"):
+        write_results(tmp_path, {"model.json": "2"})
     assert names(tmp_path) == ["effect_2.png", "effect_9.png", "model.json", "trajectory.csv"]
     assert (tmp_path / "model.json").read_text() == "2"
 
