@@ -171,5 +171,12 @@ SPOILINGS: dict[str, Spoiling] = {
         lambda log, j, rng: replace(log, q=np.degrees(log.q), dq=None), ("encoder_scale",)),
     "clock jump of 100 s": Spoiling(_jump, ("gap",)),
     "torque dead": Spoiling(_torque(lambda x: np.full_like(x, x[0])), ("dead",)),
+    "torque of noise": Spoiling(
+        lambda log, j, rng: replace(
+            log,
+            tau=column(log.tau, j, lambda x: 1e-3 * x.std() * rng.normal(size=len(x))),
+        ),
+        ("no_relation",),
+    ),
     "torque clipped": Spoiling(_torque(_clipped), ("saturation",)),
 }  # fmt: skip
