@@ -39,6 +39,9 @@ _MUCH = 0.7
 # pattern of signs of 140 logs, clean ones, ones that lack a law and measured ones, lowered it by more than
 # 0.05 times the log's strictness, while a last joint of light friction may gain no more than 0.4.
 _SIGN = 0.3
+# The right sign leaves no more of its own joint: a torque by the sum of two positions, which acted on both,
+# gained 1.1 in all by a wrong one, of whose joint 0.97 was left instead of 0.73.
+_OWN_SIGN = 0.1
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
 # 0.04 at most, on joints without friction.
 _SAME, _DRIVES = 0.3, 0.08
@@ -170,6 +173,9 @@ def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     """Whether a guess leaves clearly less; scales have to, so many times (``much``) more."""
     joints = list(guess.joints)
     change = found.power - logged.power
+    worse = np.log(found.left[joints] / np.maximum(logged.left[joints], 1e-9)).sum()
+    if guess.check in _SIGNS and worse > _OWN_SIGN:
+        return False
     own = logged.braking[joints]
     drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
     needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH

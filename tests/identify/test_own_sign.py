@@ -1,0 +1,20 @@
+"""The right sign of a channel explains its own joint at least as well as the wrong one."""
+
+import numpy as np
+import pytest
+
+from jaxswarm.identify.checks.channels import _believed
+from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.rough import Tried
+
+LEFT = np.array([0.005, 0.034, 0.108, 0.731])
+BRAKING = np.array([0.07, 0.2, 0.2, 0.0])
+
+
+@pytest.mark.parametrize(("own", "believed"), [(0.97, False), (0.73, True), (0.2, True)])
+@pytest.mark.parametrize("check", ["torque_sign", "position_sign"])
+def test_a_sign_that_leaves_more_of_its_joint_is_not_believed(check, own, believed):
+    """What an unknown law on two joints left as logged, and with the wrong sign of one (0.97)."""
+    guess = Guess(check, "", (3,), mixture=np.diag([1.0, 1.0, 1.0, -1.0]))
+    found = Tried(np.array([0.005, 0.008, 0.108, own]), BRAKING)
+    assert _believed(guess, found, Tried(LEFT, BRAKING), 1.0) == believed
