@@ -10,8 +10,10 @@ from slide import run
 from benchmarks.trust.arms import clean_arm
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import checked
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.samples import samples_of
 from jaxswarm.logs import Log, read_log
-from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.robot.load import load_robot
 
 
@@ -63,3 +65,15 @@ def test_positions_of_noise_leave_few_rows_and_are_not_judged(clean, tmp_path):
     assert code == 0, err
     result = json.loads((out / "diagnosis.json").read_text())
     assert result["verdict"] == "cannot be judged" and "no_relation" in err
+
+
+def test_a_torque_that_follows_its_own_motion_is_no_noise():
+    """Noise is left whole by its joint's own columns, a law that nobody knows is not."""
+    arm = clean_arm(0)
+    last = arm.robot.num_joints - 1
+    shown = [arm.log, with_noise(arm.log, last, 1.0)]
+    tau = arm.log.tau.copy()
+    tau[:, last] = np.sin(3.0 * arm.log.q[:, last]) + 0.5 * np.sin(arm.log.q).sum(axis=1)
+    shown.append(replace(arm.log, tau=tau))
+    clean, noise, law = (Rough(arm.robot, samples_of([prepare(log)])).alone(last) for log in shown)
+    assert clean < 0.2 and law < 0.7 and 0.75 < noise < 1.1

@@ -191,16 +191,29 @@ class Rough:
 
     def likely_order(self) -> tuple[int, ...]:
         """For each joint the torque that its own columns explain best, every torque once."""
-        parameters = self._size + self._own * len(self._factors)
-        joints, left = len(self._factors), []
-        for factor in self._factors:
-            matrix, torques = factor[:, :parameters], factor[:, parameters : parameters + joints]
-            scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-            u, values, _ = np.linalg.svd(matrix / scale, full_matrices=False)
-            u = u[:, values > _DEPENDENT * values[0]]
+        left = []
+        for joint in range(len(self._factors)):
+            u, torques = self._own_basis(joint)
             rest = np.linalg.norm(torques - u @ (u.T @ torques), axis=0)
             left.append(np.log(np.maximum(rest / self.spread, 1e-12)))
         return tuple(map(int, scipy.optimize.linear_sum_assignment(np.array(left))[1]))
+
+    def alone(self, joint: int) -> float:
+        """Share of its spread that a joint's own columns alone leave of its torque, freed of chance."""
+        u, torques = self._own_basis(joint)
+        own = torques[:, joint]
+        freedom = max(self._rows - u.shape[1], 1.0)
+        rest = np.linalg.norm(own - u @ (u.T @ own)) / np.sqrt(freedom)
+        return float(rest / self.spread[joint])
+
+    def _own_basis(self, joint: int) -> tuple[np.ndarray, np.ndarray]:
+        """Orthonormal basis of a joint's own columns, and all torques on the same rows."""
+        parameters = self._size + self._own * len(self._factors)
+        factor = self._factors[joint]
+        matrix, torques = factor[:, :parameters], factor[:, parameters:][:, : len(self._factors)]
+        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        u, values, _ = np.linalg.svd(matrix / scale, full_matrices=False)
+        return u[:, values > _DEPENDENT * values[0]], torques
 
     def as_logged(self) -> tuple[Tried, np.ndarray]:
         """The fit to the torques as logged, and the weights it settled on."""
