@@ -79,18 +79,19 @@ def test_no_command_writes_over_what_it_reads(identified, tmp_path, monkeypatch,
         ("predict", "m.json", "log.csv", "--out", "own.csv"),
         ("simulate", "m.json", "--reference", "log.csv", "--out", "own.csv"),
         ("export", "m.json", "--format", "yaml", "--out", "own.csv"),
-        ("robots", "show", "arm.urdf", "--out", "own.csv"),
+        ("robots", "show", "arm.urdf", "--out", "own.png"),
     ],
 )
 def test_what_is_overwritten_is_told_once(identified, tmp_path, monkeypatch, words):
     (tmp_path / "m.json").write_bytes((identified / "out" / "model.json").read_bytes())
     (tmp_path / "log.csv").write_bytes((identified / "log.csv").read_bytes())
     (tmp_path / "arm.urdf").write_text(URDF)
-    (tmp_path / "own.csv").write_text("hours of work")
+    out = words[-1]
+    (tmp_path / out).write_text("hours of work")
     monkeypatch.chdir(tmp_path)
     found = [run(*words) for _ in range(2)]
     assert [code for code, _, _ in found] == [0, 0], found
-    assert [err.count("overwritten: own.csv") for _, _, err in found] == [1, 0]
+    assert [err.count(f"overwritten: {out}") for _, _, err in found] == [1, 0]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in this file system")

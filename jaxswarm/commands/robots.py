@@ -108,10 +108,10 @@ def register(app: typer.Typer) -> None:
         result = summary(choice)
         result["notes"] = with_effects(result["notes"])
         if out is not None:
-            if out.suffix.lower() != ".png":
-                raise InputError(f"--out {out}: name a file that ends in .png, such as arm.png")
             outputs.check_file(out)
             with work(out, (Path(choice),)):
+                if out.suffix.lower() != ".png":
+                    raise InputError(f"--out {out}: name a file that ends in .png, such as arm.png")
                 outputs.write_told(out.parent, {out.name: lambda part: draw(choice, part)})
         show_result(_shown(result), json)
 
