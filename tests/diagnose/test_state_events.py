@@ -15,7 +15,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.diagnose.selection.take_back import take_back_events
+from jaxswarm.diagnose.selection.take_back import take_back_events, take_back_stand_ins
 from jaxswarm.effects.base import REGISTRY, get_law
 from jaxswarm.effects.direction import follows_direction
 from jaxswarm.effects.kinds import TorqueLaw
@@ -28,16 +28,20 @@ LONG = 30.0
 
 def told_as_contacts(extra, count: int) -> Search:
     """As if contacts had been added to a log with a further torque of joint 2, ``extra(log)`` [N m]."""
+    return told_as([Term("contact")] * count, lambda log: np.stack([0.0 * log.t, extra(log)], 1))
+
+
+def told_as(terms, extra) -> Search:
+    """As if terms had been added, one after the other, to a log with a further torque (T, 2) [N m]."""
     log = log_with(duration=LONG)
-    tau = log.tau.copy()
-    tau[:, 1] += extra(log)
+    tau = log.tau + extra(log)
     motion = prepare(replace(log, tau=tau), BAND)
     declared = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
     search = Search(declared, declared, Rules(), 0, Memory(), (), lambda text: None, Budget())
     search.crossfit = cross_fit(declared)
-    for _ in range(count):
+    for term in terms:
         before = search.current
-        (score,) = score_terms(Linearization(before, search.folds), [Term("contact")], 0)
+        (score,) = score_terms(Linearization(before, search.folds), [term], 0)
         after = with_motion_noise(refit_with(before, score))
         added = find_term(after, score.candidate.term)
         search.steps = [*search.steps, Step(added, score, (), (), before, after, ())]
@@ -85,3 +89,16 @@ def test_laws_that_look_at_the_direction_are_told_from_those_of_the_position_alo
     assert {"joint_spring", "cubic_spring", "dead_zone_spring", "torque_ripple"} <= still
     assert follows_direction(get_law("position_dependent_friction"))
     assert not any(x.dissipative or x.rate is not None for x in asked if x.name in still)
+
+
+def test_what_a_law_hid_is_asked_again_once_that_is_taken_back():
+    """A spring of another form on joint 2, and contacts that are a cushion of joint 1."""
+
+    def extra(log):
+        cushion_of = 9.0 * np.exp((log.q[:, 0] - 0.3) / 0.15)
+        return np.stack([cushion_of, np.exp(log.q[:, 1] / 0.4)], 1)
+
+    search = told_as([Term("joint_spring", 1), Term("contact")], extra)
+    assert [s.score.joint for s in search.steps] == [1, 0]
+    take_back_stand_ins(search)
+    assert not search.steps
