@@ -16,11 +16,12 @@ import jax.numpy as jnp
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
+from jaxswarm.robot.trig import polynomial_sincos
 
 
 def _lever(p, s):
-    x = s.q - p["q0"]
-    return p["a"] * jnp.sin(2.0 * x) / jnp.sqrt(1.0 + p["b"] * jnp.cos(x))
+    sine, cosine = polynomial_sincos(s.q - p["q0"])
+    return p["a"] * (2.0 * sine * cosine) / jnp.sqrt(1.0 + p["b"] * cosine)
 
 
 register(

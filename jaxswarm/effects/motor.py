@@ -10,6 +10,13 @@ import jax.numpy as jnp
 from jaxswarm.effects.base import Export, register
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import ORDER, PHASE, Parameter
+from jaxswarm.robot.trig import polynomial_sincos
+
+
+def _rippling(p, s):
+    sine, cosine = polynomial_sincos(p["n"] * s.q)
+    return p["sine"] * sine + p["cosine"] * cosine
+
 
 register(
     TorqueLaw(
@@ -93,7 +100,7 @@ register(
         several=True,
         identity=("n",),
         way=lambda p: f"order {p['n']:.3g}",
-        torque=lambda p, s: p["sine"] * jnp.sin(p["n"] * s.q) + p["cosine"] * jnp.cos(p["n"] * s.q),
+        torque=_rippling,
         shown_against="position",
         # The order has a narrow valley: points lie 0.4 of an order apart.
         grid_size=480,

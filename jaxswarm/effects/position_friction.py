@@ -15,11 +15,12 @@ import jax.numpy as jnp
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import ORDER, PHASE, Parameter
+from jaxswarm.robot.trig import polynomial_sincos
 
 
 def _varying(p, s):
-    angle = p["n"] * s.q
-    return (p["sine"] * jnp.sin(angle) + p["cosine"] * jnp.cos(angle)) * s.direction
+    sine, cosine = polynomial_sincos(p["n"] * s.q)
+    return (p["sine"] * sine + p["cosine"] * cosine) * s.direction
 
 
 register(

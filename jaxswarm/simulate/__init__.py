@@ -1,5 +1,6 @@
 """Motion from torque: a robot with its effects and its controller, integrated in time."""
 
+from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate.acceleration import Drive, State, accelerations, rest
 from jaxswarm.simulate.controllers import PD, Cascade, ComputedTorque, Controller, Reference
 from jaxswarm.simulate.loops import Loop, closed_loop, open_loop
@@ -7,7 +8,6 @@ from jaxswarm.simulate.measure import measured_torque
 from jaxswarm.simulate.plant import Acting, Plant, make_plant
 from jaxswarm.simulate.rollout import Trajectory, simulate, track
 from jaxswarm.simulate.stability import check_step, fastest_mode, stable_substeps
-from jaxswarm.simulate.trig import polynomial_sincos
 
 __all__ = [
     "PD",

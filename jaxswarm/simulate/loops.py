@@ -12,11 +12,11 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
 from jaxswarm.robot.kinematics import SinCos
+from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate.acceleration import AMBIENT, Drive, State, motor_side
 from jaxswarm.simulate.controllers import Controller, Reference
 from jaxswarm.simulate.integrate import rk4_step
 from jaxswarm.simulate.plant import Plant
-from jaxswarm.simulate.trig import polynomial_sincos
 
 
 class Loop(NamedTuple):

@@ -18,13 +18,13 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.robot.kinematics import SinCos
+from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate.acceleration import Drive, State, accelerations
 from jaxswarm.simulate.controllers import Controller, Reference
 from jaxswarm.simulate.encoders import said_motion
 from jaxswarm.simulate.loops import Loop, closed_loop, open_loop, packed
 from jaxswarm.simulate.plant import Plant
 from jaxswarm.simulate.stability import check_step
-from jaxswarm.simulate.trig import polynomial_sincos
 
 
 class Trajectory(NamedTuple):

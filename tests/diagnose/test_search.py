@@ -1,6 +1,7 @@
 """The swarms' search of nonlinear parameters, on columns without noise."""
 
 import time
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +13,10 @@ from jaxswarm.diagnose.candidates import search
 from jaxswarm.diagnose.candidates.lattice import ordered, seen_of
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
-from jaxswarm.effects import get_law
+from jaxswarm.effects import REGISTRY, get_law
+from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.sample import Sample
+from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.columns import rigid_of, term_columns
 from jaxswarm.logs.filtering import Decimator, design_decimator
@@ -198,3 +202,14 @@ def test_what_is_no_place_is_looked_for_between_its_bounds():
     low, span = seen_of(get_law("stribeck_friction"), [np.array([-0.1, 0.3])], 2)
     np.testing.assert_array_equal(low, 0.0)
     np.testing.assert_array_equal(span, 1.0)
+
+
+def test_no_searched_law_asks_for_a_sine_of_the_library():
+    """XLA calls it for one sample after the other: half of the search of a ripple."""
+    laws = [law for law in REGISTRY.values() if isinstance(law, TorqueLaw) and law.searched]
+    assert "torque_ripple" in {law.name for law in laws}
+    series = Sample(*np.ones((len(Sample._fields), 8)))
+    for law in laws:
+        values = {p.name: np.float64(p.nominal) for p in law.nonlinear}
+        asked = jax.make_jaxpr(partial(law_columns, law))(values, series)
+        assert not {"sin", "cos"} & set(str(asked).replace("[", " ").split()), law.name

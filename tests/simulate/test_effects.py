@@ -13,6 +13,7 @@ from jaxswarm.effects.series import remembered
 from jaxswarm.errors import InputError
 from jaxswarm.robot import bias_forces, inverse_dynamics
 from jaxswarm.robot.placements import body_parameters
+from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate import (
     Acting,
     Drive,
@@ -25,7 +26,6 @@ from jaxswarm.simulate import (
     simulate,
     stable_substeps,
 )
-from jaxswarm.simulate.trig import polynomial_sincos
 
 
 def test_every_law_takes_its_share_of_the_torque():

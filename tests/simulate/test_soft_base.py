@@ -5,9 +5,9 @@ import numpy as np
 import pinocchio as pin
 from arms import two_joint_arm
 
+from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate import Acting, Drive, accelerations, make_plant, rest
 from jaxswarm.simulate.acceleration import BASE_INERTIA, SWAY_DAMPING, State
-from jaxswarm.simulate.trig import polynomial_sincos
 
 SOFT = {"cx": 2e-4, "cy": 1e-4}
 

@@ -20,7 +20,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.simulate.trig import polynomial_sincos
+from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.swarm import Space
 
 DT, DURATION = 0.005, 2.0  # s

@@ -1,4 +1,4 @@
-r"""Sine and cosine as polynomials, so that a scan over many lanes vectorizes on a CPU.
+r"""Sine and cosine as polynomials, so that what goes through many samples or lanes vectorizes on a CPU.
 
 XLA on a CPU calls the library's sine one element at a time. This pair is plain arithmetic: half the
 angle is reduced to :math:`h = x/2 - k \pi` with :math:`|h| \le \pi/2` and :math:`k` the nearest

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.simulate.trig import MAX_ANGLE, MAX_ERROR, polynomial_sincos
+from jaxswarm.robot.trig import MAX_ANGLE, MAX_ERROR, polynomial_sincos
 
 
 def test_error_stays_below_the_stated_bound():
