@@ -3,37 +3,29 @@
 JAX keeps what it compiled on disk, and knows it again only by the text it was lowered to. Of the time until
 the two largest programs of a diagnosis ran, 1.59 of 1.70 s went into that text. Here a program is known by what
 it is made from: its function and its fixed arguments, the shapes of its data, the source of this package, the
-versions of JAX and the processor. One that cannot be known so, or not be read, is compiled as ever.
+versions of JAX and the processor (:mod:`jaxswarm.program_names`). One that cannot be known so, or not be read,
+is compiled as ever.
 """
 
-import dataclasses
 import functools
 import hashlib
 import inspect
-import os
-import platform
-import sys
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import jax
 import numpy as np
 
 from jaxswarm.program_files import read, write
+from jaxswarm.program_names import PLAIN, Unknown, described, settings
 from jaxswarm.room import holds_programs
 
 # The folder beside JAX's own compiled code.
 FOLDER = "jaxswarm-programs"
 _CONFIG: Any = jax.config  # its settings have no types
-# Says where a program runs, not what it is.
-_ELSEWHERE = ("jax_cpu_enable_async_dispatch",)
-_PLAIN = (bool, int, float, str, bytes, type(None))
-
-
-class _Unknown(Exception):
-    """Something a program depends on has no name that holds in another process."""
 
 
 class Program:
@@ -59,6 +51,9 @@ class Program:
         self._defaults = [p.default for p in parameters.values()]
         # What is fixed is known by where it stands in memory, and so kept from being replaced there.
         self._ready: dict[tuple, tuple[Callable, tuple]] = {}
+        # Two threads that ask for the same make it once, and then run it at the same time.
+        self._making = Lock()
+        self._traced: set[tuple] = set()
         holds_programs(self)
 
     def __call__(self, *args: Any) -> Any:
@@ -68,19 +63,34 @@ class Program:
         data = tuple(x for x, is_fixed in zip(args, self._fixed, strict=True) if not is_fixed)
         leaves, tree = jax.tree.flatten(data)
         kinds = _kinds(leaves)
-        folder = None if kinds is None else _folder()
-        if kinds is None or folder is None:
+        if kinds is None:
             return self._jit(*args)
         place = (_handle(fixed), tree, kinds, _CONFIG.jax_enable_x64)
+        folder = _folder()
+        if folder is None:
+            return self._called(place, *args)
         found = self._ready.get(place)
         if found is None:  # another thread may let go of it before it is called
-            given = tree, tuple(map(_shape, kinds))
-            found = self._ready[place] = self._program(folder, fixed, given, args), fixed
+            with self._making:
+                found = self._ready.get(place)
+                if found is None:
+                    given = tree, tuple(map(_shape, kinds))
+                    found = self._ready[place] = self._program(folder, place, given, args), fixed
         return found[0](*data)
+
+    def _called(self, place: tuple, *args: Any) -> Any:
+        """What the function gives where nothing is kept on disk; traced by one thread."""
+        if place in self._traced:
+            return self._jit(*args)
+        with self._making:
+            found = self._jit(*args)
+            self._traced.add(place)
+        return found
 
     def forget(self) -> None:
         """Let go of the programs of this process; what is kept on disk stays."""
         self._ready.clear()
+        self._traced.clear()
         self._jit.clear_cache()
 
     @property
@@ -88,12 +98,14 @@ class Program:
         """Programs that this process has made or read."""
         return len(self._ready) + self._jit._cache_size()
 
-    def _program(self, folder: Path, fixed: tuple, given: tuple, args: tuple) -> Callable:
+    def _program(self, folder: Path, place: tuple, given: tuple, args: tuple) -> Callable:
         """The program for arguments, read or made; the function itself where it cannot be kept."""
+        fixed = tuple(x for x, is_fixed in zip(args, self._fixed, strict=True) if is_fixed)
         try:
-            told = [described(self._function), described(fixed), repr(given), _settings()]
-        except _Unknown:
-            return functools.partial(_with_fixed, self._jit, self._fixed, fixed)
+            told = [described(self._function), described(fixed), repr(given), settings()]
+        except Unknown:
+            called = functools.partial(self._called, place)
+            return functools.partial(_with_fixed, called, self._fixed, fixed)
         name = hashlib.sha256("\n".join(told).encode()).hexdigest()
         found = read(folder / name)
         if found is None:
@@ -154,7 +166,7 @@ def _handle(fixed: Any) -> Any:
     """What is fixed by its value if it is plain, else by where it stands in memory: quicker than its hash."""
     if isinstance(fixed, tuple):
         return tuple(_handle(x) for x in fixed)
-    return fixed if isinstance(fixed, _PLAIN) else id(fixed)
+    return fixed if isinstance(fixed, PLAIN) else id(fixed)
 
 
 def _folder() -> Path | None:
@@ -177,71 +189,3 @@ def _within(place: str) -> Path:
 def _is_alone() -> bool:
     """Whether there is one device, and it is a processor."""
     return jax.device_count() == 1 and jax.devices()[0].platform == "cpu"
-
-
-def described(x: Any) -> str:
-    """What a fixed argument is, as text that holds in another process.
-
-    Raises:
-        _Unknown: If it is made of something outside this package, or of what has no such text.
-    """
-    if isinstance(x, _PLAIN):
-        return repr(x)
-    if isinstance(x, functools.partial):
-        return f"partial({described((x.func, x.args, x.keywords))})"
-    if isinstance(x, (tuple, list)):
-        return f"({','.join(map(described, x))})"
-    if isinstance(x, Mapping):
-        return f"{{{','.join(f'{k!r}:{described(v)}' for k, v in sorted(x.items()))}}}"
-    if dataclasses.is_dataclass(x) and not isinstance(x, type) and _is_ours(type(x)):
-        parts = ((f.name, getattr(x, f.name)) for f in dataclasses.fields(x))
-        return f"{type(x).__qualname__}({','.join(f'{n}={described(v)}' for n, v in parts)})"
-    if callable(x):
-        return _described_function(inspect.unwrap(x))
-    raise _Unknown
-
-
-def _described_function(x: Any) -> str:
-    """A function by where it stands in this package, with what it holds from around it."""
-    code = getattr(x, "__code__", None)
-    if code is None or not _is_ours(x):
-        raise _Unknown
-    held = [described(cell.cell_contents) for cell in x.__closure__ or ()]
-    usual = described((x.__defaults__ or (), x.__kwdefaults__ or {}))
-    place = f"{x.__module__}:{x.__qualname__}:{code.co_firstlineno}"
-    numbers = [c for c in code.co_consts if isinstance(c, _PLAIN)]
-    return f"{place}({held})({usual}){code.co_code.hex()}{numbers}{code.co_names}"
-
-
-def _is_ours(x: Any) -> bool:
-    """Whether this package defines it: its source is part of what programs are known by."""
-    return (getattr(x, "__module__", None) or "").partition(".")[0] == __name__.partition(".")[0]
-
-
-def _settings() -> str:
-    """What JAX was told, beside what no setting changes."""
-    told = {k: v for k, v in _CONFIG.values.items() if "cache" not in k and k not in _ELSEWHERE}
-    return f"{sorted(told.items())} {_CONFIG.jax_enable_x64} {_surroundings()}"
-
-
-@functools.cache
-def _surroundings() -> str:
-    """What else decides what a program is: this package's source, versions, processor, flags of XLA."""
-    source = hashlib.sha256()
-    package = Path(__file__).parent
-    for path in sorted(package.rglob("*.py")):
-        source.update(str(path.relative_to(package)).encode() + path.read_bytes())
-    told = [source.hexdigest(), jax.__version__, jax.lib.__version__, np.__version__, sys.version]
-    told += [platform.platform(), platform.machine(), _processor()]
-    told += [os.environ.get(name, "") for name in ("XLA_FLAGS", "JAX_DEFAULT_MATMUL_PRECISION")]
-    return "\n".join(told)
-
-
-def _processor() -> str:
-    """What the processor can do, as far as the system tells."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").splitlines()
-    except OSError:
-        return platform.processor()
-    told = [line for line in lines if line.startswith(("model name", "flags", "Features"))]
-    return "\n".join(sorted(set(told))) or platform.processor()

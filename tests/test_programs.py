@@ -6,13 +6,15 @@ import json
 import os
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxswarm import program_files
+from jaxswarm import program_files, program_names
 from jaxswarm.effects import REGISTRY, get_law
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
@@ -111,7 +113,7 @@ def test_a_folder_that_takes_nothing_is_no_error(tmp_path, monkeypatch):
 
 def test_other_source_is_another_program(kept, monkeypatch):
     fresh()(LAW, VALUES, series())
-    monkeypatch.setattr(programs, "_surroundings", lambda: "another version")
+    monkeypatch.setattr(program_names, "_surroundings", lambda: "another version")
     fresh()(LAW, VALUES, series())
     assert len(list(kept.iterdir())) == 2
 
@@ -138,18 +140,18 @@ def test_within_another_program_it_is_a_part_of_it(kept):
 
 
 def test_every_law_has_a_text_of_its_own_that_holds():
-    told = {name: programs.described(law) for name, law in REGISTRY.items()}
+    told = {name: program_names.described(law) for name, law in REGISTRY.items()}
     assert len(set(told.values())) == len(told)
     assert not any(" at 0x" in text for text in told.values())
-    again = {name: programs.described(law) for name, law in REGISTRY.items()}
+    again = {name: program_names.described(law) for name, law in REGISTRY.items()}
     assert again == told
 
 
 def test_what_a_function_holds_is_told():
     one, two = (functools.partial(columns.direction, width=w) for w in (0.1, 0.2))
-    assert programs.described(one) != programs.described(two)
-    with pytest.raises(programs._Unknown):
-        programs.described(lambda x: x)
+    assert program_names.described(one) != program_names.described(two)
+    with pytest.raises(program_names.Unknown):
+        program_names.described(lambda x: x)
 
 
 def test_a_program_that_others_may_have_written_is_not_run(kept):
@@ -226,6 +228,29 @@ def test_a_program_is_the_same_wherever_it_runs():
     told = set()
     for queue in (True, False):
         jax.config.update("jax_cpu_enable_async_dispatch", queue)
-        told.add(programs._settings())
+        told.add(program_names.settings())
     jax.config.update("jax_cpu_enable_async_dispatch", asked)
     assert len(told) == 1
+
+
+@pytest.mark.parametrize("keeps", [True, False])
+def test_threads_make_a_program_once_and_run_it_at_the_same_time(keeps, tmp_path, monkeypatch):
+    monkeypatch.setattr(programs, "_folder", lambda: tmp_path if keeps else None)
+    traced, both = [], threading.Barrier(2)
+
+    def function(x):
+        traced.append(x)
+
+        def met(x):
+            both.wait(timeout=30.0)  # of two runs one after the other the first would wait in vain
+            return x
+
+        once = jax.ShapeDtypeStruct(x.shape, x.dtype)
+        return jax.lax.cond(x[0] > 0, lambda x: jax.pure_callback(met, once, x), lambda x: x, x)
+
+    one = Program(function)
+    with ThreadPoolExecutor(2) as pool:
+        alone = list(pool.map(one, [np.zeros(2)] * 2))
+        together = list(pool.map(one, [np.ones(2)] * 2))
+    assert len(traced) == 1
+    assert [float(x[0]) for x in (*alone, *together)] == [0.0, 0.0, 1.0, 1.0]

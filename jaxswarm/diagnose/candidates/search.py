@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from threading import Lock
 from typing import NamedTuple
 
 import jax
@@ -141,7 +140,8 @@ def searching(
 ) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
     """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
 
-    The searches run in threads of their own: programs started by one thread wait for each other.
+    The searches run in threads of their own, two at a time: programs started by one thread wait for each
+    other. One at a time they were the last that a round waited for, on one core.
     What has not begun when the context ends is given up.
 
     Args:
@@ -170,7 +170,6 @@ def searching(
     most = points, max(len(law.nonlinear) for law in laws)
     batch = batch_of(length + ends[-1])
     precise = jax.config.jax_enable_x64  # type: ignore[attr-defined]
-    tracing = Lock()
 
     def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
@@ -190,13 +189,10 @@ def searching(
             _of_joint(folds, joint, rows),
         )
         with jax.enable_x64(precise):  # a thread has settings of its own
-            with tracing:
-                best = _survey(laws, factor, batch, task, lattice, -(-points // batch), taps)
+            best = _survey(laws, factor, batch, task, lattice, -(-points // batch), taps)
             positions, gains = map(np.asarray, best)
             if (gains > _WORTH * (task.folds.residual**2).sum(axis=1)).any():
-                with tracing:
-                    refined = _refine(laws, factor, task, best, taps, key)
-                positions = np.asarray(refined)
+                positions = np.asarray(_refine(laws, factor, task, best, taps, key))
         return [{n: float(x) for n, x in _decode(law, u).items()} for u in positions]
 
     pool = ThreadPoolExecutor(max_workers=_WORKERS)
