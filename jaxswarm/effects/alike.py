@@ -10,6 +10,16 @@ def number_of(term: Term, terms: Sequence[Term]) -> int:
     return min(_alike(term, terms), key=lambda k: terms[k].apart(term))
 
 
+def has(term: Term, terms: Sequence[Term]) -> bool:
+    """Whether a model has a term, though a fit may have moved its event.
+
+    >>> lag = Term("torque_lag", None, values={"tc": 0.03})
+    >>> has(lag, [lag]), has(Term("time_delay", None), [lag])
+    (True, False)
+    """
+    return bool(_alike(term, terms))
+
+
 def without(term: Term, terms: Sequence[Term]) -> tuple[Term, ...]:
     """The terms of a model that has it but this one."""
     gone = number_of(term, terms)

@@ -16,7 +16,11 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.diagnose.selection.take_back import take_back_shadows, take_back_stand_ins
+from jaxswarm.diagnose.selection.take_back import (
+    take_back_events,
+    take_back_shadows,
+    take_back_stand_ins,
+)
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.log import Log
@@ -188,3 +192,14 @@ def test_both_ends_of_a_law_between_two_joints_go():
     take_back_stand_ins(search)
     assert not search.steps
     assert not {t.identity for t in ends} & {t.identity for t in search.current.model.terms}
+
+
+def test_an_addition_whose_place_a_later_one_took_is_no_reason_to_fail():
+    search = searched(0.0)
+    kept = search.steps[0]
+    gone = replace(kept, added=Term("time_delay", values={"seconds": 0.02}))
+    search.steps = [gone, replace(kept, removed=(gone.added,))]
+    for take_back in (take_back_shadows, take_back_stand_ins, take_back_events):
+        take_back(search)
+    assert [s.added.effect for s in search.steps] == ["time_delay", "torque_offset"]
+    assert not search.refused

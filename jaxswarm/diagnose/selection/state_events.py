@@ -11,7 +11,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.effects.alike import without
+from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -24,7 +24,8 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
     while the arm rested in it.
     """
     current = search.current
-    events = [step for step in search.steps if _lasts(step.added)]
+    held = current.model.terms
+    events = [step for step in search.steps if _lasts(step.added) and has(step.added, held)]
     for joint in sorted({step.score.joint for step in events}):
         own = [step for step in events if step.score.joint == joint]
         terms = current.model.terms

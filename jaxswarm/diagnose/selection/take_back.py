@@ -22,7 +22,7 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.state_events import event_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.diagnose.selection.survives import harmful
-from jaxswarm.effects.alike import without
+from jaxswarm.effects.alike import has, without
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -79,12 +79,17 @@ def _take_back(
         kept, terms = [], search.current.model.terms
         for one in search.steps:
             if one is step or _goes_with(one, step, events):
-                terms = without(one.added, terms)
+                terms = without(one.added, terms) if has(one.added, terms) else terms
             else:
                 kept.append(one)
         search.current = with_motion_noise(refit(search.current, terms), search.seed)
         search.steps = chain(kept) if kept else []
         search.crossfit = cross_fit(search.current)
+
+
+def _standing(search: Search) -> list[Step]:
+    """The additions that the model has: a later one may have taken an earlier one's place, as a lag a delay's."""
+    return [step for step in search.steps if has(step.added, search.current.model.terms)]
 
 
 def _goes_with(one: Step, step: Step, events: bool) -> bool:
@@ -118,7 +123,7 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
     """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
     current, left = search.current, _over_noise(search.current)
     told = []
-    for step in search.steps:
+    for step in _standing(search):
         law = step.added.law
         acts = {step.score.joint, step.added.joint}
         far = [j for j in acts if j is not None and left[j] > NEAR]
@@ -140,7 +145,7 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
 def _stand_in(search: Search) -> tuple[Step, str] | None:
     """The addition of whose own variables most is left, and why it is no name; None if none is."""
     current, left, told = search.current, _over_noise(search.current), []
-    for step in search.steps:
+    for step in _standing(search):
         term = find_term(current, step.added)
         law, joint = term.law, term.joint
         if law.in_one_log or law.everyday or law.several or joint is None or left[joint] < NEAR:
@@ -165,7 +170,7 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
 def _poor(search: Search) -> tuple[Step, str] | None:
     """The first addition instead of which a smooth function leaves far less, and why; None if none is."""
     current, left = search.current, _over_noise(search.current)
-    for step in search.steps:
+    for step in _standing(search):
         law, joint = step.added.law, step.added.joint
         if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:
             continue
