@@ -18,6 +18,7 @@ from jaxswarm.diagnose.candidates.link_lag import (
 )
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.link_lag import unseen_start
 
 # Times the rigid parameters are settled with a dead zone, and every how many-th gap that is done for:
 # the torque is averaged over the moments of the impacts, so that close gaps look alike.
@@ -78,11 +79,15 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
 
 
 def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarray) -> np.ndarray:
-    """Weighted torque (m, T', n) that a flexible joint changes."""
+    """Weighted torque (m, T', n) that a flexible joint changes, none where it would not be fitted."""
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
         parts.append(_weighted(lin, term, list(group), (lin.pi - share * rotor)[None]))
-    return np.concatenate(parts)
+    curves, regression = np.concatenate(parts), lin.found.regression
+    for number, motion in enumerate(lin.found.motions):
+        since = regression.t - motion.t[0]
+        curves[:, (regression.log == number) & (since < unseen_start(motion))] = 0.0
+    return curves
 
 
 def _settled_curves(
