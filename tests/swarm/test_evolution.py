@@ -202,6 +202,32 @@ def test_de_has_as_many_members_as_it_needs(dims, members):
     assert float(result.value.max()) < 1e-9
 
 
+def test_de_begins_anew_when_it_has_collapsed():
+    """Of 20 populations 18 rested in another of many valleys for most of a run."""
+    space, keys = Space.vector([-5.0] * 3, [5.0] * 3), jax.random.split(KEY, 20)
+
+    def rastrigin(x, _):
+        x = x - 1.234
+        return (10.0 * (1.0 - jnp.cos(2.0 * jnp.pi * x)) + x**2).sum(axis=-1) + 7.0
+
+    result = minimize_runs(rastrigin, de(8), space, keys, num_steps=4000)
+    np.testing.assert_allclose(result.value, 7.0, atol=1e-9)
+
+
+def test_members_that_differ_are_kept():
+    """Alike in value on a plateau, or apart by what a value tells: neither has collapsed."""
+    optimizer = de(6)
+    state, _ = optimizer.update(KEY, optimizer.init(KEY, 2), jnp.ones(6))
+    assert bool((state.member_value == 1.0).all())  # spread over a plateau
+    near = 0.5 + 1e-7 * state.members
+    told = state._replace(members=near, position=near, member_value=jnp.full(6, jnp.inf))
+    kept, _ = optimizer.update(KEY, told, jnp.arange(6.0))
+    assert kept.member_value.tolist() == list(range(6)) and kept.best_value == 0.0
+    fresh, info = optimizer.update(KEY, told, jnp.full(6, 3.0))
+    assert bool(jnp.isinf(fresh.member_value).all()) and float(fresh.position.std()) > 0.1
+    assert float(fresh.best_value) == 1.0 and not info.improved
+
+
 def test_cma_rates_of_the_tutorial():
     rates = Rates.of(10, 10)
     assert rates.weights[:5].sum() == pytest.approx(1.0) and len(rates.weights) == 10
