@@ -15,8 +15,10 @@ from jaxswarm.swarm import (
     ipop_cma_es,
     islands,
     minimize,
+    minimize_runs,
     pso,
     restart,
+    sep_cma_es,
 )
 from jaxswarm.swarm.optimizers.base import finished
 from jaxswarm.swarm.optimizers.cma_distribution import Rates, round_at
@@ -225,6 +227,17 @@ def test_a_lowest_value_in_a_corner_is_found_exactly():
     space = Space.vector([-5.0] * 3, [5.0] * 3)
     result = minimize(slope, cma_es(), space, KEY, num_steps=100)
     np.testing.assert_array_equal(result.params, [-5.0, 5.0, -5.0])
+
+
+@pytest.mark.parametrize("build", [cma_es, sep_cma_es])
+def test_a_corner_of_forty_dimensions_is_found(build):
+    """What samples pay at forty walls hid the slope: 200 D evaluations did not get there."""
+    space = Space.vector([-5.0] * 40, [5.0] * 40)
+    slope = 10.0 ** jnp.linspace(0.0, 1.0, 40)
+    steps = 200 * 40 // build().init(KEY, 40).position.shape[0]
+    keys = jax.random.split(KEY, 4)
+    found = minimize_runs(lambda x, _: x @ slope, build(), space, keys, num_steps=steps)
+    np.testing.assert_array_equal(found.params, -5.0)
 
 
 @pytest.mark.parametrize(
