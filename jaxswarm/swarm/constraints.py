@@ -172,6 +172,9 @@ def constrained(
 
     Constraints should be of the size of one where they are clearly broken: their violations add up.
     Multipliers suit a distribution (``cma_es``) best: a population can collapse before they have settled.
+    A swarm moves along the axes and comes to rest where several constraints meet in a narrow ridge: on the
+    pressure vessel ``pso(40)`` ended 3 % above the optimum in the median whatever the handling, ``de`` and
+    ``cma_es`` within 1e-4. An equality it follows by a level or by multipliers, not by the rules.
     An optimizer may have a form for constraints, ``among_constraints()``: a swarm reflects at the walls.
 
     Args:
