@@ -1,4 +1,4 @@
-"""A log that begins in the middle of a link's swing: nobody measured the twist, and the fit must not need it."""
+"""A log that begins in the middle of a link's swing: nobody measured the twist, and the fit does without it."""
 
 from dataclasses import replace
 

@@ -88,7 +88,7 @@ def _take_back(
 
 
 def _standing(search: Search) -> list[Step]:
-    """The additions that the model has: a later one may have taken an earlier one's place, as a lag a delay's."""
+    """The additions that the model has: a later one may have taken an earlier one's place, a lag a delay's."""
     return [step for step in search.steps if has(step.added, search.current.model.terms)]
 
 
