@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from jaxswarm.logs.smoothing import WHOLE_BAND
-from jaxswarm.logs.spline import spline_at
 
 # Densities within this factor of the lowest count as the valley's floor.
 _FLAT = 1.5
@@ -28,7 +28,8 @@ def derivatives(x: np.ndarray, rate: float, order: int) -> list[np.ndarray]:
     (True, True)
     """
     clock = np.arange(len(x)) / rate
-    return spline_at(clock, x, clock, range(1, order + 1), degree=5)
+    spline = scipy.interpolate.make_interp_spline(clock, x, k=5)
+    return [spline.derivative(k)(clock) for k in range(1, order + 1)]
 
 
 def acceleration_valley(position: np.ndarray, rate: float) -> np.ndarray:

@@ -8,6 +8,7 @@ eight times the motion's band, and design the decimator that torque and model co
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy
 
 from jaxswarm.errors import InputError
 from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
@@ -16,7 +17,6 @@ from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, wh
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.resampling import bridged_samples, resample, stride_for, thin, uniform_clock
 from jaxswarm.logs.smoothing import smooth
-from jaxswarm.logs.spline import spline_at
 
 
 @dataclass(frozen=True)
@@ -200,10 +200,17 @@ def _band(filtering: Filtering, found: Band) -> Band:
 
 def shift_motion(motion: Motion, seconds: float) -> Motion:
     """The motion as it was ``seconds`` earlier, against an unmoved torque; a fraction of a sample."""
-    known = np.stack([motion.q, motion.dq, motion.ddq], axis=1)
-    [moved] = spline_at(motion.t, known, motion.t - seconds)
-    q, dq, ddq = (np.ascontiguousarray(moved[:, k]) for k in range(3))
-    return replace(motion, q=q, dq=dq, ddq=ddq, skew=motion.skew + seconds)
+
+    def moved(x: np.ndarray) -> np.ndarray:
+        return scipy.interpolate.CubicSpline(motion.t, x, axis=0)(motion.t - seconds)
+
+    return replace(
+        motion,
+        q=moved(motion.q),
+        dq=moved(motion.dq),
+        ddq=moved(motion.ddq),
+        skew=motion.skew + seconds,
+    )
 
 
 def with_skew_of(motion: Motion, like: Motion) -> Motion:

@@ -196,11 +196,7 @@ class Rough:
             u, torques = self._own_basis(joint)
             rest = np.linalg.norm(torques - u @ (u.T @ torques), axis=0)
             left.append(np.log(np.maximum(rest / self.spread, 1e-12)))
-        best = np.argmin(left, axis=1)
-        # As a rule no two want the same torque, and the package of optimizers need not be loaded.
-        if len(set(best)) < len(left):
-            best = scipy.optimize.linear_sum_assignment(np.array(left))[1]
-        return tuple(map(int, best))
+        return tuple(map(int, scipy.optimize.linear_sum_assignment(np.array(left))[1]))
 
     def alone(self, joint: int) -> float:
         """Share of its spread that a joint's own columns alone leave of its torque, freed of chance."""

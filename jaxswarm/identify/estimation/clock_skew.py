@@ -9,6 +9,7 @@ and the error on unseen motion four times as large (A. Janot, M. Gautier, M. Bru
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term
@@ -16,7 +17,6 @@ from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs.motion import Motion, shift_motion, stretch
-from jaxswarm.logs.spline import spline_at
 from jaxswarm.robot.model import Robot
 
 # Each step makes a new fit: a first one, one for what it changed, one to see that nothing is left.
@@ -138,6 +138,6 @@ def change_by_time(torque: np.ndarray, t: np.ndarray, log: np.ndarray) -> np.nda
     slope = np.zeros_like(torque)
     for k in np.unique(log):
         rows = log == k
-        if rows.sum() > 3:
-            slope[rows] = spline_at(t[rows], torque[rows], t[rows], (1,))[0]
+        if rows.sum() > 2:
+            slope[rows] = scipy.interpolate.CubicSpline(t[rows], torque[rows])(t[rows], 1)
     return slope

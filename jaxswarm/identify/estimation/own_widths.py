@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
+import scipy
 
 # Widths of one kind of joint differ where one is apart from what they share by so many standard errors: on
 # clean practice logs of equal widths the largest ratio was 4.3 (q02, joint 7), on nine worlds whose widths
@@ -14,8 +15,6 @@ _CLEARLY, _DOUBTED = 6.0, 2.0
 _FAR, _FAR_CLEARLY = np.log(2.0), 3.0
 # The logarithm of a width that a log does not tell at all.
 _UNTOLD = 1e3
-# A step of a variance below this part of it is rounding; each doubles it at least while it is far too small.
-_SETTLED, _MOST_STEPS = 1e-14, 200
 
 
 def apart(x: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -91,18 +90,13 @@ def told_by_the_others(
 
 
 def _pooled(y: np.ndarray, doubt: np.ndarray) -> tuple[float, float]:
-    """Mean and variance of what is told (m,) with doubts (m,): that of which squares are what is expected.
+    """Mean and variance of what is told (m,) with doubts (m,): that of which squares are what is expected."""
 
-    The excess of the squares falls with the variance, ever slower, so that Newton's steps from zero never go
-    too far: R. C. Paule, J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982).
-    """
-    variance = 0.0
-    for _ in range(_MOST_STEPS):
+    def excess(variance: float) -> float:
         weight = 1.0 / (variance + doubt**2)
-        mean = float(np.average(y, weights=weight))
-        squares = weight * (y - mean) ** 2
-        step = (squares.sum() - (len(y) - 1)) / max(float((weight * squares).sum()), 1e-300)
-        if step <= _SETTLED * variance:
-            break
-        variance += float(step)
-    return mean, variance
+        return float((weight * (y - np.average(y, weights=weight)) ** 2).sum()) - (len(y) - 1)
+
+    if excess(0.0) <= 0.0:
+        return float(np.average(y, weights=1.0 / doubt**2)), 0.0
+    variance = scipy.optimize.brentq(excess, 0.0, 1.0 + float(np.ptp(y)) ** 2 * len(y))
+    return float(np.average(y, weights=1.0 / (variance + doubt**2))), float(variance)
