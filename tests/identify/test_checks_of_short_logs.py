@@ -153,3 +153,12 @@ def test_a_noisy_torque_that_stands_while_others_go_on_is_stuck(change, count, r
     assert [(one.check, one.refused) for one in found] == [("stuck", refused)] * count
     assert all("torque of b stands" in one.what for one in found)
     assert (len(after.t) < len(log.t)) == (count > 0 and not refused)
+
+
+def test_less_than_a_sample_apart_is_how_drives_are_read(arm, short):
+    late = column(short.tau, 1, lambda x: np.interp(short.t - 0.02, short.t, x))
+    _, motions = prepare_segments(replace(short, tau=late), Filtering(torque_cutoff=5.0))
+    rough = Rough(arm, samples_of(motions))
+    fine = Rough(arm, fine_samples(motions))
+    assert late_torque(arm, rough, fine, 0.016).check == "late_torque"
+    assert late_torque(arm, rough, fine, 0.025) is None

@@ -66,9 +66,10 @@ _HALVES, _PARTS = 2, 6
 # A fine model tells this part of it at least, where there is one: of play that looked 13 ms early in a rough
 # one, by a tenth of what that left, it knows nothing.
 _IN_THE_FINE = 0.5
-# What is this part of a sample apart: drives that hold a torque for a sample, of which a logger reads some
-# part, looked 10 and 11 ms early on a clean log of another simulator with 20 ms a sample, by a third.
-_OF_A_SAMPLE = 0.6
+# Less than so many samples apart is a matter of how drives are read: one that holds its torque for a sample is
+# read somewhere within it. Three clean logs of another simulator, with 10 and 20 ms a sample, looked 6, 10 and
+# 12 ms apart, by 15 % to a half of what was left.
+_SAMPLES = 1.0
 # A joint counts for this part of the best known one at least, so that all of them count where none tells much.
 _LEAST_EVIDENCE = 0.01
 # Time [s] that is none.
@@ -123,7 +124,7 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
     agreed, steady = _in_each_half(model, sigma, apart), _steadiness(model, sigma, apart)
     clear = np.zeros(len(apart), bool)
     for rule in rules:
-        least = max(rule.least, _OF_A_SAMPLE * interval)
+        least = max(rule.least, _SAMPLES * interval)
         beyond = (np.abs(apart) > least) & (np.abs(apart) < rule.most)
         gained = (gain < rule.gain * model.strictness) & (steady >= rule.steady * model.strictness)
         clear |= agreed & beyond & gained & (logged.left < rule.leaves)
