@@ -44,7 +44,6 @@ def deflection(
     gap: jax.Array,
     hard: jax.Array,
     step: jax.Array,
-    rest: jax.Array | int = 0,
     substeps: int = SUBSTEPS,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Integrate the lag of a link behind its motor along a log.
@@ -61,19 +60,15 @@ def deflection(
         gap: Dead zone to either side [rad]; zero for a spring.
         hard: What the spring gains on the cube of its twist [N m/rad^3]; zero for a straight one.
         step: Sampling interval [s].
-        rest: Samples at the start in which the link is held in the equilibrium of the next one; zero where it
-            is known to begin there.
         substeps: Integration steps per sample.
 
     Returns:
         e [rad], its first and second derivative, each (T,). The start is the equilibrium of a spring; with
-        a gap it is on the flank that the torque of the first quarter second presses, and nothing is held.
+        a gap it is on the flank that the torque of the first quarter second presses.
     """
     h = step / substeps
 
-    def advance(carry, given):
-        held, ends = given
-
+    def advance(carry, ends):
         def small(index, state):
             e, v, a = state
             part = (index + 1) / substeps  # what drives the lag runs straight between samples
@@ -89,21 +84,18 @@ def deflection(
             a = force / (m + 0.5 * h * damper + 0.25 * h * h * spring)
             return predicted + 0.25 * h * h * a, speed + 0.5 * h * a, a
 
-        moved = jax.lax.fori_loop(0, substeps, small, carry)
-        carry = tuple(jnp.where(held, old, new) for old, new in zip(carry, moved, strict=True))
+        carry = jax.lax.fori_loop(0, substeps, small, carry)
         return carry, carry
 
     # The first samples of a filtered motion are the least certain: their sign may be wrong.
     early = jnp.where(jnp.arange(len(torque)) * step < _EARLY, torque, 0.0)
     side = jnp.sign(early.sum())
-    first = jnp.where(gap > 0, 0, jnp.minimum(rest, len(torque) - 1))
-    pressed = _pressed(torque[first], k + stiffness[first], hard)
+    pressed = _pressed(torque[0], k + stiffness[0], hard)
     start = jnp.where(gap > 0, side * (gap + jnp.maximum(side * pressed, 0.0)), pressed)
     zero = jnp.zeros((), torque.dtype)
     m = jnp.maximum(inertia, 1e-6 * jnp.max(jnp.abs(inertia)) + 1e-12)
     driven = tuple((jnp.roll(x, 1).at[0].set(x[0]), x) for x in (m, damping, stiffness, torque))
-    held = jnp.arange(len(torque)) < first
-    _, (e, v, a) = jax.lax.scan(advance, (start, zero, zero), (held, driven))
+    _, (e, v, a) = jax.lax.scan(advance, (start, zero, zero), driven)
     return e, v, a
 
 

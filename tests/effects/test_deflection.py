@@ -45,21 +45,3 @@ def test_from_the_flank_it_goes_on_as_the_equation_of_the_link_says():
 def test_a_spring_starts_in_the_equilibrium_of_its_first_torque():
     torque = np.linspace(-30.0, 90.0, 500)
     assert lag(torque, gap=0.0)[1] == pytest.approx(-30.0 / STIFFNESS, rel=0.05)
-
-
-def test_a_link_that_nobody_saw_start_is_held_in_equilibrium_and_then_swings_from_there():
-    t = np.arange(1000) / RATE
-    torque = 60.0 * np.cos(2 * np.pi * 0.8 * t)
-    shape, rest = np.ones(len(t)), 300
-
-    def along(torque, rest):
-        n = len(torque)
-        held = (INERTIA * shape[:n], 0.0 * shape[:n], 0.0 * shape[:n], torque)
-        e, v, _ = deflection(*held, STIFFNESS, DAMPING, 0.0, 0.0, 1.0 / RATE, rest)
-        return np.asarray(e), np.asarray(v)
-
-    told, rate = along(torque, rest)
-    np.testing.assert_allclose(told[:rest], torque[rest] / STIFFNESS, rtol=1e-12)
-    assert not rate[:rest].any()
-    # As a log that begins there, but for the way from the sample before.
-    np.testing.assert_allclose(told[rest + 20 :], along(torque[rest:], 0)[0][20:], atol=1e-5)

@@ -18,7 +18,6 @@ from jaxswarm.diagnose.candidates.link_lag import (
 )
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.link_lag import unseen_start
 
 # Times the rigid parameters are settled with a dead zone, and every how many-th gap that is done for:
 # the torque is averaged over the moments of the impacts, so that close gaps look alike.
@@ -79,15 +78,11 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
 
 
 def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarray) -> np.ndarray:
-    """Weighted torque (m, T', n) that a flexible joint changes, none where it would not be fitted."""
+    """Weighted torque (m, T', n) that a flexible joint changes."""
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
         parts.append(_weighted(lin, term, list(group), (lin.pi - share * rotor)[None]))
-    curves, regression = np.concatenate(parts), lin.found.regression
-    for number, motion in enumerate(lin.found.motions):
-        since = regression.t - motion.t[0]
-        curves[:, (regression.log == number) & (since < unseen_start(motion))] = 0.0
-    return curves
+    return np.concatenate(parts)
 
 
 def _settled_curves(

@@ -9,12 +9,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, column_names
-from jaxswarm.identify.forward.link_lag import (
-    lag_slopes,
-    slope_terms,
-    true_motion,
-    unseen_start,
-)
+from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms, true_motion
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
@@ -114,9 +109,8 @@ def build_regression(
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
-        used.append(~(event_rows(terms, motion, k) | _swinging_rows(terms, motion)))
+        used.append(~event_rows(terms, motion, k))
         _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
-    every = np.concatenate(used)
     stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
     _check_rows(stacked, motions[0].source)
@@ -129,7 +123,7 @@ def build_regression(
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
         np.concatenate(shift) if shift else None,
-        None if np.all(every) and not any(t.law.recurring for t in terms) else every,
+        np.concatenate(used) if any(t.law.recurring for t in terms) else None,
     )
 
 
@@ -166,12 +160,6 @@ def event_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray
         if term.law.recurring and int(term.values.get("log", 0)) == number:
             within |= (t >= term.values["start"] - reach) & (t <= term.values["end"] + reach)
     return within
-
-
-def _swinging_rows(terms: tuple[Term, ...], motion: Motion) -> np.ndarray:
-    """Whether a link of the model may still swing there by what was before the log, (T',)."""
-    t = motion.t[motion.decimator.kept(len(motion.t))]
-    return t - motion.t[0] < (unseen_start(motion) if slope_terms(terms) else 0.0)
 
 
 def event_columns(robot: Robot, terms: Sequence[Term]) -> np.ndarray:
