@@ -77,12 +77,15 @@ class Reevaluate:
         # +inf stays: a candidate that failed once may fail again. Before the first step all have it.
         mean = jnp.where(jnp.isfinite(mean), mean + (value[n:] - mean) / seen, mean)
         leader = jnp.argmin(mean)
+        # A search that began anew has forgotten its best candidate: what is known of it stands.
+        forgotten = ~jnp.all(known == inner.best_position, axis=1).any()
+        stands = (forgotten & (inner.best_value < mean[leader])) | (mean[leader] == jnp.inf)
         inner = replace(
             inner,
             position=state.position[:n],
             **{values: mean},
-            best_position=jnp.where(mean[leader] < jnp.inf, known[leader], inner.best_position),
-            best_value=mean[leader],
+            best_position=jnp.where(stands, inner.best_position, known[leader]),
+            best_value=jnp.where(stands, inner.best_value, mean[leader]),
         )
         inner, info = self.inner.update(fold(key, 1), inner, value[:n])
         row, stayed = same_rows(known, getattr(inner, places))
