@@ -36,7 +36,7 @@ def lacking(terms: Sequence[Term], others: Sequence[Term]) -> tuple[Term, ...]:
     """
     left = tuple(terms)
     for other in others:
-        if _alike(other, left):
+        if has(other, left):
             left = without(other, left)
     return left
 

@@ -9,7 +9,7 @@ from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.alike import number_of
+from jaxswarm.effects.alike import has, number_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
@@ -111,7 +111,7 @@ def chain(steps: Sequence[Step]) -> list[Step]:
 def with_errors(term: Term, found: Estimate) -> tuple[Term, dict[str, float]] | None:
     """A term as a model has it, with its standard errors; None: the model has none in its place."""
     terms = found.model.terms
-    if term.place not in {t.place for t in terms}:
+    if not has(term, terms):
         return None
     number = number_of(term, terms)
     return terms[number], found.std_errors[number]
