@@ -57,6 +57,7 @@ from jaxswarm.swarm.optimizers.registry import find_optimizer as find_optimizer
 from jaxswarm.swarm.optimizers.restart import restart as restart
 from jaxswarm.swarm.optimizers.rules import bare_bones as bare_bones
 from jaxswarm.swarm.optimizers.rules import canonical as canonical
+from jaxswarm.swarm.optimizers.rules import paired as paired
 from jaxswarm.swarm.optimizers.rules import spherical as spherical
 from jaxswarm.swarm.optimizers.sep_cma_es import sep_cma_es as sep_cma_es
 from jaxswarm.swarm.optimizers.sepso import sepso as sepso

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm.handling import feasibility_rules, feasible_first, total
+from jaxswarm.swarm.handling import epsilon_level, feasibility_rules, feasible_first, total
 from jaxswarm.swarm.optimizers.base import as_optimizer, at_least, candidate_info
 from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.optimizers.remembered import same_rows
@@ -172,15 +172,19 @@ def constrained(
 
     Constraints should be of the size of one where they are clearly broken: their violations add up.
     Multipliers suit a distribution (``cma_es``) best: a population can collapse before they have settled.
-    A swarm moves along the axes and comes to rest where several constraints meet in a narrow ridge: on the
-    pressure vessel ``pso(40)`` ended 3 % above the optimum in the median whatever the handling, ``de`` and
-    ``cma_es`` within 1e-4. An equality it follows by a level or by multipliers, not by the rules.
+    A swarm moves along the axes and creeps where several constraints meet in a narrow ridge: on the
+    pressure vessel ``pso(40)`` ended 4 % above the optimum in the median whatever the handling, ``de`` and
+    ``cma_es`` within 1e-4. An equality leaves the rules no interior: a swarm that is feasible in one point
+    stays there. With 20,000 evaluations ``pso()`` came within 0.1 % of a quadratic's lowest value on a plane in
+    1 of 20 runs by the rules and in all by a level (in 192 of another 200), of CEC 2006's G03 in 0 and 16, G05
+    in 12 and 20, G11 in 18 and 20, G13 in 0 and 2, and ``de()`` of G13 in 0 and 6; hence the default.
     An optimizer may have a form for constraints, ``among_constraints()``: a swarm reflects at the walls.
 
     Args:
       inner: any optimizer; for a ``handling`` that adapts, one that is not wrapped itself.
       num_constraints: m, inequalities c <= 0 and, last, equalities c = 0.
-      handling: ``feasibility_rules()`` (default), ``epsilon_level()``, ``augmented_lagrangian()``.
+      handling: ``feasibility_rules()``, the default for inequalities; ``epsilon_level()``, the default
+        where there are equalities (Takahama and Sakai); ``augmented_lagrangian()``.
       num_equalities: how many of the constraints, the last ones, are equalities.
       tolerance: |c| up to which an equality holds.
 
@@ -200,4 +204,5 @@ def constrained(
     inner = as_optimizer(inner)
     if hasattr(inner, "among_constraints"):
         inner = inner.among_constraints()
-    return Constrained(inner, handling or feasibility_rules(), limit, num, equal)
+    handling = handling or (epsilon_level() if equal else feasibility_rules())
+    return Constrained(inner, handling, limit, num, equal)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -15,10 +16,12 @@ from jaxswarm.swarm import (
     Space,
     absorb,
     bounce,
+    canonical,
     clip,
     global_best,
     gpso,
     minimize_runs,
+    paired,
     periodic,
     pso,
     random_informants,
@@ -30,6 +33,7 @@ from jaxswarm.swarm import (
     von_neumann,
 )
 from jaxswarm.swarm import random as random_module
+from jaxswarm.swarm.optimizers.rules import Swarm
 from jaxswarm.swarm.random import Random
 
 KEY = jax.random.key(0)
@@ -245,7 +249,7 @@ def test_neighbors_on_a_grid_collapse_less_often_than_followers_of_one():
     down = lambda x, _: (x + 5.0) @ slope  # noqa: E731
     arrived = [
         (minimize_runs(down, swarm, space, keys, num_steps=500).value < 1e-8).mean()
-        for swarm in (pso(), pso(topology=global_best()))
+        for swarm in (pso(renew=False), pso(topology=global_best(), renew=False))
     ]
     assert arrived[0] >= 0.85 > arrived[1]
 
@@ -299,3 +303,88 @@ def test_random_numbers_of_a_step_are_computed_once():
     np.testing.assert_allclose(jax.vmap(moved)(x[:, None])[1][:, 0], x + jnp.sin(x), rtol=1e-15)
     if jax.default_backend() == "cpu":
         assert "conditional" in jax.jit(moved).lower(x).compile().as_text()
+
+
+def rastrigin(x, _):
+    """Another of many valleys is where a swarm of a few particles rests."""
+    x = x - 1.234
+    return (10.0 * (1.0 - jnp.cos(2.0 * jnp.pi * x)) + x**2).sum(axis=-1) + 7.0
+
+
+def test_a_swarm_at_rest_begins_anew():
+    """Of 20 swarms that rest 14 end in another valley."""
+    space, keys = Space.vector([-5.0] * 2, [5.0] * 2), jax.random.split(KEY, 20)
+    found = minimize_runs(rastrigin, pso(8), space, keys, num_steps=4000)
+    np.testing.assert_allclose(found.value, 7.0, atol=1e-8)
+    rests = minimize_runs(rastrigin, pso(8, renew=False), space, keys, num_steps=4000)
+    assert int((rests.value > 7.5).sum()) > 5
+
+
+def test_what_a_swarm_that_begins_anew_keeps():
+    """The best candidate and the count; the particles set off as those of a first swarm do."""
+    optimizer = pso(6, initial_velocity=0.5)
+    state, _ = optimizer.update(KEY, optimizer.init(KEY, 2), jnp.arange(6.0))
+    worse = jnp.full(6, 9.0)
+    for k in range(49):
+        state, _ = optimizer.update(jax.random.key(k), state, worse)
+    assert int(state.idle) == 49 and bool(jnp.isfinite(state.memory_value).all())
+    best = state.best_position
+    state, info = optimizer.update(KEY, state, worse)
+    assert int(state.idle) == 0 and bool(jnp.isinf(state.memory_value).all())
+    assert int(state.count) == 51 and float(state.best_value) == float(info.value_best) == 0.0
+    np.testing.assert_array_equal(state.best_position, best)
+    assert not info.improved and state.velocity.any()
+    state, info = optimizer.update(KEY, state, worse)
+    assert float(info.value_best) == 0.0 and float(state.memory_value.min()) == 9.0
+    np.testing.assert_array_equal(state.best_position, best)
+
+
+@pytest.mark.parametrize("name", ["spso", "gpso", "sepso", "aelspso", "spso2011", "clpso"])
+def test_swarms_as_published_rest(name):
+    optimizer = OPTIMIZERS[name].factory()
+    assert not getattr(optimizer, "inner", optimizer).renew
+
+
+def test_runs_side_by_side_begin_anew_each_for_itself():
+    """One lane at rest, one that is not: each as alone, whatever the other does."""
+    optimizer = pso(6)
+    state = optimizer.init(KEY, 2)
+    state, _ = optimizer.update(KEY, state, jnp.arange(6.0))
+    two = jax.tree.map(lambda leaf: jnp.stack([leaf, leaf]), state)
+    two = two._replace(idle=jnp.array([49, 3], jnp.int32))
+    keys, value = jax.random.split(KEY, 2), jnp.full((2, 6), 9.0)
+    together, _ = jax.vmap(optimizer.update)(keys, two, value)
+    assert together.idle.tolist() == [0, 4]
+    for run in range(2):
+        own = jax.tree.map(partial(jnp.take, indices=run, axis=0), two)
+        alone, _ = optimizer.update(keys[run], own, value[run])
+        for a, b in zip(jax.tree.leaves(alone), jax.tree.leaves(together), strict=True):
+            np.testing.assert_allclose(a, b[run], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("dims", "pairs"), [(2, 3), (6, 3), (7, 0)])
+def test_in_few_dimensions_three_of_four_particles_draw_one_pair_for_all_coordinates(dims, pairs):
+    """Both pulls are along the diagonal: whoever draws one pair stays on it."""
+    ones, zeros = jnp.ones((8, dims)), jnp.zeros((8, dims))
+    seen = Swarm(zeros, zeros, ones, 2.0 * ones, jnp.zeros(8), jnp.zeros(8, bool), jnp.zeros(8))
+    hyper = {"inertia": 0.5, "cognitive": 1.0, "social": 1.0}
+    moved = np.asarray(paired()(Random(KEY, "hash"), seen, hyper))
+    on_diagonal = np.ptp(moved, axis=1) == 0.0
+    assert on_diagonal.sum() == 2 * pairs
+    assert len(np.unique(moved[:, 0])) == 8 and (moved > 0.0).all() and (moved < 3.0).all()
+
+
+def test_a_swarm_walks_down_a_turned_valley():
+    """A thousand times as steep across as along, and no axis along it: by pairs a coordinate none arrives."""
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    steep = jnp.asarray(turn.T @ np.diag([1.0, 1e3, 1e3]) @ turn)
+    space, keys = Space.vector([-5.0] * 3, [5.0] * 3), jax.random.split(KEY, 20)
+
+    def valley(x, _):
+        return jnp.einsum("...i,ij,...j->...", x - 1.0, steep, x - 1.0)
+
+    left = [
+        float(jnp.median(minimize_runs(valley, s, space, keys, num_steps=150).value))
+        for s in (pso(), pso(rule=canonical()))
+    ]
+    assert left[0] < 0.1 * left[1]

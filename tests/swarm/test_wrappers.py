@@ -9,6 +9,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.swarm import (
     aelspso,
     converged,
+    de,
     elitist_learning,
     evolutionary_factor,
     freeze,
@@ -137,6 +138,12 @@ def test_restart_when_collapsed():
     state = state._replace(position=jnp.full((4, 2), 0.5))
     state, _ = optimizer.update(KEY, state, VALUE)
     assert int(state.restarts) == 1 and float(state.position.std()) > 0.1
+
+
+@pytest.mark.parametrize("build", [pso, de])
+def test_restart_takes_over_from_what_begins_anew_by_itself(build):
+    """Else lives would end half way between the two, uncounted."""
+    assert build().renew and not restart(build()).inner.renew
 
 
 def test_islands_send_their_best_round():

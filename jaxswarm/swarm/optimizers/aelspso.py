@@ -19,6 +19,7 @@ from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.control import converged, evolutionary_control
 from jaxswarm.swarm.optimizers.elitist_learning import ElitistLearning, elitist_learning
 from jaxswarm.swarm.optimizers.pso import pso
+from jaxswarm.swarm.optimizers.rules import canonical
 from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.schedules import linear
 
@@ -61,6 +62,7 @@ def aelspso(
     chosen: dict[str, Any] = dict(inertia=0.9, cognitive=2.0, social=2.0)
     chosen |= dict(velocity_limit=0.2, initial_velocity=0.5, topology=global_best())
     chosen |= dict(boundary=reflect(0.5), control=control)
+    chosen |= dict(rule=canonical(), renew=False)
     swarm = pso(num_particles, random=random, **(chosen | parts))
     return elitist_learning(
         swarm,

@@ -24,7 +24,8 @@ import numpy as np
 
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.optimizers.boundaries import reflect
-from jaxswarm.swarm.optimizers.pso import PSO, pso
+from jaxswarm.swarm.optimizers.particles import PSO
+from jaxswarm.swarm.optimizers.pso import pso
 from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.schedules import BY_HAND, coefficient, linear, run_length
@@ -60,6 +61,7 @@ def clpso(
         topology=global_best(),
         boundary=reflect(0.5),
         initial_velocity=0.5,
+        renew=False,
         control=Exemplars(
             Gap(*run_length(num_steps, BY_HAND))
             if refresh is None

@@ -25,6 +25,7 @@ Reference:
     doi 10.1023/A:1008202821328.
 """
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import jax
@@ -32,8 +33,9 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
+from jaxswarm.swarm.optimizers.rest import ANOTHER, collapsed, renewed
 from jaxswarm.swarm.pytree import facts, pytree, static
-from jaxswarm.swarm.random import Random, check_source
+from jaxswarm.swarm.random import Random, check_source, fold
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
 __all__ = ["DE", "DEState", "de"]
@@ -41,10 +43,6 @@ __all__ = ["DE", "DEState", "de"]
 STRATEGIES = ("rand/1", "best/1", "current-to-best/1")
 FEWEST, PER_DIMENSION, MOST = 20, 2, 40
 """Members, in no and in many dimensions, and how many more a dimension."""
-NEAR, ROUNDING = 1e-6, 8.0
-"""Members have collapsed if no coordinate differs by more than the first (that of ``restart``) and values by
-no more than some units in their last place; or if the coordinates themselves do not. On a plateau values are
-alike, places are not."""
 
 
 @facts(MEMORY=("members", "member_value"))
@@ -72,6 +70,11 @@ class DE:
     strategy: str = static()
     num_particles: int | None = static()
     random: str = static()
+    renew: bool = static()
+
+    def for_one_life(self) -> "DE":
+        """The same for who begins it anew from without, as ``restart`` does."""
+        return dataclasses.replace(self, renew=False)
 
     def init(self, key: jax.Array, num_dims: Any, dtype: Any = None) -> DEState:
         """Uniform first trials."""
@@ -99,7 +102,6 @@ class DE:
         }
         shift = 2.0 * random.uniform("dither", (), dtype) - 1.0
         weight = hyper["weight"] + hyper["dither"] * shift
-        ended = _collapsed(members, member_value)
         a, b, c = random.others("members", value.size, 3).T
         leader = members[jnp.argmin(member_value)]
         base = {
@@ -109,29 +111,17 @@ class DE:
         }[self.strategy]()
         mutant = base + weight * (members[b] - members[c])
         trial = cross(random, members, within(mutant, members), hyper["crossover_rate"])
-        trial, members, member_value = jax.lax.cond(
-            ended,
-            lambda: _anew(random, members),
-            lambda: (trial, members, member_value),
-        )
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = DEState(trial, members, member_value, best_position, best_value, state.count + 1)
+        if self.renew:
+            new = renewed(collapsed(members, member_value), lambda: self._another(key, new), new)
         return new, info
 
-
-def _collapsed(members, value):
-    """() bool: the differences that steps are made of lie below what values, or places, can tell."""
-    eps = jnp.finfo(members.dtype).eps
-    apart = jnp.max(members.max(axis=0) - members.min(axis=0))
-    best, worst = value.min(), value.max()
-    alike = worst - best <= ROUNDING * eps * jnp.maximum(jnp.abs(best), jnp.abs(worst))
-    return (alike & (apart < NEAR)) | (apart < ROUNDING * eps)
-
-
-def _anew(random, members):
-    """A population that has not been evaluated yet."""
-    fresh = random.uniform("anew", members.shape, members.dtype)
-    return fresh, fresh, jnp.full(members.shape[:1], jnp.inf, members.dtype)
+    def _another(self, key, old):
+        """A population that has not been evaluated yet; the best of all, and the schedules, stay."""
+        fresh = self.init(fold(key, ANOTHER), *old.position.shape[1:], old.position.dtype)
+        kept = {name: getattr(old, name) for name in ("best_position", "best_value", "count")}
+        return fresh._replace(**kept)
 
 
 def default_members(num_dims: int) -> int:
@@ -161,10 +151,9 @@ def de(
     crossover_rate: ScalarOrSchedule = 0.7,
     dither: ScalarOrSchedule = 0.25,
     random: str = "hash",
+    renew: bool = True,
 ) -> DE:
     """Classic differential evolution with binomial crossover; best/1 with dither by default.
-
-    A population that has collapsed begins anew; see the head of this file.
 
     F from 0.5 to 1 and CR = 0.7 are SciPy's: with F from 0.4 to 0.8 and CR = 0.8 the population
     collapsed in 20 dimensions before it had walked down a linear slope.
@@ -176,6 +165,7 @@ def de(
       crossover_rate: CR, share of coordinates taken from the mutant, in [0, 1].
       dither: half width of the range in which F is drawn, once a generation.
       random: ``"hash"`` or ``"threefry"``.
+      renew: whether a population that has collapsed begins anew; see the head of this file.
 
     >>> de(20, strategy="rand/1").init(jax.random.key(0), 3).position.shape
     (20, 3)
@@ -191,4 +181,5 @@ def de(
         strategy=strategy,
         num_particles=num_particles,
         random=check_source(random),
+        renew=bool(renew),
     )

@@ -1,11 +1,15 @@
-"""Particle swarms as they were published: each a choice of the parts of :func:`pso`."""
+"""Particle swarms as they were published: each a choice of the parts of :func:`pso`.
+
+As in print they rest once they have converged; ``renew=True`` lets them begin anew.
+"""
 
 import math
 from typing import Any
 
 from jaxswarm.swarm.optimizers.boundaries import absorb, bounce, reflect
-from jaxswarm.swarm.optimizers.pso import PSO, pso
-from jaxswarm.swarm.optimizers.rules import spherical
+from jaxswarm.swarm.optimizers.particles import PSO
+from jaxswarm.swarm.optimizers.pso import pso
+from jaxswarm.swarm.optimizers.rules import canonical, spherical
 from jaxswarm.swarm.optimizers.topologies import global_best, random_informants
 from jaxswarm.swarm.schedules import linear
 
@@ -27,7 +31,8 @@ def spso(num_particles: int = 40, **parts: Any) -> PSO:
     chosen: dict[str, Any] = dict(
         inertia=0.5 / math.log(2.0), cognitive=c, social=c, velocity_limit=math.inf
     )
-    chosen |= dict(topology=global_best(), boundary=absorb(), initial_velocity=0.5)
+    chosen |= dict(topology=global_best(), boundary=absorb(), rule=canonical())
+    chosen |= dict(initial_velocity=0.5, renew=False)
     return pso(num_particles, **(chosen | parts))
 
 
@@ -51,6 +56,8 @@ def gpso(num_particles: int = 24, num_steps: float | None = None, **parts: Any) 
         topology=global_best(),
         boundary=reflect(0.5),
         initial_velocity=0.5,
+        rule=canonical(),
+        renew=False,
     )
     return pso(num_particles, **(chosen | parts))
 
@@ -71,5 +78,5 @@ def spso2011(num_particles: int = 40, **parts: Any) -> PSO:
         inertia=0.5 / math.log(2.0), cognitive=c, social=c, rule=spherical()
     )
     chosen |= dict(topology=random_informants(3), boundary=bounce(0.5))
-    chosen |= dict(initial_velocity=0.5, velocity_limit=math.inf)
+    chosen |= dict(initial_velocity=0.5, velocity_limit=math.inf, renew=False)
     return pso(num_particles, **(chosen | parts))

@@ -1,7 +1,8 @@
 """Restart: begin anew when the search has ended, and keep what was found.
 
 An optimizer that knows when it has ended (``state.finished``, as ``cma_es`` does) is left alone until
-then; any other is taken for ended when it has stalled or collapsed.
+then; any other is taken for ended when it has stalled or collapsed. One that begins anew by itself, as
+``pso`` and ``de`` do, no longer does so in here.
 
 Reference:
     A. Auger, N. Hansen, "A restart CMA evolution strategy with increasing population size", CEC
@@ -15,15 +16,12 @@ import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.base import as_optimizer, finished
 from jaxswarm.swarm.optimizers.beginning import begin
+from jaxswarm.swarm.optimizers.rest import NEAR, PATIENCE
 from jaxswarm.swarm.pytree import pytree, replace, static
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.schedules import coefficient
 
 __all__ = ["Restart", "RestartState", "restart"]
-
-PATIENCE = 50
-DIVERSITY = 1e-6
-"""When an optimizer without criteria of its own has ended: updates without improvement, spread."""
 
 
 class RestartState(NamedTuple):
@@ -100,7 +98,7 @@ class Restart:
         patience, limit = self.patience, self.diversity
         if own is None:
             patience = PATIENCE if patience is None else patience
-            limit = DIVERSITY if limit is None else limit
+            limit = NEAR if limit is None else limit
         ended = jnp.asarray(False) if own is None else own
         if patience is not None:
             ended = ended | (since >= patience)
@@ -131,8 +129,9 @@ def restart(
     >>> int(restart(pso(10)).init(jax.random.key(0), 3).restarts)
     0
     """
+    inner = as_optimizer(inner)
     return Restart(
-        inner=as_optimizer(inner),
+        inner=inner.for_one_life() if hasattr(inner, "for_one_life") else inner,
         patience=None if patience is None else coefficient("patience", patience, lower=1),
         diversity=None if diversity is None else coefficient("diversity", diversity, lower=0.0),
         keep=bool(keep),

@@ -13,11 +13,15 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxswarm.swarm.lanes import laned
 from jaxswarm.swarm.pytree import pytree
 
-__all__ = ["Swarm", "bare_bones", "canonical", "spherical"]
+__all__ = ["Swarm", "bare_bones", "canonical", "paired", "spherical"]
+
+FEW, ONE_OF = 6, 4
+"""Dimensions up to which ``paired`` differs from ``canonical``, and of how many particles one does not."""
 
 
 class Swarm(NamedTuple):
@@ -43,6 +47,22 @@ def canonical() -> "Canonical":
     return Canonical()
 
 
+def paired() -> "Paired":
+    """As ``canonical``, but in up to six dimensions three of four particles draw one pair r1, r2 for all.
+
+    With a pair for every coordinate the axes are special, and a valley across them is crept along; with one
+    for all, a swarm moves only in the few directions that its particles span. BBOB's targets reached in 2, 3
+    and 5-D with 1,000 evaluations a dimension, and with 10,000, on instances that are not reported:
+
+        canonical               0.677  0.538  0.415      0.871  0.720  0.580
+        three of four paired    0.819  0.690  0.460      0.996  0.921  0.669
+        all paired              0.832    -    0.464      0.961    -    0.686
+
+    In 8-D canonical is as good or better, in 20-D and 40-D all paired reach half as much. The mixture is ours.
+    """
+    return Paired()
+
+
 def bare_bones() -> "BareBones":
     """X' normal around (p + g) / 2 with standard deviation |p - g| in each axis."""
     return BareBones()
@@ -59,19 +79,35 @@ def spherical() -> "Spherical":
     return Spherical()
 
 
+def _pulled(swarm_rows, r1, r2, hyper):
+    x, v, p, g = swarm_rows
+    return hyper["inertia"] * v + hyper["cognitive"] * r1 * (p - x) + hyper["social"] * r2 * (g - x)
+
+
 @pytree
 class Canonical:
     """See :func:`canonical`."""
 
     def __call__(self, random, swarm, hyper):
-        x, v, p, g = map(laned, swarm[:4])  # every coordinate for itself
-        r1, r2 = random.uniforms("pulls", 2, x.shape, x.dtype)
-        v = (
-            hyper["inertia"] * v
-            + hyper["cognitive"] * r1 * (p - x)
-            + hyper["social"] * r2 * (g - x)
-        )
-        return v.reshape(swarm.position.shape)
+        rows = [laned(a) for a in swarm[:4]]  # every coordinate for itself
+        r1, r2 = random.uniforms("pulls", 2, rows[0].shape, rows[0].dtype)
+        return _pulled(rows, r1, r2, hyper).reshape(swarm.position.shape)
+
+
+@pytree
+class Paired:
+    """See :func:`paired`."""
+
+    def __call__(self, random, swarm, hyper):
+        x = swarm.position
+        count, dims = x.shape
+        if not 1 < dims <= FEW:
+            return Canonical()(random, swarm, hyper)
+        alone = (np.arange(count) % ONE_OF == 0)[:, None]
+        own = random.uniforms("pulls", 2, x.shape, x.dtype)
+        one = random.uniforms("pairs", 2, (count, 1), x.dtype)
+        r1, r2 = (jnp.where(alone, a, b) for a, b in zip(own, one, strict=True))
+        return _pulled(swarm[:4], r1, r2, hyper)
 
 
 @pytree

@@ -32,7 +32,8 @@ import jax.numpy as jnp
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.optimizers.boundaries import reflect
-from jaxswarm.swarm.optimizers.pso import PSO, pso
+from jaxswarm.swarm.optimizers.particles import PSO
+from jaxswarm.swarm.optimizers.pso import pso
 from jaxswarm.swarm.optimizers.topologies import global_best
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.schedules import coefficient, linear
@@ -78,6 +79,7 @@ def sepso(
         topology=global_best(),
         boundary=reflect(0.5),
         initial_velocity=0.5,
+        renew=False,
         control=emotions(variant),
         rule=emotional(variant, repulsion),
     )
