@@ -27,11 +27,9 @@ TIMED = {
     "deciding": ("jaxswarm.diagnose.selection.stepwise:diagnose",),
     "looking at what remains": ("jaxswarm.diagnose.run:conclude",),
     "drawing": (
-        "jaxswarm.plots:png_bytes",
-        "jaxswarm.plots:torque_overlay",
-        "jaxswarm.plots:residual_dependence",
-        "jaxswarm.diagnose.report.figures:ladder",
-        "jaxswarm.diagnose.report.figures:evidence",
+        "jaxswarm.drawing:draw",
+        "jaxswarm.diagnose.report.shown:ladder_shown",
+        "jaxswarm.diagnose.report.shown:evidence_shown",
     ),
     "writing": ("jaxswarm.outputs:write_results", "jaxswarm.diagnose.report.html:render"),
 }
@@ -111,6 +109,8 @@ def time_functions() -> None:
                 for own in [n for n, value in vars(known).items() if value is function]:
                     setattr(known, own, replaced)
     Future.result = timed("waiting for searches", Future.result)
+    drawing = importlib.import_module("jaxswarm.drawing").Drawing
+    drawing.finished = timed("drawing", drawing.finished)
     work = importlib.import_module("concurrent.futures.thread")._WorkItem
     work.run = timed(SEARCHING, work.run)
 

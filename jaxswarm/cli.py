@@ -23,14 +23,16 @@ def main() -> None:
 
 
 def command_line() -> None:
-    """The same as a process of its own, which a signal ends at once, whether the work hears it or not."""
+    """The same as a process of its own, which ends at once when its work is done or a signal says so."""
     try:
         with unheard.watched():
             main()
     except SystemExit as end:
         if end.code in (terminal.INTERRUPTED, terminal.TERMINATED):
             terminal.leave(end.code)
-        raise
+        if end.code not in (None, 0):
+            raise
+    terminal.finish(0)
 
 
 def _command() -> None:

@@ -117,6 +117,16 @@ def leave(code: int) -> NoReturn:
     os._exit(code)
 
 
+def finish(code: int) -> NoReturn:
+    """End this process whose work is done, with what was left for its end.
+
+    To take down all that Python holds, which the system frees at once, takes 0.3 s after a short command and
+    more after a long one.
+    """
+    atexit._run_exitfuncs()
+    leave(code)
+
+
 def find_home() -> Path | None:
     """The user's home, or None where there is none: then a private one is lent for this process.
 

@@ -12,7 +12,7 @@ from jaxswarm import drawing, plots
 
 T = np.linspace(0.0, 4.0, 60)
 TORQUE = np.stack([np.sin(T), np.cos(T)], axis=1)
-ORDER = ("torque_overlay", T, TORQUE, 0.9 * TORQUE, ("a", "b$c"), ("N m", "N"), "title")
+ORDER = ("plots.torque_overlay", T, TORQUE, 0.9 * TORQUE, ("a", "b$c"), ("N m", "N"), "title")
 
 
 def here() -> bytes:
@@ -60,7 +60,7 @@ def test_what_a_killed_command_ordered_is_removed(tmp_path):
     code = (
         "import time; from jaxswarm import drawing\n"
         "with drawing.Drawing() as own:\n"
-        "    own.ask('one.png', 'convergence', {}, 1.0)\n"
+        "    own.ask('one.png', 'plots.convergence', {}, 1.0)\n"
         "    print(own._folder.name if own._process else '', flush=True); time.sleep(60)"
     )
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
@@ -79,3 +79,13 @@ def test_what_a_killed_command_ordered_is_removed(tmp_path):
 def test_drawing_needs_no_jax():
     code = "import sys, jaxswarm.drawing, jaxswarm.plots; sys.exit('jax' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_orders_are_drawn_at_the_same_time(monkeypatch):
+    with drawing.Drawing() as own:
+        if own._process is None:
+            pytest.skip("a single core draws here")
+        for name in ("one.png", "two.png", "three.png"):
+            own.ask(name, *ORDER)
+        monkeypatch.setattr(drawing, "draw", None)
+        assert own.finished() == dict.fromkeys(("one.png", "two.png", "three.png"), here())

@@ -26,6 +26,7 @@ ALLOWED = {
     "waiting": set(),
     "work": {"claim", "console", "terminal"},
     "plots": set(),
+    "loop_plots": {"plots"},
     "program_files": set(),
     "room": set(),
     "program_names": set(),
@@ -43,7 +44,8 @@ ALLOWED = {
     },
     "diagnose": {
         *(*PHYSICS, "swarm", "identify"),
-        *("memory", "outputs", "plots", "programs", "drawing", "tables", "provenance", "cores"),
+        *("memory", "outputs", "plots", "loop_plots", "programs", "drawing", "tables"),
+        *("provenance", "cores"),
     },
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),

@@ -39,6 +39,10 @@ def test_a_diagnosis_loads_no_library_for_pictures():
     assert loaded("import jaxswarm.diagnose.run", "jax", "matplotlib") == {"jax"}
 
 
+def test_a_diagnosis_loads_swarms_when_their_programs_are_made():
+    assert loaded("import jaxswarm.diagnose.run", "jax", "jaxswarm.swarm") == {"jax"}
+
+
 def test_threads_that_are_set_outside_change_no_digit():
     code = (
         "from jaxswarm.runtime import start; start()\n"

@@ -244,3 +244,24 @@ def test_a_signal_where_nothing_can_be_raised_prints_no_traceback(error, monkeyp
     with terminal.catch_termination():
         Collected()
     assert [lost.exc_type for lost in told] == ([ValueError] if error is ValueError else [])
+
+
+FINISHED = """
+import atexit, builtins
+from jaxswarm import cli
+class Held:
+    def __del__(self):
+        print("taken down", flush=True)
+builtins.held = Held()
+atexit.register(print, "left for the end")
+cli._command = lambda: print("done")
+cli.command_line()
+"""
+
+
+def test_a_finished_command_ends_without_taking_down_what_it_holds():
+    command = [sys.executable, "-c", FINISHED]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and done.stderr == ""
+    assert done.stdout == "done\nleft for the end\n"

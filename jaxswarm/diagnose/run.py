@@ -1,6 +1,5 @@
 """The command ``diagnose``, from files to files."""
 
-import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
 from jaxswarm.diagnose.report.result import to_result
+from jaxswarm.diagnose.report.shown import evidence_shown, ladder_shown, structure_shown
 from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -122,6 +122,11 @@ def _where_seen(step: Addition, final: Estimate) -> tuple[Model, Motion]:
     return final.model.during(log), final.motions[log]
 
 
+def _ask_evidence(drawing: Drawing, name: str, step: Addition, final: Estimate) -> None:
+    told = evidence_shown(step, *_where_seen(step, final))
+    drawing.ask(name, "loop_plots.evidence", *told)
+
+
 def write_report(
     diagnosis: Diagnosis,
     left: list[Unexplained],
@@ -137,14 +142,11 @@ def write_report(
     ``drawing`` has the orders of :func:`order_pictures`, ``shown`` is what it gave.
     """
     progress("writing the report")
-    # Loaded while the other process draws: half a second.
-    plots = importlib.import_module("jaxswarm.plots")
-    pictures = importlib.import_module("jaxswarm.diagnose.report.figures")
     final = diagnosis.final
     robot = final.model.robot
-    figures = {"ladder.png": pictures.ladder(result)}
+    drawing.ask("ladder.png", "loop_plots.ladder", *ladder_shown(result))
     for number, step in enumerate(diagnosis.kept, 1):
-        figures[f"effect_{number}.png"] = pictures.evidence(step, *_where_seen(step, final))
+        _ask_evidence(drawing, f"effect_{number}.png", step, final)
     laws = {}
     for one in search.found if search else ():
         term = one.added
@@ -152,20 +154,16 @@ def write_report(
             robot.joints[term.index],
             None if term.other is None else robot.joints[term.other],
         )
-        figures[f"{law_name(joint)}.png"] = pictures.evidence(one, *_where_seen(one, final))
+        _ask_evidence(drawing, f"{law_name(joint)}.png", one, final)
         formula = with_values(term.found_formula, term.values)
         laws[f"{law_name(joint)}.py"] = law_file(formula, joint, other)
     for item in left:
-        rows = final.regression.log >= 0
-        figures[f"unexplained_{robot.joints[item.joint]}.png"] = pictures.structure(
-            item,
-            final.fit.residual[rows, item.joint],
-            robot.joints[item.joint],
-            units(robot)[item.joint],
-        )
+        rows, name = final.regression.log >= 0, robot.joints[item.joint]
+        residual, unit = final.fit.residual[rows, item.joint], units(robot)[item.joint]
+        told = structure_shown(item, residual, name, unit)
+        drawing.ask(f"unexplained_{name}.png", "loop_plots.structure", *told)
     model = model_text(with_smooth_terms(final, left))
-    images = {name: plots.png_bytes(figure) for name, figure in figures.items()}
-    images |= drawing.finished()
+    images = drawing.finished()
     outputs.write_results(
         out,
         {

@@ -23,6 +23,7 @@ import numpy as np
 from jaxswarm.studies.rx60.search import COORDINATES, PARTICLES, View, scheme, search, summary
 from jaxswarm.studies.statistics import compare, holm, verdict
 from jaxswarm.swarm import (
+    canonical,
     elitist_learning,
     evolutionary_control,
     global_best,
@@ -55,7 +56,8 @@ def variants(c: float, at: View, num_steps: int) -> dict[str, Any]:
     common: dict[str, Any] = dict(
         cognitive=c, social=c, velocity_limit=0.2, inertia=0.9, initial_velocity=0.5
     )
-    common |= dict(boundary=reflect(0.5), topology=global_best())
+    common |= dict(boundary=reflect(0.5), topology=global_best(), rule=canonical())
+    common |= dict(renew=False)
     learning = elitist_learning(
         scheme("gpso", num_steps, cognitive=c, social=c), linear(1.0, 0.1, num_steps)
     )
