@@ -47,6 +47,7 @@ register(
             "check the setting of the drive before the model is trusted."
         ),
         report=lambda p, x, step: p["gain"] * x,
+        scales=True,
         min_joints=2,
         shown_against="model torque",
     )

@@ -22,6 +22,7 @@ class MeasurementLaw(Effect):
         late: ``late(p)``: time [s] by which a slow torque is late, where it is no clock; None: not at all.
         excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where it
             says q and that of the partner q_other, zero for neutral parameters; None: encoders are true.
+        scales: Whether it only scales the torque of its joint: the links that it moves may take that up.
     """
 
     report: Callable[[Mapping, jax.Array, float], jax.Array] = lambda p, x, step: x
@@ -29,6 +30,7 @@ class MeasurementLaw(Effect):
     clock: bool = False
     late: Callable[[Mapping], float] | None = None
     excess: Callable[[Mapping, jax.Array, jax.Array], jax.Array] | None = None
+    scales: bool = False
 
     @property
     def changes_rigid_columns(self) -> bool:
@@ -37,8 +39,11 @@ class MeasurementLaw(Effect):
 
     @property
     def shows_on_own_joint(self) -> bool:
-        """A wrong position turns the weight of all links beyond; its own torque may take that up."""
-        return self.excess is None
+        """A wrong position turns the weight of all links beyond, a wrong scale their masses: others misfit.
+
+        A gain of 1.3 of an elbow that is measured well was told as one of 1/1.3 of the shoulder.
+        """
+        return self.excess is None and not self.scales
 
     @property
     def positive(self) -> bool:

@@ -122,16 +122,22 @@ def find_cutoffs(
     highest = WHOLE_BAND * rate
     tried = np.geomspace(_LEAST * rate, highest, _TRIED)
     cutoff, noise = np.full(q.shape[1], whole), np.zeros(q.shape[1])
-    for j in range(q.shape[1]):
-        if np.ptp(q[:, j]) <= 0.0:
-            continue
-        rho = 0.0 if ratio is None else float(ratio[j])
-        parts = [(q[b, j], None if velocity is None else velocity[b, j]) for b in blocks]
-        costs = [sum(_evidence(x, v, rate, f, rho)[0] for x, v in parts) for f in tried]
-        cutoff[j] = float(np.exp(_vertex(np.log(tried), np.array(costs))))
-        noise[j] = np.median([_evidence(x, v, rate, cutoff[j], rho)[1] for x, v in parts])
-        if cutoff[j] >= highest:
-            cutoff[j] = whole
+    rhos = np.zeros(q.shape[1]) if ratio is None else np.asarray(ratio, dtype=float)
+    moving = np.ptp(q, axis=0) > 0.0
+    for rho in sorted({*rhos[moving].tolist()}):
+        # Joints of one ratio share the system: it is factored once for all of them.
+        own = np.flatnonzero(moving & (rhos == rho))
+        # A column in one piece is summed as it would be alone.
+        x = np.asfortranarray(q[:, own])
+        v = None if velocity is None else np.asfortranarray(velocity[:, own])
+        parts = [(x[b], None if v is None else v[b]) for b in blocks]
+        costs = [sum(_evidence(*part, rate, f, rho)[0] for part in parts) for f in tried]
+        for k, (j, cost) in enumerate(zip(own, np.array(costs).T, strict=True)):
+            cutoff[j] = float(np.exp(_vertex(np.log(tried), cost)))
+            alone = [(x[:, [k]], None if v is None else v[:, [k]]) for x, v in parts]
+            noise[j] = np.median([_evidence(*part, rate, cutoff[j], rho)[1] for part in alone])
+            if cutoff[j] >= highest:
+                cutoff[j] = whole
     return Cutoffs(cutoff, noise * np.sqrt(group))
 
 
@@ -181,15 +187,16 @@ def _solve(
     return _Solution(mean + middle, float(np.log(factor[-1]).sum()), squares)
 
 
-def _evidence(x, velocity, rate: float, cutoff: float, rho: float) -> tuple[float, float]:
-    """Minus twice the restricted log-likelihood of a cutoff, and the noise it implies."""
-    given = None if velocity is None else velocity[:, None]
-    found = _solve(x[:, None], given, rate, cutoff, rho)
+def _evidence(
+    x: np.ndarray, velocity: np.ndarray | None, rate: float, cutoff: float, rho: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Minus twice the restricted log-likelihood of a cutoff for columns (T, m), and the noise it implies."""
+    found = _solve(x, velocity, rate, cutoff, rho)
     count = len(x) - 4 + (len(x) if rho > 0.0 else 0)
     weight = -8.0 * np.log(2.0 * np.sin(np.pi * min(cutoff / rate, 0.5)))
-    variance = max(float(found.squares[0]) / count, 1e-300)
+    variance = np.maximum(found.squares / count, 1e-300)
     cost = count * np.log(variance) + 2.0 * found.half_log_det - (len(x) - 4) * weight
-    return cost, float(np.sqrt(variance))
+    return cost, np.sqrt(variance)
 
 
 def _ends(length: int):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import declared_fit, log_with
+from planted import declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.report.experiment import best_experiment
 from jaxswarm.effects.term import Term
@@ -44,3 +44,13 @@ def test_equal_models_cannot_be_told_apart():
     found, _ = declared_fit(log_with())
     trial = best_experiment(found.model, found.model, found.motions[0], None)
     assert trial.ratio == pytest.approx(0.0, abs=1e-12)
+    assert trial.words(["joint1", "joint2"]).startswith("no motion does, they say the same of all")
+
+
+def test_a_gain_of_one_of_two_drives_is_told_as_that_of_either():
+    """Masses are free, so the other drive may be wrong the other way around: the elbow's was never told."""
+    (step,) = diagnose_log(log_with(Term("drive_gain", 1, values={"gain": 1.3}))).steps
+    told = {step.added.identity, *(r.candidate.term.identity for r in step.rivals)}
+    assert told == {Term("drive_gain", j).identity for j in (0, 1)}
+    gain = step.added.values["gain"]
+    assert gain == pytest.approx(1.3 if step.added.joint == 1 else 1.0 / 1.3, rel=0.02)

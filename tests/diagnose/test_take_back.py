@@ -14,9 +14,11 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit, refit_with
+from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.diagnose.selection.take_back import (
+    take_back,
     take_back_events,
     take_back_shadows,
     take_back_stand_ins,
@@ -34,6 +36,8 @@ LONG = 30.0
 LOAD = Term("load_dependent_friction", 1)
 COUPLING = Term("transmission_coupling", 1, 0)
 RIPPLE = Term("torque_ripple", 1)
+BENT = Term("dead_zone_spring", 1)
+CUBIC = Term("cubic_spring", 1, values={"k": 1.0, "q0": 0.0})
 
 
 def searched(unknown: float) -> Search:
@@ -199,7 +203,29 @@ def test_an_addition_whose_place_a_later_one_took_is_no_reason_to_fail():
     kept = search.steps[0]
     gone = replace(kept, added=Term("time_delay", values={"seconds": 0.02}))
     search.steps = [gone, replace(kept, removed=(gone.added,))]
-    for take_back in (take_back_shadows, take_back_stand_ins, take_back_events):
-        take_back(search)
+    for stage in (take_back_shadows, take_back_stand_ins, take_back_events):
+        stage(search)
     assert [s.added.effect for s in search.steps] == ["time_delay", "torque_offset"]
     assert not search.refused
+
+
+@pytest.mark.parametrize("kept_out", [set(), {0}, {1}])
+def test_what_a_law_of_another_form_kept_out_is_asked_again_without_it(kept_out):
+    log = log_with(duration=LONG)
+    search = told_as(SPRING, log, 2.0 * np.exp(_position(log) / 0.4))
+    search.kept_out, search.settled = set(kept_out), True
+    again = take_back(search)
+    assert not search.steps
+    assert again == (kept_out == {1}) == (not search.settled)
+    assert search.barred == ({SPRING.identity} if again else set())
+    assert search.kept_out == kept_out - {1}
+
+
+def test_what_imitates_any_law_beside_another_one_keeps_its_place_in_mind():
+    log = log_with(duration=LONG)
+    search = told_as(SPRING, log, 2.0 * np.exp(_position(log) / 0.4))
+    search.scores = score_terms(Linearization(search.current, search.folds), [BENT], 0)
+    model = search.current.model
+    search.current = replace(search.current, model=replace(model, terms=(*model.terms, CUBIC)))
+    assert that_may_stand(search, search.scores) == []
+    assert search.kept_out == {1} and search.refused[0][0].effect == "dead_zone_spring"

@@ -12,6 +12,7 @@ from jaxswarm.diagnose.report.flags import parameter_remark
 from jaxswarm.diagnose.report.grids import by_joint
 from jaxswarm.diagnose.report.numbers import value_text
 from jaxswarm.diagnose.report.text import evidence_sentence, next_steps, proof_sentence
+from jaxswarm.diagnose.selection.survives import UNSHOWN
 from jaxswarm.effects import REGISTRY
 
 
@@ -119,3 +120,16 @@ def test_formulas_are_offered_where_the_catalog_may_fall_short():
         {"joint": JOINTS[1], "programs_tried": 3000, "because": "laws explain it"}
     ]
     assert offered(told) == []
+
+
+def test_what_a_log_cannot_show_is_not_told_as_no_known_law():
+    """A tilted base at 63 times the noise was said to be explained by none, and its joint to be looked at."""
+    told = unexplained()
+    refused = {"effect": "base_tilt", "joint": None, "because": UNSHOWN, "unshown": True}
+    told["refused"] = [refused, {**refused, "effect": "backlash", "unshown": False}]
+    sentence = evidence_sentence(told)
+    assert "that this log cannot show (base_tilt would help," in sentence
+    assert "no known law" not in sentence
+    assert not [step for step in next_steps(told) if step.startswith(("Look at", "Vary"))]
+    told["refused"] = []
+    assert "no known law" in evidence_sentence(told)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.diagnose.report import grids
-from jaxswarm.diagnose.report.figures import evidence_axis
+from jaxswarm.diagnose.report.shown import evidence_axis
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Filtering

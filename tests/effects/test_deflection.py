@@ -42,6 +42,25 @@ def test_from_the_flank_it_goes_on_as_the_equation_of_the_link_says():
     np.testing.assert_allclose(lag(torque), true, atol=0.05 * GAP)
 
 
-def test_a_spring_starts_in_the_equilibrium_of_its_first_torque():
-    torque = np.linspace(-30.0, 90.0, 500)
-    assert lag(torque, gap=0.0)[1] == pytest.approx(-30.0 / STIFFNESS, rel=0.05)
+@pytest.mark.parametrize("wrong", [1.0, -3.0])
+def test_a_spring_starts_in_the_equilibrium_of_its_first_torques_whatever_the_first_sample_says(
+    wrong,
+):
+    torque = np.linspace(-30.0, -28.0, 500)
+    torque[0] *= wrong
+    assert lag(torque, gap=0.0)[0] == pytest.approx(-29.75 / STIFFNESS, rel=0.15)
+
+
+def test_a_link_whose_start_was_not_seen_settles_where_its_torque_would_hold_it():
+    t = np.arange(2000) / RATE
+    slow, n = 60.0 * np.cos(2 * np.pi * 0.8 * t), 250
+    shape, zero = np.ones(len(t)), np.zeros(len(t))
+    jolt = slow + np.where(t < 0.1, 400.0, 0.0)  # what the first samples say besides
+
+    def along(torque, calm):
+        held = (INERTIA * shape, zero, zero, torque)
+        return np.asarray(deflection(*held, STIFFNESS, 20.0, 0.0, 0.0, 1.0 / RATE, calm)[0])
+
+    steady = slow / STIFFNESS
+    assert np.abs(along(jolt, 0) - steady)[n:].max() > np.abs(steady).max()
+    np.testing.assert_allclose(along(jolt, n)[n:], steady[n:], atol=0.01 * np.abs(steady).max())

@@ -11,6 +11,7 @@ from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward import columns
 from jaxswarm.identify.forward.lengths import CHUNK
+from jaxswarm.identify.forward.link_lag import calm_start
 from jaxswarm.identify.forward.measuring_chain import report
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.identify.synthetic import fourier_motion, random_links
@@ -67,7 +68,8 @@ def test_the_lag_of_a_link_is_that_of_the_log_alone_and_compiles_once():
     found = lag_torque(seen, sensed, pi[None], *gear)
     assert deflection.made == programs
     torque, by_q, by_dq, by_ddq = (x[:, 0] for x in sensed.at(pi))
-    e, v, a = deflection(by_ddq, by_dq, by_q, torque, 500.0, 2.0, 0.0, 0.0, 1.0 / seen.rate, 2)
+    clock = 1.0 / seen.rate, calm_start(seen), 2
+    e, v, a = deflection(by_ddq, by_dq, by_q, torque, 500.0, 2.0, 0.0, 0.0, *clock)
     _, by_q, by_dq, by_ddq = sensed.at(pi)
     change = -(
         np.outer(e, [1, 1]) * by_q + np.outer(v, [1, 1]) * by_dq + np.outer(a, [1, 1]) * by_ddq

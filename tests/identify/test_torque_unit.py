@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from jaxswarm.effects.examples import usual_friction
-from jaxswarm.identify.checks.channels import wrong_unit
 from jaxswarm.identify.checks.samples import Samples
+from jaxswarm.identify.checks.torque_unit import wrong_unit
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import robot_from_dh
@@ -41,3 +41,15 @@ def test_millinewton_meters_on_a_small_arm(factor):
     assert (told is None) == (factor == 1.0)
     if told is not None:
         assert "masses in the robot's file" in told.what and "N m" in told.remedy
+
+
+def test_links_whose_axes_meet_move_no_tons():
+    """A kilogram in each of their joints needs no torque at all."""
+    bare = robot_from_dh(
+        "wrist", convention="modified", alpha=[0.0, np.pi / 2], a=[0.0, 0.0], d=[0.6, 0.0]
+    )
+    links = random_links(bare, np.random.default_rng(2), mass=3.0)
+    samples = samples_of(bare.replace(parameters=jnp.asarray(links)), 1.0)
+    assert wrong_unit(bare, samples) is None
+    told = wrong_unit(bare, replace(samples, tau=1e3 * samples.tau))
+    assert told is not None and "links of" in told.what

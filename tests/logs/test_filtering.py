@@ -186,6 +186,17 @@ def test_smooth_is_the_dense_solution_with_and_without_a_velocity():
     np.testing.assert_allclose(fused, np.linalg.solve(system, right), atol=1e-9)
 
 
+def test_cutoffs_of_joints_together_are_those_of_each_alone():
+    rng = np.random.default_rng(4)
+    q = 1e-5 * rng.normal(size=(3000, 3)).cumsum(0).cumsum(0) + 1e-3 * rng.normal(size=(3000, 3))
+    q[:, 1] = 0.7  # at rest
+    v, ratio = np.gradient(q, 1 / RATE, axis=0), np.array([0.0, 0.0, 1e-4])
+    together = find_cutoffs(q, RATE, v, ratio)
+    for j in range(3):
+        alone = find_cutoffs(q[:, [j]], RATE, v[:, [j]], ratio[[j]])
+        assert (together.cutoff[j], together.noise[j]) == (alone.cutoff[0], alone.noise[0])
+
+
 def test_the_found_cutoff_is_near_the_one_that_estimates_acceleration_best():
     rng = np.random.default_rng(8)
     # Above half a hertz a motion whose fourth derivative is white.

@@ -21,6 +21,7 @@ class Candidate:
             by torques below the noise; how the load shifts around the impact is not.
         start: Rigid parameters (10 n,) to refit from; None: those of the current model.
         signed: Whether the coefficient is a change of something known, of either sign.
+        apart: Rows (T,) of which it says nothing and by which it is not scored; None: it speaks of all.
     """
 
     term: Term
@@ -29,9 +30,12 @@ class Candidate:
     blur: int = 1
     signed: bool = False
     start: np.ndarray | None = None
+    apart: np.ndarray | None = None
 
     def view(self, x: np.ndarray) -> np.ndarray:
-        """Average (T, ...) over ``blur`` rows."""
+        """Average (T, ...) over ``blur`` rows, with nothing in those that it is not scored by."""
+        if self.apart is not None:
+            x = np.where(self.apart.reshape(-1, *(1,) * (x.ndim - 1)), 0.0, x)
         if self.blur == 1:
             return x
         return scipy.ndimage.uniform_filter1d(x, self.blur, axis=0, mode="nearest")

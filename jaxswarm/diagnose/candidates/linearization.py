@@ -12,7 +12,7 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.body import body_along, tilted
-from jaxswarm.identify.forward.columns import columns_along, joint_series
+from jaxswarm.identify.forward.columns import columns_along, joint_series, partner_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import linear_values
@@ -25,7 +25,7 @@ _REACH, _TURNS = 3.0, 9
 # Directions of the scaled rows weaker than this are rounding: the root of the precision, generously.
 _RANK = 3e-7
 # Joints, with their partners, of which the series that laws see are kept: a law is tried many times in a row.
-_SERIES = 8
+_SERIES = 12
 
 
 class Linearization:
@@ -141,7 +141,7 @@ class Linearization:
         terms = self.found.model.terms
 
         def build(k):
-            own = columns_along(term, self._series(k, term))[: len(motions[k].t)]
+            own = columns_along(term, self._series(k, term.index, term.other))[: len(motions[k].t)]
             return report_own(terms, motions[k], term.acts_in(k) * own, term.index)
 
         if term.law.uses_load:
@@ -160,15 +160,20 @@ class Linearization:
         measured = of_kind(self.found.model.terms, MeasurementLaw)
         return tuple((t.place, *t.values.items()) for t in measured)
 
-    def _series(self, k: int, term: Term) -> Sample:
+    def _series(self, k: int, joint: int, other: int | None) -> Sample:
         """What laws on a joint, with a partner, see along a log, where programs have it at hand."""
-        place = (k, term.joint, term.other)
+        place = (k, joint, other)
         if place not in self.series:
+            width = self.found.model.width
+            if other is None:
+                seen = joint_series(self.true[k], width, self.loads[k], joint)
+                sample = jax.device_put(filled(seen))
+            else:  # of a joint with a partner most is the joint's own
+                partner = partner_series(self.true[k], width, joint, other)
+                sample = self._series(k, joint, None)._replace(**jax.device_put(filled(partner)))
             while len(self.series) >= _SERIES:
                 self.series.pop(next(iter(self.series)))
-            width, load = self.found.model.width, self.loads[k]
-            seen = joint_series(self.true[k], width, load, term.index, term.other)
-            self.series[place] = jax.device_put(filled(seen))
+            self.series[place] = sample
         return self.series[place]
 
     def turned(self, k: int, joint: int) -> list[np.ndarray]:

@@ -11,6 +11,7 @@ from jaxswarm.effects.deflection import deflection
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.identify.forward.link_lag import calm_start
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.sensitivity import Sensitivity
 from jaxswarm.logs.motion import Motion
@@ -82,7 +83,7 @@ def _changed(
     torque, by_q, by_dq, by_ddq = sensed
     joint, count = 0 if own else moving, len(gear[0])
     felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), gear)
-    swings = _lags(*felt, *gear, 1.0 / motion.rate, substeps)
+    swings = _lags(*felt, *gear, 1.0 / motion.rate, calm_start(motion), substeps)
     e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in swings)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
@@ -110,14 +111,14 @@ def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
 
 
 @program("substeps")
-def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, substeps):
+def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, calm, substeps):
     """Lags (T, m) and their derivatives of m options; see :func:`deflection`.
 
     What all options feel alike, (T, 1), stays one signal: written out for each it is most of the work.
     """
 
     def lag(tau, s, c, m, *gear):
-        return deflection(m, c, s, tau, *gear, step, substeps)
+        return deflection(m, c, s, tau, *gear, step, calm, substeps)
 
     alike = torque.shape[1] == 1
     felt = (x[:, 0] if alike else x for x in (torque, by_q, by_dq, by_ddq))

@@ -35,7 +35,6 @@ from jaxswarm.identify.forward.columns import Load, joint_series
 from jaxswarm.identify.forward.measuring_chain import late
 from jaxswarm.logs.motion import Motion
 from jaxswarm.programs import program
-from jaxswarm.swarm import Space, gpso, minimize
 
 _PARTICLES, _STEPS = 12, 10
 # What explains less of the residual than this share on every fold is not refined: it comes to nothing.
@@ -113,6 +112,8 @@ def _refine(
     laws: tuple[TorqueLaw, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
 ):
     """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, d)."""
+    # Swarms load for a tenth of a second what nobody needs where the program is found ready on disk.
+    from jaxswarm.swarm import Space, gpso, minimize
 
     def one_fold(fold, point, gain):
         low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)

@@ -18,6 +18,7 @@ from jaxswarm.diagnose.candidates.link_lag import (
 )
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.link_lag import unseen_rows
 
 # Times the rigid parameters are settled with a dead zone, and every how many-th gap that is done for:
 # the torque is averaged over the moments of the impacts, so that close gaps look alike.
@@ -49,6 +50,10 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     probe = Candidate(term, (), len(law.free(law.nominal())), blur)
     build = _settled_curves if crossing else _curves
     curves = build(lin, term, options, rotor)
+    if not crossing:
+        # Where the fit does not ask a spring, neither does the score.
+        probe = replace(probe, apart=np.concatenate([unseen_rows(m) for m in lin.found.motions]))
+        curves[:, probe.apart] = 0.0
     picks: Sequence[int] = range(len(options))
     if known is None:
         picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]

@@ -12,13 +12,11 @@ from jaxswarm.diagnose.discovery.grammar import MOST_CONSTANTS
 from jaxswarm.diagnose.discovery.machine import LENGTHS, Codes, encode, length_for, run
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import SearchRows, share_of
-from jaxswarm.swarm import Space, de, minimize
 
 # Programs evaluated at once: memory of some tens of megabytes.
 _LANES = 1024
 # Members and steps of the swarm of one program.
 PARTICLES, STEPS = 12, 30
-_UNIT = Space.vector(*np.outer([0.0, 1.0], np.ones(MOST_CONSTANTS)).astype(np.float32))
 
 
 class Box(NamedTuple):
@@ -98,10 +96,13 @@ def _cost(u: jax.Array, args) -> jax.Array:
 @partial(jax.jit, static_argnames="steps")
 def _swarms(programs, low, width, keys, searched: SearchRows, steps: int):
     """A swarm for every program, in a cube around its best point: positions (P, M), shares (P,)."""
+    from jaxswarm.swarm import Space, de, minimize  # a diagnosis without --discover needs no swarm
+
+    unit = Space.vector(*np.outer([0.0, 1.0], np.ones(MOST_CONSTANTS)).astype(np.float32))
 
     def one(program, low, width, key):
         args = (program, low, width, searched)
-        found = minimize(_cost, de(PARTICLES), _UNIT, key, args, num_steps=steps)
+        found = minimize(_cost, de(PARTICLES), unit, key, args, num_steps=steps)
         return low + width * found.params, -found.value
 
     return jax.vmap(one)(programs, low, width, keys)

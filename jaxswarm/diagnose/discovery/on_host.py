@@ -14,7 +14,6 @@ from jaxswarm.diagnose.discovery.on_device import PARTICLES, STEPS
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import OWN, SearchRows
 from jaxswarm.effects.postfix import evaluate
-from jaxswarm.swarm import de
 
 
 def survey(
@@ -68,6 +67,8 @@ def refined(
 @cache
 def _swarm(dimensions: int):
     """How the swarms of several programs start and move, compiled once."""
+    from jaxswarm.swarm import de  # a diagnosis without --discover needs no swarm
+
     optimizer = de(PARTICLES)
     start = jax.vmap(lambda key: optimizer.init(key, dimensions, np.float32))
     advance = jax.vmap(lambda key, state, value: optimizer.update(key, state, value)[0])

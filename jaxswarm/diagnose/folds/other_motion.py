@@ -9,8 +9,8 @@ import numpy as np
 
 from jaxswarm.identify.estimation.estimate import Estimate
 
-# Groups that are tried, and the least number of rows in one.
-_GROUPS, _LEAST_ROWS = (6, 4, 3), 15
+# Groups that are tried, the least number of them, and of rows in one.
+_GROUPS, _FEWEST, _LEAST_ROWS = (6, 4, 3), 3, 15
 
 
 def regions(found: Estimate) -> np.ndarray | None:
@@ -24,10 +24,28 @@ def regions(found: Estimate) -> np.ndarray | None:
     states = np.concatenate(parts)
     spread = states.std(axis=0)
     states = states[:, spread > 1e-9] / spread[spread > 1e-9]
+    labels = []
     for count in _GROUPS if states.shape[1] else ():
         if len(states) < 2 * count * _LEAST_ROWS:
             continue
         _, label = kmeans2(states, count, minit="++", rng=np.random.default_rng(0))
         if (np.bincount(label, minlength=count) >= _LEAST_ROWS).all():
             return label
-    return None
+        labels.append(label)
+    # A few rows far from all others, as point-to-point motion has, are a group by themselves of any number.
+    joined = (_joined(states, label) for label in labels)
+    return next((label for label in joined if label.max() + 1 >= _FEWEST), None)
+
+
+def _joined(states: np.ndarray, label: np.ndarray) -> np.ndarray:
+    """Groups of states (T, d) where each that is too small is one with the group nearest to it."""
+    while True:
+        label = np.unique(label, return_inverse=True)[1]
+        size = np.bincount(label)
+        if len(size) == 1 or size.min() >= _LEAST_ROWS:
+            return label
+        center = np.array([states[label == k].mean(axis=0) for k in range(len(size))])
+        small = int(size.argmin())
+        apart = np.linalg.norm(center - center[small], axis=1)
+        apart[small] = np.inf
+        label[label == small] = apart.argmin()

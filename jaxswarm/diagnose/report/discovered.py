@@ -3,7 +3,7 @@
 from jaxswarm.diagnose.discovery.discover import NoFormula, Search
 from jaxswarm.diagnose.discovery.front import Point
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, Rival
-from jaxswarm.diagnose.report.experiment import Experiment, best_experiment
+from jaxswarm.diagnose.report.experiment import best_experiment
 from jaxswarm.effects.dimensions import field_units, unit_text
 from jaxswarm.effects.formula_file import law_name
 from jaxswarm.effects.formula_text import infix, total
@@ -13,8 +13,6 @@ from jaxswarm.identify.report.summary import term_parameters, with_intervals
 
 # Formulas of the front that are told.
 _MOST = 12
-# A difference below this multiple of the noise is not seen in a log.
-_TOLD = 0.5
 _SYMBOLS = {
     "direction": ("sign(dq_{})", r"\operatorname{{sign}}(\dot q_{{{}}})"),
     "load": ("load_{}", r"\tau_{{l,{}}}"),
@@ -129,18 +127,5 @@ def _alternative(one: Discovery, rival: Rival, joints: tuple[str, ...]) -> dict:
         "latex": rival.term.found_formula.latex(tex),
         "error_on_other_motion": rival.point.error,
         "distance": {"rms": rival.rms, "over_noise": rival.over_noise},
-        "experiment": _words(trial, joints),
+        "experiment": trial.words(joints),
     }
-
-
-def _words(trial: Experiment, joints: tuple[str, ...]) -> str:
-    """Which motion would tell two formulas apart, or that none within the log's ranges does."""
-    if trial.ratio < _TOLD:
-        return (
-            f"no motion within the ranges of this log tells them (at most {trial.ratio:.2g} times the "
-            f"torque noise); move {joints[trial.joint]} further or faster"
-        )
-    return (
-        f"{trial.text}: there the two differ by {trial.ratio:.1f} times the torque noise on "
-        f"{joints[trial.joint]}"
-    )

@@ -5,6 +5,7 @@ the one on which their torques differ most, in units of the torque's noise, is t
 This is design for discrimination (W. G. Hunter, A. M. Reiner, Technometrics 7 (1965)).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from jaxswarm.logs.filtering import Decimator, derivatives
 from jaxswarm.logs.motion import Motion
 
 _RATE = 250.0
+# A difference below the first multiple of the noise is not seen in a log; one below the second is rounding.
+_TOLD, NO_MOTION = 0.5, 0.01
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,23 @@ class Experiment:
     text: str
     ratio: float
     joint: int
+
+    def words(self, joints: Sequence[str]) -> str:
+        """Which motion would tell the two apart, or that none within the log's ranges, or none at all, does."""
+        if self.ratio < NO_MOTION:
+            return (
+                "no motion does, they say the same of all: measure what one of them is about by itself, with a "
+                "weighed load, a second sensor or the setting of the drive"
+            )
+        if self.ratio < _TOLD:
+            return (
+                f"no motion within the ranges of this log tells them (at most {self.ratio:.2g} times the "
+                f"torque noise); move {joints[self.joint]} further or faster"
+            )
+        return (
+            f"{self.text}: there the two differ by {self.ratio:.1f} times the torque noise on "
+            f"{joints[self.joint]}"
+        )
 
 
 def best_experiment(one: Model, other: Model, motion: Motion, joint: int | None) -> Experiment:

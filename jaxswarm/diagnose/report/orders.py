@@ -33,7 +33,7 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
     )
     drawing.ask(
         "torque.png",
-        "torque_overlay",
+        "plots.torque_overlay",
         *signals,
         robot.joints,
         units(robot),
@@ -44,7 +44,7 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
         ("residual_before.png", before, "what the declared model leaves"),
         ("residual.png", diagnosis, "what the final model leaves"),
     ):
-        drawing.ask(name, "residual_dependence", *remaining(one, title))
+        drawing.ask(name, "plots.residual_dependence", *remaining(one, title))
     return signals
 
 

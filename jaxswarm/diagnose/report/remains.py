@@ -72,3 +72,24 @@ def _joined(windows: list[dict]) -> list[dict]:
         else:
             told.append(w)
     return told
+
+
+def look_at(entry: dict) -> list[str]:
+    """What to do about structure that no law explains."""
+    joint = entry["joint"]
+    if not entry["depends_on"]:
+        return [
+            f"Look at {joint} at {when(entry)}: what happens there happens in no known law "
+            "(a push, cables, the controller, dropped samples)."
+        ]
+    names = " and ".join(entry["depends_on"])
+    steps = [
+        f"Vary {names} alone to see the shape on {joint}; a law registered with "
+        "jaxswarm.effects.register becomes a candidate at once."
+    ]
+    if entry.get("in_model"):
+        steps.append(
+            f"model.json holds a smooth function of {names} for {joint}: it predicts what "
+            "no law explains, within the range of this motion."
+        )
+    return steps

@@ -18,11 +18,12 @@ from jaxswarm.diagnose.decision.verdict import (
 )
 from jaxswarm.diagnose.discovery.discover import Search
 from jaxswarm.diagnose.report import discovered
-from jaxswarm.diagnose.report.experiment import best_experiment, separating_command
+from jaxswarm.diagnose.report.experiment import NO_MOTION, best_experiment, separating_command
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
 from jaxswarm.diagnose.selection.step import Addition, Step, with_errors
+from jaxswarm.diagnose.selection.survives import UNSHOWN
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
@@ -148,7 +149,10 @@ def _refusals(diagnosis: Diagnosis, rules: Rules, joints: tuple[str, ...]) -> di
         for s in _ranked(diagnosis.last)[:_MOST_TOLD]
     ]
     return {
-        "refused": [{**place(t, joints), "because": text} for t, text in diagnosis.refused],
+        "refused": [
+            {**place(t, joints), "because": text, "unshown": text == UNSHOWN}
+            for t, text in diagnosis.refused
+        ],
         "asked": diagnosis.asked,
         "not_added": rejected,
     }
@@ -222,11 +226,11 @@ def _undecided(one: Undecided, joints: tuple[str, ...]) -> dict:
     if names[0] == names[1]:
         names = [step.added.label(joints), other.label(joints)]
     trial = best_experiment(step.after.model, one.model, step.after.motions[0], step.added.joint)
+    command = separating_command(step.added, other, joints) if trial.ratio >= NO_MOTION else ""
     return {
         "joint": place(step.added, joints)["joint"],
         "effects": names,
-        "experiment": f"{trial.text}: there the two differ by {trial.ratio:.1f} times the "
-        f"torque noise on {joints[trial.joint]}" + separating_command(step.added, other, joints),
+        "experiment": trial.words(joints) + command,
     }
 
 

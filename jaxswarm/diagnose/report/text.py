@@ -2,7 +2,7 @@
 
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
-from jaxswarm.diagnose.report.remains import left_of, when
+from jaxswarm.diagnose.report.remains import left_of, look_at
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines
 
@@ -70,10 +70,7 @@ def evidence_sentence(result: dict) -> str:
         change += f" before, {percent(after['relative_global'])} after, on {after['on']}"
     added = _found(result)
     left = left_of(result["unexplained"])
-    # A search that was cut short has not asked every law.
-    unknown = (
-        "that the budget left no time for" if result.get("budget") else "that no known law explains"
-    )
+    unknown = _unknown(result)
     sentences = {
         "nothing missing": f"Nothing is missing: no known effect lowers the error on unseen motion "
         f"beyond chance, and what is left is near the noise (error {change}).",
@@ -82,6 +79,21 @@ def evidence_sentence(result: dict) -> str:
         "unexplained": f"Something is missing {unknown}: {left} (error {change}).",
     }
     return sentences[result["verdict"]]
+
+
+def _unknown(result: dict) -> str:
+    """Why what is left has no law, as a clause."""
+    if result.get("budget"):  # a search that was cut short has not asked every law
+        return "that the budget left no time for"
+    if unshown := _unshown(result):
+        names = " or ".join(unshown)
+        return f"that this log cannot show ({names} would help, but no part of it predicts another)"
+    return "that no known law explains"
+
+
+def _unshown(result: dict) -> list[str]:
+    """Laws of the catalog that would lower the error, had the log a part that predicts another."""
+    return [where(entry) for entry in result.get("refused", ()) if entry.get("unshown")]
 
 
 _PROOF = {
@@ -170,10 +182,10 @@ def next_steps(result: dict) -> list[str]:
         steps.append(
             f"No formula for {u['joint']} among {u['programs_tried']} programs: {u['because']}."
         )
-    # A search that was cut short has not asked every law: it has to end first.
-    for u in result["unexplained"] if not result.get("budget") else ():
-        steps += _look_at(u)
-    steps += _not_searched(result)
+    # A search that was cut short, or one that could show nothing, has not asked every law.
+    if not (result.get("budget") or _unshown(result)):
+        steps += [step for u in result["unexplained"] for step in look_at(u)]
+        steps += _not_searched(result)
     return steps + _done(result)
 
 
@@ -197,27 +209,6 @@ def _not_searched(result: dict) -> list[str]:
             "in their place."
         )
     return told
-
-
-def _look_at(entry: dict) -> list[str]:
-    """What to do about structure that no law explains."""
-    joint = entry["joint"]
-    if not entry["depends_on"]:
-        return [
-            f"Look at {joint} at {when(entry)}: what happens there happens in no known law "
-            "(a push, cables, the controller, dropped samples)."
-        ]
-    names = " and ".join(entry["depends_on"])
-    steps = [
-        f"Vary {names} alone to see the shape on {joint}; a law registered with "
-        "jaxswarm.effects.register becomes a candidate at once."
-    ]
-    if entry.get("in_model"):
-        steps.append(
-            f"model.json holds a smooth function of {names} for {joint}: it predicts what "
-            "no law explains, within the range of this motion."
-        )
-    return steps
 
 
 def _done(result: dict) -> list[str]:

@@ -23,6 +23,8 @@ class Search:
         declared: The declared model, with the clocks as they were found.
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
+        barred: Identities of terms that were taken back for another law's, and are not asked any more.
+        kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
         asked: Candidates scored in the first round.
         crossfit: The current model on all folds.
         scores: Of all candidates in the latest round.
@@ -44,6 +46,8 @@ class Search:
     budget: Budget
     steps: list[Step] = field(default_factory=list)
     banned: set = field(default_factory=set)
+    barred: set = field(default_factory=set)
+    kept_out: set = field(default_factory=set)
     asked: int = 0
     crossfit: CrossFit | None = None
     scores: list[Score] = field(default_factory=list)

@@ -13,11 +13,9 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.position_laws import imitates, strays
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score
-from jaxswarm.diagnose.decision.sharpness import only_sharp
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.both_ends import add_both_ends
@@ -30,15 +28,11 @@ from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
+from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
-from jaxswarm.diagnose.selection.take_back import (
-    take_back_events,
-    take_back_harm,
-    take_back_shadows,
-    take_back_stand_ins,
-)
+from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
@@ -86,11 +80,10 @@ def diagnose(
     start = estimate(robot, declared, motions, bounded=False)
     memory = Memory(journal, rules.share)
     search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
-    run_rounds(search, _LACKING, max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints))
-    take_back_harm(search)
-    take_back_events(search)
-    take_back_shadows(search)
-    take_back_stand_ins(search)
+    most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
+    run_rounds(search, _LACKING, most)
+    while take_back(search):
+        run_rounds(search, _LACKING, most)
     if search.steps:
         settle_clocks(search)
         _hold_within_bounds(search)
@@ -122,7 +115,7 @@ def _cross_fit(search: Search) -> CrossFit:
 
 def _eligible(search: Search) -> list[Term]:
     eligible = eligible_terms(search.current.model, search.current.motions)
-    return [t for t in eligible if t.identity not in search.banned]
+    return [t for t in eligible if t.identity not in search.banned | search.barred]
 
 
 def _held(search: Search) -> set:
@@ -134,17 +127,7 @@ def _act(search: Search, passed: list[Score]) -> bool:
 
     What shows at both of its ends at once goes first where it explains more.
     """
-    sharp = only_sharp(passed, search.current, search.folds, len(search.scores), search.rules)
-    for one in sharp:
-        search.refuse(one.candidate.term, "shows only where the motion is sharper than its samples")
-    model, motions = search.current.model, search.current.motions
-    stray = [s for s in passed if strays(s.candidate.term, model.terms, motions)]
-    for one in stray:
-        search.refuse(one.candidate.term, "is no multiple of an order seen through too few periods")
-    bent = [s for s in passed if imitates(s.candidate.term, model.terms, motions)]
-    for one in bent:
-        search.refuse(one.candidate.term, "would be, with another law, any torque of one place")
-    passed = [s for s in passed if s not in (*sharp, *stray, *bent)]
+    passed = that_may_stand(search, passed)
     if add_both_ends(search, passed):
         return True
     return _add_best(search, passed) if passed else _choose_again(search)

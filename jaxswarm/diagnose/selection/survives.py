@@ -49,6 +49,8 @@ from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual, least_known, time_blocks
 from jaxswarm.logs.motion import Motion
 
+UNSHOWN = "cannot be shown: no part of the log predicts another, so record another motion"
+
 
 def stands_in(chosen: Score, current: Estimate, crossfit: CrossFit, seed: int) -> bool:
     """Whether a law only stands in for one that no catalog holds.
@@ -105,7 +107,7 @@ def survives(
         return f"raises the error of {names[joint]} on stretches that the rest of the log predicts"
     elsewhere = list(errors_elsewhere(before, after, other))
     if not stretches and not elsewhere:
-        return "cannot be shown: no part of the log predicts another, so record another motion"
+        return UNSHOWN
     for one, two, falls, rises, where in elsewhere:
         worse = rises & (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
         if worse.any():

@@ -1,6 +1,7 @@
 """What is taken back once nothing more is added: what does harm, and what stands for something else."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +25,26 @@ from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.effects.alike import has, without
 from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def take_back(search: Search) -> bool:
+    """Take back what may not stay; whether a law may now be found that one of these had kept out.
+
+    A stop was told as a cubic spring, beside which no spring with a dead zone may stand, and the cubic spring
+    was taken back as a law of another form: a residual of 59 times the noise, which the other one explains.
+    """
+    before = list(search.steps)
+    take_back_harm(search)
+    take_back_events(search)
+    take_back_shadows(search)
+    take_back_stand_ins(search)
+    gone = [s.added for s in before if not any(s.added is t.added for t in search.steps)]
+    again = {t.joint for t in gone} & search.kept_out
+    search.kept_out -= again
+    search.barred |= {replace(t, values={}).identity for t in gone if t.joint in again}
+    search.banned = {key for key in search.banned if key[1] not in again}
+    search.settled = search.settled and not again
+    return bool(again)
 
 
 def take_back_harm(search: Search) -> None:

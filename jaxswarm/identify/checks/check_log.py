@@ -10,7 +10,6 @@ from jaxswarm.identify.checks.channels import (
     enough,
     unrelated,
     wrong_channels,
-    wrong_unit,
 )
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.dead_torque import dead_torque
@@ -18,6 +17,7 @@ from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, fine_samples, samples_of
+from jaxswarm.identify.checks.torque_unit import wrong_unit
 from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque

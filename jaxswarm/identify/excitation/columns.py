@@ -17,7 +17,6 @@ from jaxswarm.identify.excitation.fourier import within_limits
 from jaxswarm.identify.excitation.limits import Limits
 from jaxswarm.robot import inverse_dynamics, regressor
 from jaxswarm.robot.model import Robot
-from jaxswarm.swarm.optimizers.products import over_columns
 
 # Position, velocity and acceleration along a period, each (n, K).
 _Signal = jax.Array | np.ndarray
@@ -70,6 +69,9 @@ def log_condition(columns: jax.Array) -> jax.Array:
     >>> round(float(jnp.exp(log_condition(jnp.array([[3.0, 0.0], [1.0, 1.0]])))), 4)
     2.4142
     """
+    # A report asks this module what can be planned, and needs no swarm for it.
+    from jaxswarm.swarm.optimizers.products import over_columns
+
     scaled = columns / jnp.maximum(jnp.linalg.norm(columns, axis=1, keepdims=True), 1e-30)
     spectrum = jnp.linalg.eigvalsh(over_columns(scaled, scaled))
     tiny = jnp.finfo(spectrum.dtype).eps

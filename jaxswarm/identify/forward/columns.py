@@ -200,23 +200,29 @@ def joint_series(
     """
     zero = np.zeros(len(motion.t))
     temperature = motion.channels.get("temperature")
-    dq = motion.dq[:, joint]
-    partner = zero if other is None else motion.dq[:, other]
-    return Sample(
+    own = Sample(
         t=motion.t,
         q=motion.q[:, joint],
-        dq=dq,
+        dq=motion.dq[:, joint],
         ddq=motion.ddq[:, joint],
-        direction=direction(dq, width[joint]),
+        direction=direction(motion.dq[:, joint], width[joint]),
         load=zero if load is None else load.full[:, joint],
         static_load=zero if load is None else load.static[:, joint],
         temperature=zero + np.nan if temperature is None else temperature[:, joint],
-        dq_other=partner,
-        ddq_other=zero if other is None else motion.ddq[:, other],
-        direction_sum=zero if other is None else direction(dq + partner, width[joint]),
+        dq_other=zero,
+        ddq_other=zero,
+        direction_sum=zero,
         state=zero,
-        q_other=zero if other is None else motion.q[:, other],
+        q_other=zero,
     )
+    return own if other is None else own._replace(**partner_series(motion, width, joint, other))
+
+
+def partner_series(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
+    """The fields (T,) of :func:`joint_series` that a partner fills, by name."""
+    x = {"dq_other": motion.dq, "ddq_other": motion.ddq, "q_other": motion.q}
+    sum_of = direction(motion.dq[:, joint] + motion.dq[:, other], width[joint])
+    return {**{name: column[:, other] for name, column in x.items()}, "direction_sum": sum_of}
 
 
 def term_columns(

@@ -9,7 +9,12 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, column_names
-from jaxswarm.identify.forward.link_lag import lag_slopes, slope_terms, true_motion
+from jaxswarm.identify.forward.link_lag import (
+    lag_slopes,
+    slope_terms,
+    true_motion,
+    unseen_rows,
+)
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
@@ -110,7 +115,10 @@ def build_regression(
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
         used.append(~event_rows(terms, motion, k))
+        if slope_terms(terms):
+            used[-1] &= ~unseen_rows(motion)
         _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
+    every = np.concatenate(used)
     stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
     _check_rows(stacked, motions[0].source)
@@ -123,7 +131,7 @@ def build_regression(
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
         np.concatenate(shift) if shift else None,
-        np.concatenate(used) if any(t.law.recurring for t in terms) else None,
+        None if np.all(every) and not any(t.law.recurring for t in terms) else every,
     )
 
 

@@ -104,7 +104,7 @@ def order_pictures(
     labels = units(robot)
     drawing.ask(
         "torque.png",
-        "torque_overlay",
+        "plots.torque_overlay",
         motion.t[kept],
         measured,
         predicted,
@@ -114,7 +114,7 @@ def order_pictures(
     )
     drawing.ask(
         "residual.png",
-        "residual_dependence",
+        "plots.residual_dependence",
         measured - predicted,
         {
             "q": motion.q[kept],
@@ -130,7 +130,7 @@ def order_pictures(
     if search is not None:
         drawing.ask(
             "convergence.png",
-            "convergence",
+            "plots.convergence",
             {search.optimizer: np.asarray(search.history)},
             float(search.optimum),
             f"{search.optimizer}: {len(search.costs)} runs against least squares",
