@@ -23,6 +23,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
+from jaxswarm.diagnose.selection.from_declared import fit_from_declared
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
@@ -86,6 +87,7 @@ def diagnose(
         run_rounds(search, _LACKING, most)
     if search.steps:
         settle_clocks(search)
+        fit_from_declared(search, declared, motions)
         _hold_within_bounds(search)
     else:
         _as_identified(search, declared, motions)

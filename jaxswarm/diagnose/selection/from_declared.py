@@ -1,0 +1,70 @@
+"""The final model fitted once more from where the declared one stands: its widths and its clocks.
+
+Clocks and widths of the signs lean on each other and have more than one minimum: a torque read early looks like
+a sharp sign. The loop meets both before anything is added, one after the other, and may end in the worse one,
+where the declared model alone does not. On a world (w2735) all widths came out as 0.0022 rad/s where 0.0024 to
+0.014 are true, the squared error 3 % larger, and the error on point-to-point motion ten times the declared
+model's.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks, with_clocks
+from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.logs.motion import Motion, shift_motion
+
+# Widths whose logarithms are nearer lie in one valley, as where a fit is trusted to have found them by itself.
+_NEAR = 0.3
+# A fall of the weighted squares that one more parameter brings by chance once in twenty logs.
+_CHANCE = 4.0
+
+
+def fit_from_declared(
+    search: Search, declared: tuple[Term, ...], motions: Sequence[Motion]
+) -> None:
+    """Replace the current fit by the one from the declared model's widths and clocks, where that is better.
+
+    Args:
+        search: With everything added.
+        declared: Terms the user knows of.
+        motions: Prepared logs, their clocks as read.
+    """
+    current = search.current
+    terms = current.model.terms
+    directed = any(t.law.uses_direction for t in terms)
+    if not directed or any(isinstance(t.law, MeasurementLaw) and t.law.clock for t in terms):
+        return
+    alone = estimate_with_clocks(current.model.robot, declared, list(motions))
+    width, skew = alone.model.width, alone.motions[0].skew
+    del alone
+    if np.abs(np.log(np.divide(width, current.model.width))).max() < _NEAR:
+        return
+    again = with_clocks(_fit_at(current, width, skew - current.motions[0].skew))
+    sigma = current.fit.sigma
+    if weighted_cost(again.fit.residual, sigma) + _CHANCE < weighted_cost(
+        current.fit.residual, sigma
+    ):
+        search.current = with_motion_noise(again, search.seed)
+        search.crossfit = cross_fit(search.current)
+
+
+def _fit_at(current: Estimate, width: tuple[float, ...], late: float) -> Estimate:
+    """The current terms fitted from other widths, to logs whose motion is moved against the torque."""
+    model = current.model
+    return estimate(
+        model.robot,
+        model.terms,
+        tuple(shift_motion(m, late) for m in current.motions),
+        width=width,
+        refine_width=True,
+        bounded=False,
+        start=np.asarray(model.robot.parameters).ravel(),
+    )

@@ -1,0 +1,57 @@
+"""The final model is not left with worse widths and clocks than the declared one has."""
+
+import numpy as np
+import pytest
+from planted import BAND, blank, log_with, small_arm
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.from_declared import fit_from_declared
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare, shift_motion
+
+SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
+WITH_SPRING = (*blank(), Term("joint_spring", 0))
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return prepare(log_with(SPRING), BAND)
+
+
+def search_of(found) -> Search:
+    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+
+
+def test_a_fit_that_is_stuck_begins_where_the_declared_model_stands(motion):
+    best = estimate(small_arm(), WITH_SPRING, [motion], bounded=False)
+    early = shift_motion(motion, -2e-3)
+    width = tuple(np.multiply(8.0, best.model.width))
+    stuck = estimate(small_arm(), WITH_SPRING, [early], width=width, bounded=False)
+    search = search_of(stuck)
+    fit_from_declared(search, blank(), [motion])
+    sigma = best.fit.sigma
+    cost = [((one.fit.residual / sigma) ** 2).sum() for one in (best, search.current, stuck)]
+    assert cost[1] < 1.01 * cost[0] < 0.9 * cost[2]
+    np.testing.assert_allclose(search.current.model.width, best.model.width, rtol=0.1)
+    assert search.current.motions[0].skew == pytest.approx(0.0, abs=2e-4)
+    assert [t.identity for t in search.current.model.terms] == [t.identity for t in WITH_SPRING]
+
+
+def test_a_fit_in_the_same_valley_stays(motion):
+    found = estimate(small_arm(), WITH_SPRING, [motion], bounded=False)
+    search = search_of(found)
+    fit_from_declared(search, blank(), [motion])
+    assert search.current is found
+
+
+def test_a_delay_that_was_added_says_when_torques_are_read(motion):
+    terms = (*WITH_SPRING, Term("time_delay"))
+    width = (0.5, 0.5)
+    found = estimate(small_arm(), terms, [motion], width=width, bounded=False)
+    search = search_of(found)
+    fit_from_declared(search, blank(), [motion])
+    assert search.current is found
