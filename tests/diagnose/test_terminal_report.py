@@ -133,3 +133,24 @@ def test_what_a_log_cannot_show_is_not_told_as_no_known_law():
     assert not [step for step in next_steps(told) if step.startswith(("Look at", "Vary"))]
     told["refused"] = []
     assert "no known law" in evidence_sentence(told)
+
+
+def test_a_candidate_that_only_more_data_can_confirm_is_offered():
+    """A drift that would take off 82 % of a joint at 19 times its noise stood in no sentence."""
+    told = unexplained()
+    joint = told["unexplained"][0]["joint"]
+    one = {"effect": "thermal_drift", "joint": joint, "share_of_error": 0.82, "p_value": 0.0035}
+    chance = {**one, "rejected_because": ["may be chance, given how many candidates were asked"]}
+    cases = {
+        "told": chance,
+        "too little": {**chance, "share_of_error": 0.3},
+        "elsewhere": {**chance, "joint": "another"},
+        "against physics": {**one, "rejected_because": [*chance["rejected_because"], "x"]},
+    }
+    for kind, item in cases.items():
+        told["not_added"] = [item]
+        offered = [step for step in next_steps(told) if "thermal_drift" in step]
+        assert len(offered) == (kind == "told"), kind
+    told["not_added"] = [chance]
+    (line,) = [step for step in next_steps(told) if "thermal_drift" in step]
+    assert f"82 % of the error of {joint}" in line and "p = 0.0035" in line

@@ -7,6 +7,9 @@ from jaxswarm.diagnose.report.numbers import percent
 # Why one that passed was not added: the refit, or the time that was given.
 _UNCONFIRMED = "the refit did not confirm it"
 _OUT_OF_TIME = "the budget ended the search before it was added"
+_CHANCE = "may be chance, given how many candidates were asked"
+# A candidate that takes off less of a joint's error than this is not worth another record.
+_MOST_OF_IT = 0.5
 
 
 def refusal(item: Score, rules: Rules, asked: int, spent: bool = False) -> dict:
@@ -30,7 +33,7 @@ def refusal(item: Score, rules: Rules, asked: int, spent: bool = False) -> dict:
     ):
         reasons.append("too small to matter beside noise and torque")
     if item.p_value * asked >= rules.significance:
-        reasons.append("may be chance, given how many candidates were asked")
+        reasons.append(_CHANCE)
     if not item.allowed:
         reasons.append("sign or size against physics")
     if item.repeats < rules.repeat:
@@ -42,3 +45,21 @@ def refusal(item: Score, rules: Rules, asked: int, spent: bool = False) -> dict:
         "p_value": item.p_value,
         "rejected_because": reasons or [_OUT_OF_TIME if spent else _UNCONFIRMED],
     }
+
+
+def worth_a_longer_log(refused: list[dict], joint: str) -> list[str]:
+    """What takes off most of a joint's error, passes all rules and would be added if more data said the same.
+
+    Args:
+        refused: Of ``not_added``.
+        joint: Name of a joint that is left with structure.
+    """
+    return [
+        f"{item['effect']} would take off {percent(item['share_of_error'], 0)} of the error of {joint}, but in "
+        f"a log as short as this one that may be chance (p = {item['p_value']:.2g}): record a longer log, or "
+        "another motion beside it."
+        for item in refused
+        if item["joint"] == joint
+        and item["share_of_error"] >= _MOST_OF_IT
+        and item["rejected_because"] == [_CHANCE]
+    ][:1]

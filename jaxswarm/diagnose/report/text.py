@@ -2,6 +2,7 @@
 
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
+from jaxswarm.diagnose.report.refusal import worth_a_longer_log
 from jaxswarm.diagnose.report.remains import left_of, look_at
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines
@@ -184,7 +185,8 @@ def next_steps(result: dict) -> list[str]:
         )
     # A search that was cut short, or one that could show nothing, has not asked every law.
     if not (result.get("budget") or _unshown(result)):
-        steps += [step for u in result["unexplained"] for step in look_at(u)]
+        for u in result["unexplained"]:
+            steps += look_at(u) + worth_a_longer_log(result["not_added"], u["joint"])
         steps += _not_searched(result)
     return steps + _done(result)
 
