@@ -8,7 +8,7 @@ import numpy as np
 from jaxswarm import outputs
 from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.model import Model, load_model, model_torque
-from jaxswarm.identify.forward.seen import beyond_seen
+from jaxswarm.identify.forward.seen import begun_before, beyond_seen
 from jaxswarm.identify.run import refuse_missing_channels
 from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.clock import with_sample_times
@@ -66,5 +66,6 @@ def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
         predicted = model_torque(model, motion)
         for j, column in enumerate(predicted.T):
             torque[part, j] = np.interp(own[part], motion.t, column)
-    noted = replace(noted, notes=(*noted.notes, *beyond_seen(model, motions)))
+    unseen = (*beyond_seen(model, motions), *begun_before(model, motions))
+    noted = replace(noted, notes=(*noted.notes, *unseen))
     return noted, torque, motions

@@ -15,6 +15,7 @@ from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
+from jaxswarm.identify.report.console import unscored_lines
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
@@ -145,6 +146,7 @@ def identify(
 def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:
     rows = error_rows(report)
     notes = [f"{log['source']}: {note}" for log in report["logs"] for note in log["notes"]]
+    notes += unscored_lines(rows)
     tables = (
         error_table(report["robot"], rows, report["joints"], report["torque_units"]),
         base_table(report["base_parameters"]),

@@ -3,12 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 
+from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere, residuals_on, rms
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.estimation.estimate import estimate
+from jaxswarm.identify.estimation.validate import log_errors
 from jaxswarm.identify.forward.link_lag import unseen_start
+from jaxswarm.identify.forward.seen import begun_before
 from jaxswarm.identify.synthetic import fourier_motion
 from jaxswarm.logs import log_from_arrays
 from jaxswarm.logs.motion import Filtering, prepare
@@ -40,15 +44,51 @@ def recorded():
     return log_from_arrays(t, q, tau, dq=dq, joints=("joint1",))
 
 
-def test_a_log_that_begins_in_mid_swing_tells_the_spring():
-    terms = parse_terms("viscous_friction,coulomb_friction,joint_elasticity", ("joint1",))
+@pytest.fixture(scope="module")
+def motion():
+    return prepare(recorded(), Filtering(30.0, 15.0))
+
+
+def fitted(motion, effects):
+    terms = parse_terms(effects, ("joint1",))
     near = {"k": 700.0, "d": 6.0}
     terms = tuple(replace(t, values=near) if "k" in t.law.nominal() else t for t in terms)
-    found = estimate(arm(), terms, [prepare(recorded(), Filtering(30.0, 15.0))])
+    return estimate(arm(), terms, [motion])
+
+
+@pytest.fixture(scope="module")
+def found(motion):
+    return fitted(motion, "viscous_friction,coulomb_friction,joint_elasticity")
+
+
+def test_a_log_that_begins_in_mid_swing_tells_the_spring(found):
     # Begun in equilibrium at the first sample it is told 22 % too soft, and leaves 0.64 N m. The swing that is
     # left after two seconds, a hundredth of it, still shows in the damping.
     assert abs(found.model.terms[-1].values["k"] / STIFFNESS - 1.0) < 0.04
     assert found.fit.sigma[0] < 0.03
+
+
+def test_a_swing_that_nobody_saw_begin_is_not_scored(found, motion):
+    """As another log, it counts from where the link is calm."""
+    scored, whole = log_errors(found.model, motion), log_errors(found.model, motion, terms=())
+    assert scored["left_out_s"] == 2.0 and whole["left_out_s"] == 0.0
+    assert scored["rms"][0] < 0.03 and scored["wideband"]["rms"][0] < 0.05
+    assert whole["rms"][0] > 10.0 * scored["rms"][0]
+    (note,) = begun_before(found.model, [motion])
+    assert "first 2 s" in note and "at rest" in note
+    rigid = replace(found.model, terms=found.model.terms[:-1])
+    assert not begun_before(rigid, [motion])
+
+
+def test_two_models_are_compared_where_neither_link_swings_unseen(found, motion):
+    """Over all rows the swing hides that the spring is what was missing."""
+    rigid = fitted(motion, "viscous_friction,coulomb_friction")
+    one, two, moving = residuals_on(rigid, found, motion)
+    assert len(one) == len(two) == len(moving) < len(residuals_on(rigid, rigid, motion)[0])
+    assert rms(two)[0] < 0.3 * rms(one)[0]
+    ((before, after, falls, rises, _),) = errors_elsewhere(rigid, found, [motion])
+    assert before[0] == rms(one)[0] and after[0] == rms(two)[0]
+    assert falls[0] and not rises[0]
 
 
 def test_only_a_log_that_begins_in_motion_is_doubted():

@@ -5,7 +5,7 @@ from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
 from jaxswarm.diagnose.report.remains import left_of, look_at
 from jaxswarm.effects import REGISTRY
-from jaxswarm.identify.report.console import clock_lines
+from jaxswarm.identify.report.console import clock_lines, unscored_lines
 
 # A joint below so many times its noise is told to be left alone.
 _DONE = 2.0
@@ -232,4 +232,5 @@ def log_notes(result: dict) -> list[str]:
     told = {f"{item['log']}: {item['what']}": None for item in result.get("findings", ())}
     if not told:
         told = {note: None for log in result.get("logs", ()) for note in log["notes"]}
-    return [*told, *clock_lines(result)]
+    scored = {entry["on"]: entry["after"] for entry in result["error"].get("validation") or []}
+    return [*told, *unscored_lines(scored), *clock_lines(result)]

@@ -8,6 +8,7 @@ from jaxswarm.diagnose.decision.rules import CERTAIN, GAIN
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual
+from jaxswarm.identify.forward.link_lag import slope_terms, unseen_rows
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion, with_skew_of
@@ -27,8 +28,7 @@ def errors_elsewhere(
     """
     if other:
         for motion in other:
-            one, two = (log_residual(e, motion) for e in (before, after))
-            yield *compared(one, two, _moving(motion)), "on " + motion.source
+            yield *compared(*residuals_on(before, after, motion)), "on " + motion.source
         return
     label = regions(before)
     if label is None or len(label) != len(after.regression.torque):
@@ -37,6 +37,20 @@ def errors_elsewhere(
     one, two = (held_out_residual(e, block=label)[used] for e in (before, after))
     moving = before.regression.moving[used]
     yield *compared(one, two, moving), "on held-out regions of the motion"
+
+
+def residuals_on(
+    before: Estimate, after: Estimate, motion: Motion
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Residuals of two fits on another log, and whether each joint moves, (T, n) each, at the same rows.
+
+    Where a link on a spring of either may swing by what was before the log, neither is compared.
+    """
+    one, two, moving = log_residual(before, motion), log_residual(after, motion), _moving(motion)
+    if not slope_terms((*before.model.terms, *after.model.terms)):
+        return one, two, moving
+    seen = ~unseen_rows(motion)[_inside(motion)]
+    return one[seen], two[seen], moving[seen]
 
 
 def compared(

@@ -10,7 +10,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.rules import GAIN
 from jaxswarm.diagnose.decision.score import Score
-from jaxswarm.diagnose.selection.elsewhere import log_residual, rms
+from jaxswarm.diagnose.selection.elsewhere import residuals_on, rms
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
@@ -18,8 +18,9 @@ from jaxswarm.logs.motion import Motion
 
 def left_elsewhere(after: Estimate, before: Estimate, joint: int, other: Sequence[Motion]) -> float:
     """Largest ratio, over other logs, of a joint's errors under two fits."""
-    pairs = [[rms(log_residual(e, motion))[joint] for e in (after, before)] for motion in other]
-    return float(max(one / max(two, 1e-300) for one, two in pairs))
+    pairs = (residuals_on(before, after, motion)[:2] for motion in other)
+    errors = ((rms(one)[joint], rms(two)[joint]) for one, two in pairs)
+    return float(max(two / max(one, 1e-300) for one, two in errors))
 
 
 def best_elsewhere(

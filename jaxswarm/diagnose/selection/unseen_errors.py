@@ -15,7 +15,8 @@ class UnseenErrors:
     Args:
         validation: Stretches of the validation logs; those of one log have one source.
         before, after: The declared and the final model: they decide which log is the worst, the one on
-            which the error grew most or fell least.
+            which the error grew most or fell least, and, by the links that swing in either, what of a
+            log is not scored.
     """
 
     def __init__(self, validation: Sequence[Motion], before: Estimate, after: Estimate):
@@ -23,6 +24,7 @@ class UnseenErrors:
         for motion in validation:
             self.logs.setdefault(motion.source, []).append(motion)
         self.worst = None
+        self._terms = *before.model.terms, *after.model.terms
         if self.logs:
             change = {
                 source: self._on(after.model, source)["relative_global"]
@@ -54,4 +56,4 @@ class UnseenErrors:
         return {**self._on(model, self.worst), "on": Path(self.worst).name}
 
     def _on(self, model: Model, source: str) -> dict:
-        return log_errors(model.during(None), *self.logs[source])
+        return log_errors(model.during(None), *self.logs[source], terms=self._terms)

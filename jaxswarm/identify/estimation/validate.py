@@ -1,41 +1,53 @@
 """Errors on motion that was not fitted: another log, or blocks of time held out one after the other."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import scipy
 
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.least_squares import joint_factors, triangular_factor, values_on
+from jaxswarm.identify.forward.link_lag import slope_terms, unseen_samples, unseen_start
 from jaxswarm.identify.forward.metrics import is_moving, torque_errors
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
 
 
-def log_errors(model: Model, *motions: Motion) -> dict:
+def log_errors(model: Model, *motions: Motion, terms: Sequence[Term] | None = None) -> dict:
     """Errors of a model on one log, in the band that is compared and over the whole signal.
+
+    A link on a spring may swing in the first seconds by what was before the log. Nobody can predict that: it
+    is left out, as it is of a fit.
 
     Args:
         model: The model.
         motions: The log's stretches between gaps, at least one.
+        terms: Terms whose links are thought of; those of the model by default. Models that are compared have
+            to leave out the same.
 
     Returns:
         :func:`torque_errors` of the low-passed torque, with ``wideband`` the same of the torque as
-        measured, and ``torque_cutoff`` [Hz].
+        measured, ``torque_cutoff`` [Hz], and ``left_out_s``, how much is not scored [s].
     """
-    predicted = [model_torque(model, motion) for motion in motions]
-    moving = is_moving(np.concatenate([motion.dq for motion in motions]))
-    ends = np.cumsum([0, *(len(motion.t) for motion in motions)])
-    kept = [start + m.decimator.kept(len(m.t)) for start, m in zip(ends, motions, strict=False)]
-    errors = torque_errors(
-        np.concatenate([m.low_torque for m in motions]),
-        np.concatenate([m.decimator.apply(p) for m, p in zip(motions, predicted, strict=True)]),
-        moving[np.concatenate(kept)],
-    )
-    measured = np.concatenate([motion.tau for motion in motions])
-    errors["wideband"] = torque_errors(measured, np.concatenate(predicted), moving)
+    swinging = bool(slope_terms(tuple(model.terms if terms is None else terms)))
+    parts = [_compared(model, motion, swinging) for motion in motions]
+    low, measured = zip(*parts, strict=True)
+    errors = torque_errors(*map(np.concatenate, zip(*low, strict=True)))
+    errors["wideband"] = torque_errors(*map(np.concatenate, zip(*measured, strict=True)))
     errors["torque_cutoff"] = motions[0].torque_cutoff
+    errors["left_out_s"] = float(sum(unseen_start(m) for m in motions)) if swinging else 0.0
     return errors
+
+
+def _compared(model: Model, motion: Motion, swinging: bool) -> tuple[tuple, tuple]:
+    """Torque, prediction and whether each joint moves, below the torque's cutoff and as measured."""
+    scored = ~unseen_samples(motion) if swinging else np.ones(len(motion.t), dtype=bool)
+    kept = motion.decimator.kept(len(motion.t))
+    predicted, moving = model_torque(model, motion), is_moving(motion.dq)
+    low = motion.low_torque, motion.decimator.apply(predicted), moving[kept]
+    wide = np.asarray(motion.tau), predicted, moving
+    return tuple(x[scored[kept]] for x in low), tuple(x[scored] for x in wide)
 
 
 def time_blocks(log: np.ndarray, count: int) -> np.ndarray:

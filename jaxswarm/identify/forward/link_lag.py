@@ -52,10 +52,14 @@ def calm_start(motion: Motion) -> np.int32:
     return np.int32(round(unseen_start(motion) * motion.rate))
 
 
+def unseen_samples(motion: Motion) -> np.ndarray:
+    """The samples of a log (T,) in which a link may still swing by what was before it."""
+    return motion.t - motion.t[0] < unseen_start(motion)
+
+
 def unseen_rows(motion: Motion) -> np.ndarray:
     """The rows of a regression (T',) in which a link may still swing by what was before the log."""
-    since = motion.t[motion.decimator.kept(len(motion.t))] - motion.t[0]
-    return since < unseen_start(motion)
+    return unseen_samples(motion)[motion.decimator.kept(len(motion.t))]
 
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:

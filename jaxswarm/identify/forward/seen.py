@@ -1,9 +1,10 @@
-"""Where a found law was seen, against a motion on which it is asked."""
+"""What a model was not shown of a motion on which it is asked: ranges of found laws, a swing that had begun."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.identify.forward.link_lag import slope_terms, unseen_start
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
@@ -34,3 +35,18 @@ def beyond_seen(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
                     f"it was seen for {kind}_{joints[place]} from {low:.3g} to {high:.3g} only."
                 )
     return tuple(told)
+
+
+def begun_before(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
+    """A sentence on the time in which a link of the model may swing by what was before the motion."""
+    if not slope_terms(model.terms):
+        return ()
+    return tuple(swing_note(start) for start in map(unseen_start, motions) if start > 0.0)
+
+
+def swing_note(seconds: float) -> str:
+    """What cannot be known of the first seconds of a log."""
+    return (
+        f"The first {seconds:.2g} s are neither fitted nor scored: the log begins in motion, and a link on a "
+        "spring may still swing by what was before it. Begin logs at rest."
+    )

@@ -1,9 +1,11 @@
 """The result of ``identify`` as tables on a terminal."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from rich.console import Console
 
+from jaxswarm.identify.forward.seen import swing_note
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.summary import SOUND
 
@@ -19,7 +21,7 @@ def print_identification(report: dict, out: Path) -> None:
     console.print(error_table(report["robot"], errors, report["joints"], report["torque_units"]))
     console.print("", base_table(report["base_parameters"]), sep="\n")
     console.print()
-    for line in clock_lines(report) + consistency_lines(report) + estimator_lines(report):
+    for line in remarks(report):
         console.print(line)
     search = report["optimizer"]
     if search["name"] != "least_squares":
@@ -49,6 +51,22 @@ def summary_line(report: dict) -> str:
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         told += f"; {verdict}: {', '.join(names[:_MOST_NAMED])}{more}" if names else ""
     return f"{told}."
+
+
+def remarks(report: dict) -> list[str]:
+    """What a reader has to know beside the tables."""
+    return [
+        *clock_lines(report),
+        *unscored_lines(error_rows(report)),
+        *consistency_lines(report),
+        *estimator_lines(report),
+    ]
+
+
+def unscored_lines(errors: Mapping[str, dict]) -> list[str]:
+    """What is not scored of logs, by their names."""
+    unscored = {name: e["left_out_s"] for name, e in errors.items() if e.get("left_out_s")}
+    return [f"{name}: {swing_note(seconds)}" for name, seconds in unscored.items()]
 
 
 def clock_lines(report: dict) -> list[str]:
