@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import CERTAIN, GAIN
+from jaxswarm.diagnose.decision.rules import CERTAIN, EVENTFUL, GAIN
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.validate import held_out_residual
+from jaxswarm.identify.estimation.validate import held_out_residual, outside
 from jaxswarm.identify.forward.link_lag import slope_terms, unseen_rows
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -44,13 +44,35 @@ def residuals_on(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Residuals of two fits on another log, and whether each joint moves, (T, n) each, at the same rows.
 
-    Where a link on a spring of either may swing by what was before the log, neither is compared.
+    Where a link on a spring of either may swing by what was before the log, neither is compared, nor where
+    an event was.
     """
-    one, two, moving = log_residual(before, motion), log_residual(after, motion), _moving(motion)
-    if not slope_terms((*before.model.terms, *after.model.terms)):
-        return one, two, moving
-    seen = ~unseen_rows(motion)[_inside(motion)]
-    return one[seen], two[seen], moving[seen]
+    seen = outside(_times(motion), event_windows(before, after, motion))
+    if slope_terms((*before.model.terms, *after.model.terms)):
+        seen &= ~unseen_rows(motion)[_inside(motion)]
+    pair = (log_residual(e, motion)[seen] for e in (before, after))
+    return *pair, _moving(motion)[seen]
+
+
+def event_windows(
+    before: Estimate, after: Estimate, motion: Motion
+) -> tuple[tuple[float, float], ...]:
+    """Stretches of another log [s] in which two models leave far more than in most of it.
+
+    What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a push
+    of 0.8 s had true Stribeck friction of another log refused.
+    """
+    left = [np.square(log_residual(e, motion)) for e in (before, after)]
+    blocks = np.array_split(np.minimum(*left), min(_BLOCKS, len(left[0])))
+    power = np.array([block.mean(axis=0) for block in blocks])
+    eventful = (power > EVENTFUL * np.median(power, axis=0)).any(axis=1)
+    times = np.array_split(_times(motion), len(blocks))
+    found: list[tuple[float, float]] = []
+    for number in np.flatnonzero(eventful):
+        begin, end = float(times[number][0]), float(times[number][-1])
+        joins = number > 0 and eventful[number - 1]
+        found.append((found.pop()[0] if joins else begin, end))
+    return tuple(found)
 
 
 def compared(
@@ -79,6 +101,11 @@ def _inside(motion: Motion) -> np.ndarray:
     kept = motion.t[motion.decimator.kept(len(motion.t))]
     inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)
     return inside if inside.any() else np.ones_like(inside)
+
+
+def _times(motion: Motion) -> np.ndarray:
+    """Times [s] of the rows of :func:`log_residual`, (T,)."""
+    return motion.t[motion.decimator.kept(len(motion.t))][_inside(motion)]
 
 
 def _moving(motion: Motion) -> np.ndarray:

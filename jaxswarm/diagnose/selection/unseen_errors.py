@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from jaxswarm.diagnose.selection.elsewhere import event_windows
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
 from jaxswarm.identify.forward.model import Model
@@ -15,8 +17,8 @@ class UnseenErrors:
     Args:
         validation: Stretches of the validation logs; those of one log have one source.
         before, after: The declared and the final model: they decide which log is the worst, the one on
-            which the error grew most or fell least, and, by the links that swing in either, what of a
-            log is not scored.
+            which the error grew most or fell least, and what of a log is not scored: the swing of a link
+            that nobody saw begin, and stretches in which both leave far more than in most.
     """
 
     def __init__(self, validation: Sequence[Motion], before: Estimate, after: Estimate):
@@ -25,6 +27,10 @@ class UnseenErrors:
             self.logs.setdefault(motion.source, []).append(motion)
         self.worst = None
         self._terms = *before.model.terms, *after.model.terms
+        self._events = {
+            source: [window for m in motions for window in event_windows(before, after, m)]
+            for source, motions in self.logs.items()
+        }
         if self.logs:
             change = {
                 source: self._on(after.model, source)["relative_global"]
@@ -56,4 +62,5 @@ class UnseenErrors:
         return {**self._on(model, self.worst), "on": Path(self.worst).name}
 
     def _on(self, model: Model, source: str) -> dict:
-        return log_errors(model.during(None), *self.logs[source], terms=self._terms)
+        left_out: dict[str, Any] = {"terms": self._terms, "events": self._events[source]}
+        return log_errors(model.during(None), *self.logs[source], **left_out)

@@ -14,7 +14,12 @@ from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
 
 
-def log_errors(model: Model, *motions: Motion, terms: Sequence[Term] | None = None) -> dict:
+def log_errors(
+    model: Model,
+    *motions: Motion,
+    terms: Sequence[Term] | None = None,
+    events: Sequence[tuple[float, float]] = (),
+) -> dict:
     """Errors of a model on one log, in the band that is compared and over the whole signal.
 
     A link on a spring may swing in the first seconds by what was before the log. Nobody can predict that: it
@@ -25,24 +30,39 @@ def log_errors(model: Model, *motions: Motion, terms: Sequence[Term] | None = No
         motions: The log's stretches between gaps, at least one.
         terms: Terms whose links are thought of; those of the model by default. Models that are compared have
             to leave out the same.
+        events: Stretches of the log [s] that are left out too.
 
     Returns:
         :func:`torque_errors` of the low-passed torque, with ``wideband`` the same of the torque as
-        measured, ``torque_cutoff`` [Hz], and ``left_out_s``, how much is not scored [s].
+        measured, ``torque_cutoff`` [Hz], and what is not scored: ``left_out_s``, how much at the start [s],
+        and ``events``, begins and ends [s].
     """
     swinging = bool(slope_terms(tuple(model.terms if terms is None else terms)))
-    parts = [_compared(model, motion, swinging) for motion in motions]
+    scored = [outside(m.t, events) & ~(swinging & unseen_samples(m)) for m in motions]
+    parts = [_compared(model, m, rows) for m, rows in zip(motions, scored, strict=True)]
     low, measured = zip(*parts, strict=True)
     errors = torque_errors(*map(np.concatenate, zip(*low, strict=True)))
     errors["wideband"] = torque_errors(*map(np.concatenate, zip(*measured, strict=True)))
     errors["torque_cutoff"] = motions[0].torque_cutoff
     errors["left_out_s"] = float(sum(unseen_start(m) for m in motions)) if swinging else 0.0
+    errors["events"] = [{"start": start, "end": end} for start, end in events]
     return errors
 
 
-def _compared(model: Model, motion: Motion, swinging: bool) -> tuple[tuple, tuple]:
+def outside(t: np.ndarray, events: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Whether times (T,) lie outside of all stretches.
+
+    >>> outside(np.array([0.0, 1.0, 2.0]), [(0.5, 1.0)]).tolist()
+    [True, False, True]
+    """
+    calm = np.ones(len(t), dtype=bool)
+    for start, end in events:
+        calm &= (t < start) | (t > end)
+    return calm
+
+
+def _compared(model: Model, motion: Motion, scored: np.ndarray) -> tuple[tuple, tuple]:
     """Torque, prediction and whether each joint moves, below the torque's cutoff and as measured."""
-    scored = ~unseen_samples(motion) if swinging else np.ones(len(motion.t), dtype=bool)
     kept = motion.decimator.kept(len(motion.t))
     predicted, moving = model_torque(model, motion), is_moving(motion.dq)
     low = motion.low_torque, motion.decimator.apply(predicted), moving[kept]

@@ -69,6 +69,20 @@ def unscored_lines(errors: Mapping[str, dict]) -> list[str]:
     return [f"{name}: {swing_note(seconds)}" for name, seconds in unscored.items()]
 
 
+def event_lines(errors: Mapping[str, dict]) -> list[str]:
+    """What is not scored of logs, by their names, since something happened there."""
+    spans = {
+        name: ", ".join(f"{w['start']:.3g}-{w['end']:.3g} s" for w in e["events"])
+        for name, e in errors.items()
+        if e.get("events")
+    }
+    return [
+        f"{name}: {span} is not scored: every model leaves far more there than in most of the log. Look at "
+        "what happened then, a contact or a stop."
+        for name, span in spans.items()
+    ]
+
+
 def clock_lines(report: dict) -> list[str]:
     """By how much the clocks of torque and position are apart, where they are."""
     skew = report.get("filtering", {}).get("clock_skew_s", 0.0)
