@@ -1,6 +1,6 @@
 """``diagnose --model``: what changed since a model was identified, from files to files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,6 +26,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import Model, load_model
+from jaxswarm.identify.forward.regression import event_rows
 from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_resting_joints
@@ -122,7 +123,10 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
     measured, moving = found.before.regression.torque, found.before.regression.moving
     if not unseen:
         before = _errors(measured, found.before.fit.residual, moving)
-        after_each = [_errors(measured, r, moving) for r in found.unseen]
+        after_each = [
+            _errors(measured[used], left[used], moving[used])
+            for left, used in zip(found.unseen, _rows_used(found), strict=True)
+        ]
         result["error"]["before"] = before
         result["error"]["after"] = after_each[-1] if after_each else before
         for step, one, other in zip(
@@ -131,6 +135,14 @@ def conclude_comparison(found: Comparison, unseen, seed: int, progress=lambda te
             step["before"], step["after"] = one, other
     result["declared"] = [place(t, robot.joints) for t in found.before.model.terms]
     return result, diagnosis, left
+
+
+def _rows_used(found: Comparison) -> Iterator[np.ndarray]:
+    """The rows (T,) that the model with each further change is held against: those of no event it has."""
+    terms = [change.term for change in found.changes]
+    for count in range(1, len(terms) + 1):
+        within = [event_rows(terms[:count], m, k) for k, m in enumerate(found.before.motions)]
+        yield ~np.concatenate(within)
 
 
 def _errors(measured: np.ndarray, residual: np.ndarray, moving: np.ndarray) -> dict:

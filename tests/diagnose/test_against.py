@@ -104,3 +104,14 @@ def test_what_no_law_explains_is_told_against_an_earlier_model_too(model):
     # The earlier model is not refitted: it takes up nothing of what the smooth term says.
     assert not left[0].change.any()
     assert left[0].change.shape == found.after.fit.theta.shape
+
+
+def test_the_rows_of_a_contact_are_no_error_of_the_model_that_has_it(model):
+    log = log_of(upright_arm(), DECLARED, 9)
+    tau = log.tau + np.array([8.0, -12.0]) * ((log.t > 6.0) & (log.t < 6.7))[:, None]
+    found = compare(model, [prepare(replace(log, tau=tau), BAND)])
+    assert [c.term.effect for c in found.changes] == ["contact"]
+    error = conclude_comparison(found, [], 0)[0]["error"]
+    noise = np.array(error["noise_floor"]["rms"])
+    assert (np.array(error["before"]["rms"]) > 10.0 * noise).all()
+    assert (np.array(error["after"]["rms"]) < 1.5 * noise).all()

@@ -59,8 +59,8 @@ def event_windows(
 ) -> tuple[tuple[float, float], ...]:
     """Stretches of another log [s] in which two models leave far more than in most of it.
 
-    What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a push
-    of 0.8 s had true Stribeck friction of another log refused.
+    What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a
+    push of 0.8 s had true Stribeck friction of another log refused.
     """
     left = [np.square(log_residual(e, motion)) for e in (before, after)]
     blocks = np.array_split(np.minimum(*left), min(_BLOCKS, len(left[0])))
