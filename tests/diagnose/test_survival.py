@@ -68,6 +68,21 @@ def test_a_change_that_a_stretch_alone_tells_is_not_judged_without_it(begin):
     assert survives(before, true, 0) is None
 
 
+def test_what_an_addition_alone_lets_the_log_predict_is_shown():
+    """Without the power of the speed no half of four seconds predicts the other: nothing was shown there."""
+    ripple = Term("torque_ripple", 1, values={"sine": 2.0, "cosine": 1.0, "n": 9.0})
+    power = Term("nonlinear_viscous_friction", 1, values={"c": 8.0, "alpha": 0.4})
+    motion = prepare(log_with(ripple, power, duration=4.0), BAND)
+    before = estimate(small_arm(), (*blank(), ripple), [motion], bounded=False)
+    before = with_motion_noise(before)
+    true = refit(before, (*before.model.terms, power))
+    assert survives(before, true, 1) is None
+    # A ripple of another order takes as much off the fit, and predicts nothing.
+    wrong = refit(before, (*before.model.terms, replace(ripple, values={"n": 3.0})))
+    assert wrong.fit.sigma[1] < 0.95 * before.fit.sigma[1]
+    assert survives(before, wrong, 1) is not None
+
+
 def test_an_addition_that_changes_nothing_does_not_survive(fits):
     _, true, _, other = fits
     assert "does not lower the error of joint2" in survives(true, true, 1, [other])
