@@ -20,6 +20,8 @@ from jaxswarm.diagnose.decision.rules import (
     HARM,
     HARM_ON_THE_WAY,
     KNOWN,
+    LOST,
+    LOST_SHARE,
     NEARLY_ALL,
     ONE_PLACE,
     PREDICTABLE,
@@ -169,6 +171,11 @@ def harmful(
 ) -> tuple[Step, str] | None:
     """The addition that in the end raises a joint's error on other motion most, and where; None if none.
 
+    One that is shown beyond doubt there may raise that of another joint as on the way: what both share, such as
+    inertias and clocks, is known only as well as the log tells, and it is the better model for all that. A drag
+    that took 99 % off 74 times the noise on another log was taken back, since the next joint's error rose from
+    2.2 to 2.8 times its noise.
+
     Args:
         declared: The fit of the declared model.
         steps: What was added.
@@ -182,17 +189,31 @@ def harmful(
         if not worse.any():
             continue
         j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
+        little = two[j] <= HARM_ON_THE_WAY * one[j]
         raised = []
         for step in steps:
             if step.added.law.in_one_log:
                 continue
-            more = [b[j] - a[j] for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
-            raised.append((max(more, default=0.0), step))
+            pairs = [(a, b) for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
+            if little and step.added.joint != j and _beyond_doubt(step, pairs, noise):
+                continue
+            raised.append((max((b[j] - a[j] for a, b in pairs), default=0.0), step))
         rise, worst = max(raised, key=lambda item: item[0], default=(0.0, None))
         if worst is not None and rise > 0.0:
             told = f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
             return worst, told
     return None
+
+
+def _beyond_doubt(
+    step: Step, pairs: Sequence[tuple[np.ndarray, np.ndarray]], noise: np.ndarray
+) -> bool:
+    """Whether a law takes nearly all off its joint, very far from its noise, by errors without and with it."""
+    k = step.added.joint
+    return k is not None and all(
+        one[k] > LOST * noise[k] and two[k] ** 2 <= (1.0 - LOST_SHARE) * one[k] ** 2
+        for one, two in pairs
+    )
 
 
 def proven(
