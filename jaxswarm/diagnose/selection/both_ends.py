@@ -15,14 +15,12 @@ from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import refit_in_place
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, with_errors
 from jaxswarm.diagnose.selection.survives import survives
 from jaxswarm.diagnose.selection.tenable import can_be, is_certain
 from jaxswarm.effects.alike import lacking
-from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.estimate import Estimate
 
 
 def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
@@ -38,8 +36,8 @@ def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
     for _, one, other in sorted(found, key=lambda p: -p[0]):
         first, second = one.candidate.term, other.candidate.term
         current = search.current
-        middle = _refitted(current, first)
-        after = _refitted(middle, second)
+        middle = refit_in_place(current, first)
+        after = refit_in_place(middle, second)
         ends = [with_errors(t, after) for t in (first, second)]
         if not all(e is not None and can_be(*e) and is_certain(*e) for e in ends):
             continue
@@ -92,10 +90,3 @@ def _score(end: Score, crossfit: CrossFit, *beside: Score) -> Score:
     folds = zip(*(s.candidate.columns for s in beside), strict=True)
     columns = tuple(np.concatenate(parts, axis=2) for parts in folds)
     return score(end.candidate, crossfit.with_columns(columns))
-
-
-def _refitted(found: Estimate, term: Term) -> Estimate:
-    """The estimate with a term in place of those it contains."""
-    terms = found.model.terms
-    kept = [t for t in terms if not (t.joint == term.joint and t.effect in term.law.contains)]
-    return refit(found, (*kept, term))

@@ -152,6 +152,13 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
     return again if _cost(again, after) < _cost(after, after) else after
 
 
+def refit_in_place(found: Estimate, term: Term) -> Estimate:
+    """The estimate with a term in place of those it contains, whatever it comes to."""
+    terms = found.model.terms
+    kept = [t for t in terms if not (t.joint == term.joint and t.effect in term.law.contains)]
+    return refit(found, (*kept, term))
+
+
 def _rigid(one: Estimate) -> np.ndarray:
     """Rigid parameters, (10 n,)."""
     return np.asarray(one.model.robot.parameters).ravel()

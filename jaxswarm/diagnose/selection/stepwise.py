@@ -34,6 +34,7 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back
+from jaxswarm.diagnose.selection.two_laws import add_two_laws
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
@@ -127,12 +128,15 @@ def _held(search: Search) -> set:
 def _act(search: Search, passed: list[Score]) -> bool:
     """Add the best of those that passed and show in all motion; if nobody did, make every choice again.
 
-    What shows at both of its ends at once goes first where it explains more.
+    What shows at both of its ends at once goes first where it explains more. Where nothing changes any more,
+    two laws may hide each other.
     """
     passed = that_may_stand(search, passed)
     if add_both_ends(search, passed):
         return True
-    return _add_best(search, passed) if passed else _choose_again(search)
+    if passed:
+        return _add_best(search, passed)
+    return _choose_again(search) or (not search.budget.spent and add_two_laws(search))
 
 
 def _as_identified(search: Search, declared: tuple[Term, ...], motions: Sequence[Motion]) -> None:
