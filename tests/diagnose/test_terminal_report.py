@@ -135,6 +135,15 @@ def test_what_a_log_cannot_show_is_not_told_as_no_known_law():
     assert "no known law" in evidence_sentence(told)
 
 
+def test_what_would_have_helped_a_joint_is_not_told_once_others_have():
+    told = unexplained()
+    refused = {"effect": "joint_spring", "joint": JOINTS[0], "because": UNSHOWN, "unshown": True}
+    told["refused"] = [refused]
+    for over, helps in ((3.0, True), (0.9, False)):
+        told["residual_over_noise"][0] = over
+        assert ("joint_spring on" in evidence_sentence(told)) == helps
+
+
 def test_a_candidate_that_only_more_data_can_confirm_is_offered():
     """A drift that would take off 82 % of a joint at 19 times its noise stood in no sentence."""
     told = unexplained()

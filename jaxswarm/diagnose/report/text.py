@@ -1,5 +1,8 @@
 """The diagnosis in sentences, shared by the report and the terminal."""
 
+import math
+
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
@@ -93,8 +96,13 @@ def _unknown(result: dict) -> str:
 
 
 def _unshown(result: dict) -> list[str]:
-    """Laws of the catalog that would lower the error, had the log a part that predicts another."""
-    return [where(entry) for entry in result.get("refused", ()) if entry.get("unshown")]
+    """Laws of the catalog that would lower the error, had the log a part that predicts another.
+
+    Not those of a joint that others have brought near its noise since.
+    """
+    left = dict(zip(result["joints"], result["residual_over_noise"], strict=False))
+    unshown = [entry for entry in result.get("refused", ()) if entry.get("unshown")]
+    return [where(entry) for entry in unshown if left.get(entry["joint"], math.inf) > NEAR]
 
 
 _PROOF = {
