@@ -33,7 +33,8 @@ def samples(noise: float, friction: float, seed: int, rows: int = 300) -> Sample
     tau = np.array(jax.vmap(inverse_dynamics, (None, 0, 0, 0))(arm, q, dq, ddq))
     size = tau[:, 0].std()
     tau[:, 0] += size * (noise * rng.normal(size=len(t)) + friction * np.sign(dq[:, 0]))
-    return Samples(q, dq, ddq, tau + 1e-3 * rng.normal(size=tau.shape), np.gradient(tau, t, axis=0))
+    noisy = tau + 1e-3 * rng.normal(size=tau.shape)
+    return Samples(t, q, dq, ddq, noisy, np.gradient(tau, t, axis=0))
 
 
 def told(one: Samples):

@@ -31,7 +31,7 @@ def samples_of(arm, factor):
     log = synthetic_log(arm, friction, 0, noise=Noise(0.0, 0.0), duration=8.0, rate=125.0)
     motion = prepare(log)
     torque = factor * motion.tau
-    return Samples(motion.q, motion.dq, motion.ddq, torque, np.gradient(torque, axis=0))
+    return Samples(motion.t, motion.q, motion.dq, motion.ddq, torque, np.gradient(torque, axis=0))
 
 
 @pytest.mark.parametrize("factor", [1.0, 1e3, 1e-3])

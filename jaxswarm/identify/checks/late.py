@@ -3,8 +3,8 @@ r"""A torque that is late on one joint: no arm does that, a logger that reads it
 What a rough model leaves of a torque that is late by :math:`\theta` is, to first order,
 :math:`-\theta\,\dot\tau`. It is asked for on all joints at once; what is common to them is the clock's, which
 the model allows for (``time_delay``). Memory of friction looks like a delay as well:
-what its bristles carry is taken off before. A reading is as late in one half of the log as in the other, which
-what another law leaves is not.
+what its bristles carry is taken off before. A reading is as late in one half of the log as in the other, and
+at one frequency as at others, which what another law leaves is not.
 """
 
 from collections.abc import Sequence
@@ -63,6 +63,11 @@ _FINE_RULES = (
 # ms late on one joint that are clear. One model serves both: with one each, three of ten were missed.
 _IN_EACH_HALF = 0.5
 _HALVES, _PARTS = 2, 6
+# Without the strongest line of what is left of a joint, this part of it is told at least, to the same side:
+# what pushes a joint to and fro is answered by its drive, and both look early or late at that one frequency,
+# 36 and 37 ms on two worlds, of which without the line 2 are left. Of 34 torques made 20 ms late on clean
+# arms and such that lack a law, 0.65 to 1.12 is left, and of 103 others that were told none is lost.
+_BESIDE_A_LINE = 0.5
 # A fine model tells this part of it at least, where there is one: of play that looked 13 ms early in a rough
 # one, by a tenth of what that left, it knows nothing.
 _IN_THE_FINE = 0.5
@@ -128,6 +133,8 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
         beyond = (np.abs(apart) > least) & (np.abs(apart) < rule.most)
         gained = (gain < rule.gain * model.strictness) & (steady >= rule.steady * model.strictness)
         clear |= agreed & beyond & gained & (logged.left < rule.leaves)
+    for j in map(int, np.flatnonzero(clear)):
+        clear[j] = _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
     return _Told(clear, apart, gain)
 
 
@@ -148,6 +155,11 @@ def _apart(found: Lateness) -> np.ndarray:
         below = np.cumsum(evidence[others])
         apart[j] = seconds - found.seconds[others[np.searchsorted(below, 0.5 * below[-1])]]
     return apart
+
+
+def _apart_beside_a_line(model: Rough, sigma: np.ndarray, joint: int) -> float:
+    """By how much a joint is late against the others [s], where its strongest line is not asked."""
+    return float(_apart(model.lateness_beside_a_line(sigma, joint))[joint])
 
 
 def _in_each_half(rough: Rough, sigma: np.ndarray, apart: np.ndarray) -> np.ndarray:

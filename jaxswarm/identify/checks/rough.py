@@ -6,16 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from jaxswarm.identify.checks.bristles import bristles
 from jaxswarm.identify.checks.lateness import Lateness, late_by
+from jaxswarm.identify.checks.rough_columns import Wave, columns_of, strongest_line
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.estimation.least_squares import triangular_factor
-from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
-# Width of the smooth sign as a part of the RMS speed: between the sharpest and the widest of real joints; and
-# those beside it of a fine model, which follow any of them and a friction that falls with speed.
-_WIDTH, _FINE_WIDTHS = 0.03, (0.003, 0.01, 0.3)
 # A fit with fewer rows than this per parameter bends: a wrong guess gains what it should not, the more the
 # fewer there are. On a clean log of seven joints with 2.4 of them half a torque gained 1.1.
 ROWS_THAT_HOLD = 3.0
@@ -65,42 +61,37 @@ class Rough:
         samples: The motion, and the torques as logged.
         speed: RMS speed of the joints [rad/s or m/s], (n,).
         spread: Standard deviation of the logged torques [N m or N], (n,).
+
+    Args:
+        robot: Kinematics.
+        samples: The motion, and the torques as logged.
+        wave: A line that delays are asked beside; None: none.
     """
 
-    def __init__(self, robot: Robot, samples: Samples):
+    def __init__(self, robot: Robot, samples: Samples, wave: Wave | None = None):
         self.samples, self._robot = samples, robot
         self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
         self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
-        joints, remembered = samples.q.shape[1], bristles(samples.q)
-        widths = _WIDTH, *(_FINE_WIDTHS if samples.parts else ())
-        self._dry = len(widths)
-
-        def rigid_of(part: slice) -> np.ndarray:
-            return rigid_columns(robot, samples.q[part], samples.dq[part], samples.ddq[part])
-
-        def laws_of(part: slice) -> np.ndarray:
-            q, dq = samples.q[part], samples.dq[part]
-            dry = [np.tanh(dq / np.maximum(width * self.speed, 1e-9)) for width in widths]
-            return np.stack([dq, *dry, np.ones_like(dq), q, samples.ddq[part]], axis=2)
-
-        rigid, laws = samples.rows(rigid_of), samples.rows(laws_of)
-        memory = samples.rows(lambda part: remembered[part])
-        part = _PARTS * np.arange(len(laws)) // len(laws)
-        within = part[:, None] == np.arange(_PARTS)
-        rates = samples.tau_rate[:, None, :] * within[:, :, None]
-        self._size, self._own, self._memory = rigid.shape[2], laws.shape[2], memory.shape[2]
+        self._columns = columns_of(robot, samples, self.speed, wave)
+        self._dry = self._columns.dry
+        self._size, self._own, self._memory = self._columns.sizes
+        self._rows = len(samples.tau)
         self._factors = []
-        for j in range(joints):
-            own = np.zeros((len(laws), self._own * joints))
-            own[:, self._own * j : self._own * (j + 1)] = laws[:, j]
-            block = np.concatenate(
-                [rigid[:, j], own, samples.tau, rates[:, :, j], memory[:, j]],
-                axis=1,
-            )
+        for j in range(samples.q.shape[1]):
+            block = self._block(j)
             factor = triangular_factor(block)
             missing = block.shape[1] - len(factor)
             self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
-        self._rows = len(laws)
+
+    def _block(self, joint: int) -> np.ndarray:
+        """What a joint's rows are fitted by, all torques, its torque's derivative by parts, and its memory."""
+        columns, samples = self._columns, self.samples
+        own = np.zeros((self._rows, self._own * samples.q.shape[1]))
+        own[:, self._own * joint : self._own * (joint + 1)] = columns.own[:, joint]
+        part = _PARTS * np.arange(self._rows) // self._rows
+        rates = samples.tau_rate[:, joint, None] * (part[:, None] == np.arange(_PARTS))
+        memory = columns.memory[:, joint]
+        return np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
 
     @property
     def rows_per_parameter(self) -> float:
@@ -170,6 +161,20 @@ class Rough:
         """
         left, rates = self._against_rates(sigma)
         return late_by(left, *rates.reshape(parts, -1, *rates.shape[1:]).sum(axis=1))
+
+    def lateness_beside_a_line(self, sigma: np.ndarray, joint: int) -> Lateness:
+        """The same, where the strongest line of what is left of a joint is taken off as well.
+
+        Args:
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+            joint: That joint, from 0.
+        """
+        left = np.split(self._against_rates(sigma)[0], len(self._factors))[joint]
+        factor = self._factors[joint]
+        scale = np.maximum(np.linalg.norm(factor, axis=0), 1e-300)
+        weights = np.linalg.lstsq(factor / scale, left, rcond=None)[0] / scale
+        hertz = strongest_line(self.samples.t, self._block(joint) @ weights)
+        return Rough(self._robot, self.samples, Wave(joint, hertz)).lateness(sigma)
 
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""

@@ -21,12 +21,14 @@ class Samples:
     """Motion [rad, m, s], torque [N m or N] and its derivative on the compared clock.
 
     Attributes:
+        t: Times of the torques [s], (R,).
         q, dq, ddq: Motion, (T, n): on the clock of the torques, or on the working clock where ``parts`` says
             how its columns become rows.
         tau, tau_rate: Torque below its cutoff and its derivative, (R, n).
         parts: Stretches of the motion and their low-pass, in order; none: rows are samples, R is T.
     """
 
+    t: np.ndarray
     q: np.ndarray
     dq: np.ndarray
     ddq: np.ndarray
@@ -60,6 +62,7 @@ def samples_of(motions: Sequence[Motion]) -> Samples:
 
     torques = [m.low_torque for m in motions]
     return Samples(
+        joined([m.t[k] for m, k in zip(motions, kept, strict=True)]),
         joined([m.q[k] for m, k in zip(motions, kept, strict=True)]),
         joined([m.dq[k] for m, k in zip(motions, kept, strict=True)]),
         joined([m.ddq[k] for m, k in zip(motions, kept, strict=True)]),
@@ -70,25 +73,26 @@ def samples_of(motions: Sequence[Motion]) -> Samples:
 
 def fine_samples(motions: Sequence[Motion]) -> Samples:
     """The log on its working clock, or stretches of a long one, for columns that pass the torque's low-pass."""
-    rows = [len(m.decimator.kept(len(m.t))) for m in motions]
+    times = [m.t[m.decimator.kept(len(m.t))] for m in motions]
+    rows = [len(t) for t in times]
     share = min(1.0, _MOST_ROWS / max(sum(rows), 1))
     torques = [m.low_torque for m in motions]
     rates = _rates(motions, torques)
     moved: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-    pushed: list[tuple[np.ndarray, np.ndarray]] = []
+    pushed: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     parts, end = [], 0
-    for motion, count, torque, rate in zip(motions, rows, torques, rates, strict=True):
+    for motion, time, torque, rate in zip(motions, times, torques, rates, strict=True):
         low = motion.decimator
-        for first, last in _spread(count, share):
+        for first, last in _spread(len(time), share):
             samples = slice(first * low.factor, (last - 1) * low.factor + len(low.taps))
             moved.append((motion.q[samples], motion.dq[samples], motion.ddq[samples]))
-            pushed.append((torque[first:last], rate[first:last]))
+            pushed.append((time[first:last], torque[first:last], rate[first:last]))
             length = samples.stop - samples.start
             parts.append((slice(end, end + length), low))
             end += length
     q, dq, ddq = (np.concatenate(x) for x in zip(*moved, strict=True))
-    tau, tau_rate = (np.concatenate(x) for x in zip(*pushed, strict=True))
-    return Samples(q, dq, ddq, tau, tau_rate, tuple(parts))
+    t, tau, tau_rate = (np.concatenate(x) for x in zip(*pushed, strict=True))
+    return Samples(t, q, dq, ddq, tau, tau_rate, tuple(parts))
 
 
 def _spread(count: int, share: float) -> list[tuple[int, int]]:

@@ -1,0 +1,99 @@
+"""Columns of the rough model of a log, and the line that is strongest in what it leaves."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxswarm.identify.checks.bristles import bristles
+from jaxswarm.identify.checks.samples import Samples
+from jaxswarm.robot.logged import rigid_columns
+from jaxswarm.robot.model import Robot
+
+# Width of the smooth sign as a part of the RMS speed: between the sharpest and the widest of real joints; and
+# those beside it of a fine model, which follow any of them and a friction that falls with speed.
+_WIDTH, _FINE_WIDTHS = 0.03, (0.003, 0.01, 0.3)
+# Frequencies that are tried, as parts of what a log's length tells apart; and how many at a time.
+_STEP, _AT_ONCE = 0.2, 256
+# A line has this part of a period in the log at least: what is slower is a drift.
+_LEAST_PERIODS = 0.5
+
+
+class Wave(NamedTuple):
+    """A line of a frequency on a joint, from 0."""
+
+    joint: int
+    hertz: float
+
+
+class Columns(NamedTuple):
+    """What the torques of a log are fitted by, row by row.
+
+    Attributes:
+        rigid: The links' (R, n, p).
+        own: Of every joint viscous and dry friction, offset, spring and rotor, (R, n, k).
+        memory: What else looks like a delay: bristles, and a wave of a joint that has one, (R, n, e).
+        dry: How many columns of dry friction a joint has.
+    """
+
+    rigid: np.ndarray
+    own: np.ndarray
+    memory: np.ndarray
+    dry: int
+
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Columns of the links, and of each joint its own and its memory's."""
+        return self.rigid.shape[2], self.own.shape[2], self.memory.shape[2]
+
+
+def columns_of(robot: Robot, samples: Samples, speed: np.ndarray, wave: Wave | None) -> Columns:
+    """The columns of a log.
+
+    Args:
+        robot: Kinematics.
+        samples: Motion and torque.
+        speed: RMS speed of the joints [rad/s or m/s], (n,).
+        wave: A line to be taken off a joint; None: none.
+    """
+    remembered = bristles(samples.q)
+    widths = _WIDTH, *(_FINE_WIDTHS if samples.parts else ())
+
+    def rigid_of(part: slice) -> np.ndarray:
+        return rigid_columns(robot, samples.q[part], samples.dq[part], samples.ddq[part])
+
+    def laws_of(part: slice) -> np.ndarray:
+        q, dq = samples.q[part], samples.dq[part]
+        dry = [np.tanh(dq / np.maximum(width * speed, 1e-9)) for width in widths]
+        return np.stack([dq, *dry, np.ones_like(dq), q, samples.ddq[part]], axis=2)
+
+    memory = samples.rows(lambda part: remembered[part])
+    if wave is not None:
+        line = np.zeros((*memory.shape[:2], 2))
+        line[:, wave.joint] = _sine_and_cosine(samples.t, np.array([wave.hertz]))[:, 0].T
+        memory = np.concatenate([memory, line], axis=2)
+    return Columns(samples.rows(rigid_of), samples.rows(laws_of), memory, len(widths))
+
+
+def strongest_line(t: np.ndarray, values: np.ndarray) -> float:
+    """Frequency [Hz] of the sine that takes most off what a model leaves.
+
+    Args:
+        t: Times of the rows [s], (R,), with gaps where the log has some.
+        values: What is left of them, (R,).
+
+    >>> t = 0.02 * np.arange(500)
+    >>> abs(strongest_line(t, np.sin(2 * np.pi * 2.53 * t + 1.0)) - 2.53) < 0.02
+    True
+    """
+    step = _STEP / np.ptp(t)
+    hertz = np.arange(_LEAST_PERIODS / _STEP, 0.5 / np.median(np.diff(t)) / step) * step
+    power = []
+    for some in np.array_split(hertz, len(hertz) // _AT_ONCE + 1):
+        power.append(np.square(_sine_and_cosine(t, some) @ values).sum(axis=0))
+    return float(hertz[np.argmax(np.concatenate(power))])
+
+
+def _sine_and_cosine(t: np.ndarray, hertz: np.ndarray) -> np.ndarray:
+    """Of each frequency, at each time: (2, F, R)."""
+    angle = 2 * np.pi * np.outer(hertz, t)
+    return np.stack([np.sin(angle), np.cos(angle)])
