@@ -4,8 +4,9 @@ A sine that is fitted to n rows takes off :math:`2 |X(f)|^2 / n` of their square
 the highest line of the spectrum is the best frequency. What follows from the motion can have a line too; a
 tone is asked only where the motion has none that could carry it, and where it does not repeat itself with a
 multiple of the tone's period. A force shakes the arm it acts on, as far as the controller lets it: a line of
-the motion is weighed against how much of the residual is in that line, since what follows from the motion
-brings the rest of the motion with it.
+the motion is weighed against how much of the residual the tone takes off in a refitted model, since what
+follows from the motion brings the rest of the motion with it. Without the tone the model bends to take up what
+it can of it by that line of the motion, and pays for it everywhere else.
 """
 
 from dataclasses import replace
@@ -14,13 +15,17 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.coverage import repeats_after
 from jaxswarm.logs.motion import Motion
 
 # Least share of a joint's squared error that a tone takes off: below, it may be the strongest of a law's lines.
+# Springs, drag and ripples on a joint that swings at the tone's frequency, too, let it take 0.06 to 0.36.
 _LEAST = 0.5
+# Least share of it that is in the tone's line while the model is without it: a fifth, as of any effect's.
+_IN_LINE = 0.2
 # Periods that a log holds at least, and how much finer than its resolution frequencies are looked at.
 _PERIODS, _FINER = 4, 8
 # A line of a joint's position, velocity or acceleration, as power in the line to power beside it, is the
@@ -39,12 +44,21 @@ def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
         _strongest(lin, np.where(fold.train, fold.residual[:, term.joint], 0.0))
         for fold in lin.crossfit.folds
     ]
-    share, hertz, log = lines[0]
-    if share < _LEAST or not _alone(lin.found.motions[log], hertz, share):
+    in_line, hertz, log = lines[0]
+    if in_line < _IN_LINE:
         return None
     placed = [replace(term, values={name: f, "log": float(k)}) for _, f, k in lines]
     columns = tuple(lin.law(one) for one in placed)
+    share = _taken_off(lin.crossfit.whole, columns[0], term.index)
+    if share < _LEAST or not _alone(lin.found.motions[log], hertz, share):
+        return None
     return Candidate(placed[0], columns, len(term.law.linear) + 1)
+
+
+def _taken_off(fold: Fold, columns: np.ndarray, joint: int) -> float:
+    """Share of a joint's squared error that weighted columns (T', n, k) take off it in a refitted model."""
+    before, after = (f.residual[fold.train, joint] for f in (fold, fold.with_columns(columns)))
+    return 1.0 - float(after @ after) / max(float(before @ before), 1e-300)
 
 
 def _strongest(lin: Linearization, left: np.ndarray) -> tuple[float, float, int]:
