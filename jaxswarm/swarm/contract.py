@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.swarm.endurance import NUM_UPDATES, endure, faults
+from jaxswarm.swarm.optimizers.base import Info, as_optimizer
 
 __all__ = ["check_optimizer"]
 
@@ -32,15 +33,15 @@ def check_optimizer(
     """Raise ``AssertionError``, saying what is wrong, unless ``optimizer`` keeps the contract.
 
     Checked: the state has ``position (n, d)``, ``best_position (d,)``, ``best_value ()``, ``count
-    ()`` and keeps its structure, shapes and dtypes; positions lie in [0, 1]; the best value never
-    rises and is that of a candidate; ``count`` counts; the same key gives the same step and another
-    key another; ``jit`` and ``vmap`` change nothing; a second step, or other numbers in the
-    optimizer, compile nothing; NaN and infinite values are survived, also if there are no others;
-    ten thousand updates past convergence, and where values do not differ, leave no NaN behind, in
+    ()`` and keeps its structure, shapes and dtypes; an update tells all of ``Info``; positions lie in
+    [0, 1]; the best value never rises and is that of a candidate; ``count`` counts; the same key gives
+    the same step and another key another; ``jit`` and ``vmap`` change nothing; a second step, or other
+    numbers in the optimizer, compile nothing; NaN and infinite values are survived, also if there are no
+    others; ten thousand updates past convergence, and where values do not differ, leave no NaN behind, in
     float32 too (:mod:`~jaxswarm.swarm.endurance`).
 
     Args:
-      optimizer: anything with ``init`` and ``update``.
+      optimizer: anything with ``init`` and ``update``, as ``minimize`` takes it.
       num_dims: d of the test problem, a sphere off the center.
       num_steps: updates in a row.
       key: JAX key; default ``jax.random.key(0)``.
@@ -49,9 +50,14 @@ def check_optimizer(
         which takes longest.
       num_updates: length of the long runs.
 
+    Raises:
+      AssertionError: what is above.
+      InputError: a factory, or something without these two functions.
+
     >>> from jaxswarm.swarm import pso
     >>> check_optimizer(pso(5), num_updates=100)
     """
+    optimizer = as_optimizer(optimizer)
     dtype = jnp.result_type(float if dtype is None else dtype)
     key = jax.random.key(0) if key is None else key
     keys = jax.random.split(key, num_steps + 1)
@@ -99,8 +105,9 @@ def _check_search(optimizer, jitted, keys, state):
         _require_cube(state.position)
         value = _sphere(state.position)
         seen.append((np.asarray(state.position), np.asarray(value)))
-        new, _ = jitted(optimizer, key, state, value)
+        new, info = jitted(optimizer, key, state, value)
         _require_like(state, new)
+        _check_info(info)
         _require(int(new.count) == step + 1, "count does not count the updates")
         _require(bool(new.best_value <= state.best_value), "the best value rose")
         state = new
@@ -111,6 +118,14 @@ def _check_search(optimizer, jitted, keys, state):
     _require(np.isclose(at_best, lowest, rtol=1e-5), "best_position does not have the best value")
     _require(jitted._cache_size() == 1, "a later update compiled again")
     return states
+
+
+def _check_info(info):
+    for name in Info._fields:
+        _require(hasattr(info, name), f"info={info!r} has no field {name}")
+    for name in Info._fields[:-1]:
+        found = jnp.shape(getattr(info, name))
+        _require(found == (), f"info.{name} has shape {found}, expected ()")
 
 
 def _check_numbers(optimizer, jitted, keys, state):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from jaxswarm import testing
+from jaxswarm.errors import InputError
 from jaxswarm.swarm import (
     OPTIMIZERS,
     aelspso,
@@ -94,6 +95,10 @@ class Broken(NamedTuple):
             lambda: new._replace(best_position=new.best_position + 0.1),
             lambda: new._replace(count=new.count.astype(float)),
         ]
+        if self.fault == len(faults):
+            return new, None
+        if self.fault > len(faults):
+            return new, info._replace(improved=value < 0.0)
         return faults[self.fault](), info
 
 
@@ -107,6 +112,8 @@ class Broken(NamedTuple):
             "another key gives the same",
             "best_position does not have",
             "changes state.count",
+            "info=None has no field value_best",
+            r"info.improved has shape \(4,\)",
         ]
     ),
 )
@@ -171,6 +178,17 @@ def test_closures_are_optimizers():
     result = minimize(lambda x, _: x[0], pair, space, jax.random.key(0), num_steps=5)
     direct = minimize(lambda x, _: x[0], inner, space, jax.random.key(0), num_steps=5)
     np.testing.assert_array_equal(result.value, direct.value)
+
+
+def test_what_minimize_takes_is_checked_as_it_is():
+    """An object that is no pytree, and functions; a factory is refused and not run."""
+
+    class Plain:
+        init, update = staticmethod(random_search(8).init), staticmethod(random_search(8).update)
+
+    testing.check_optimizer(Plain(), thorough=False)
+    with pytest.raises(InputError, match="pso is a factory"):
+        testing.check_optimizer(pso)
 
 
 def test_registry_is_complete():
