@@ -16,7 +16,7 @@ from jaxswarm.diagnose.selection import reselect as reconsider_module
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again, reconsider
-from jaxswarm.diagnose.selection.step import Step, competitors, near_ones
+from jaxswarm.diagnose.selection.step import Step, competitors, find_term, near_ones
 from jaxswarm.effects.term import Term
 
 DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
@@ -218,3 +218,17 @@ def test_a_law_of_more_numbers_is_taken_where_it_leaves_less_once_all_is_fitted(
     current = refit_with(before, spring)
     found = reconsider_module._fuller(spring, [cable], before, current, ())
     assert (found and found[0].candidate.term.effect) == named
+
+
+def test_a_law_that_holds_its_competitor_is_no_pair_with_it():
+    """Asked beside the spring that it contains, a cable takes its place, and there are no two."""
+    hidden = Term("cable_coupling", 1, other=0, values={"kc": 4.0, "k": 6.0, "tau0": -2.4})
+    before, crossfit = declared_fit(log_with(hidden))
+    asked = [Term("joint_spring", 1), Term("cable_coupling", 1, other=0)]
+    scores = score_terms(Linearization(before, crossfit), asked, 0)
+    spring, cable = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
+    after = refit_with(before, cable)
+    added = find_term(after, cable.candidate.term)
+    step = Step(added, cable, (), (spring,), before, after, (), (spring,))
+    assert [t.effect for t in competitors(step)] == ["joint_spring"]
+    assert pair([step], after, [1], 60, Rules()) is None

@@ -19,6 +19,7 @@ from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
+from jaxswarm.effects.alike import has
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -50,7 +51,8 @@ def pair(
                 continue
             two = _ask(first, step.added, asked, rules, seed)
             both = None if two is None else refit_with(first, two)
-            if two is None or both is None:
+            # What comes second may hold what the first one says, and take its place.
+            if two is None or both is None or not has(rival, both.model.terms):
                 continue
             if imitates(find_term(both, rival), both.model.terms, both.motions):
                 continue
