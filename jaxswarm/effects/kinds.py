@@ -37,6 +37,7 @@ class TorqueLaw(Effect):
         tone: Nonlinear parameter that is a frequency of time [Hz]: it is read off a spectrum, not searched.
         dissipative: Whether ``dq * torque >= 0`` for every allowed parameter.
         motor_inertia: Linear parameter that is an inertia on the motor's side of the transmission.
+        exchanged: ``exchanged(p) -> p`` with its two parts in each other's place; None: it has no such parts.
     """
 
     torque: Callable[[dict, Sample], jax.Array] | None = None
@@ -48,6 +49,7 @@ class TorqueLaw(Effect):
     tone: str = ""
     dissipative: bool = False
     motor_inertia: str = ""
+    exchanged: Callable[[Mapping], dict[str, float]] | None = None
 
     @property
     def searched(self) -> bool:

@@ -10,16 +10,27 @@ Why two: along the motion of a simulated log a bristle leaves 5 to 26 % of the t
 friction leave of one to six elements. Two elements with ways of their own leave 0.1 % of one, 0.5 % of two, and
 2 to 11 % of four to six; four whose ways halve and whose levels follow a power leave 2 to 10 % of each. What
 rises slowly while an element slides (the model's third equation) is left to ``stribeck_friction``. Told from
-``lugre_friction``, whose loops drift like those of a bristle, and which holds most at creeping speed. Where one
-level is not told from zero the law is one element, which may be either, and the way of the other is not told.
+``lugre_friction``, whose loops drift like those of a bristle, and which holds most at creeping speed.
+
+An element is known by its way: what slips last is the first of the two. Where one level is not told from zero
+the law is one element, which either of them could stand for; it is told as what slips last, by ``fc1`` and
+``x1``, and the way of the other is not told.
 
 References: F. Al-Bender, V. Lampaert, J. Swevers, "The generalized Maxwell-slip model: a novel model for
 friction simulation and compensation", IEEE Trans. Automatic Control 50(11) (2005).
 """
 
+from collections.abc import Mapping
+
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
+
+
+def _exchanged(p: Mapping) -> dict[str, float]:
+    """What slips first in place of what slips last, and an element without a level before it."""
+    return {**p, "fc1": p["fc2"], "fc2": 0.0, "x1": p["part"] * p["x1"]}
+
 
 register(
     TorqueLaw(
@@ -48,6 +59,7 @@ register(
         memories=2,
         most=1.0,
         forgets="x1",
+        exchanged=_exchanged,
         contains=("hysteresis",),
         extends=("hysteresis",),
         shown_against="position",

@@ -104,6 +104,20 @@ def test_the_way_of_an_element_that_is_not_there_is_not_told():
     assert np.isnan(errors["x1"]) == (abs(levels["fc1"]) < TOLD)
 
 
+@pytest.mark.parametrize("start", [{"x1": 0.3, "part": 0.3}, {"x1": 0.09, "part": 0.3}])
+def test_an_element_that_is_alone_is_the_first_wherever_the_search_begins(start):
+    declared = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
+    alone = {"fc1": 0.0, "fc2": 6.0, "x1": 0.3, "part": 0.3}
+    log = elbow_log(Term("maxwell_slip", 1, values=alone))
+    law = Term("maxwell_slip", 1, values=start)
+    found = estimate(elbow(), (*declared, law), [prepare(log, BAND)], bounded=False)
+    values, errors = found.model.terms[-1].values, found.std_errors[-1]
+    for name, value in {"fc1": 6.0, "fc2": 0.0, "x1": 0.09}.items():
+        assert abs(values[name] - value) < TOLD * errors[name], name
+    assert abs(values["fc1"]) > TOLD * errors["fc1"]
+    assert np.isnan(errors["part"])
+
+
 def test_they_are_asked_beside_bristles_alone():
     found = fitted(elbow_log())
     asked = {t.effect for t in eligible_terms(found.model, found.motions)}

@@ -4,6 +4,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from jaxswarm.effects import get_law, make_sample
 from jaxswarm.effects.series import law_columns, law_torque
@@ -57,6 +59,18 @@ def test_every_log_begins_with_elements_at_rest():
     both = series_of(*(np.concatenate([x, x]) for x in (t, q, dq)))
     found = np.asarray(law_torque(LAW, VALUES, both))
     np.testing.assert_allclose(found, np.concatenate([one, one]), rtol=0, atol=1e-12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(level=st.floats(0.1, 50.0), way=st.floats(0.02, 0.6), part=st.floats(0.02, 0.8))
+def test_an_element_that_is_alone_may_go_by_the_name_of_either(level, way, part):
+    second = {"fc1": 0.0, "fc2": level, "x1": way, "part": part}
+    first = LAW.exchanged(second)
+    assert first["fc1"] == level and first["fc2"] == 0.0
+    assert first["x1"] == pytest.approx(way * part)
+    series = series_of(*motion())
+    one, two = (np.asarray(law_torque(LAW, values, series)) for values in (first, second))
+    np.testing.assert_allclose(one, two, rtol=0, atol=1e-9 * level)
 
 
 def left(column_of, ways, levels, tried):

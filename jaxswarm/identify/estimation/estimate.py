@@ -1,12 +1,12 @@
 """From a robot, declared terms and logs to an identified model: rigid body, laws, width of the sign."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
 from jaxswarm.identify.estimation.events import with_event_torques
@@ -114,7 +114,7 @@ def estimate(
     here, moving = choose_widths(
         problem, newton(problem, moving, settle(problem, Place(terms, width), pi)), moving, groups
     )
-    return _finish(problem, here, moving)
+    return _named(problem, here, moving, _finish(problem, here, moving))
 
 
 def untold(term: Term, errors: dict[str, float]) -> list[str]:
@@ -129,6 +129,32 @@ def untold(term: Term, errors: dict[str, float]) -> list[str]:
         return bool(abs(term.values[name]) > TOLD * errors[name])
 
     return [p.name for p in term.law.nonlinear if not all(map(told, p.shown_by))]
+
+
+def _named(
+    problem: Problem, here: Settled, moving: list[FreeParameter], found: Estimate
+) -> Estimate:
+    """The estimate in which a part of a law that is there alone goes by the name of the first one.
+
+    Either part could stand for it, and where the search began would decide what is told of it.
+    """
+    alone = [_exchange(*own) for own in zip(found.model.terms, found.std_errors, strict=True)]
+    if not any(alone):
+        return found
+    terms = tuple(
+        t if change is None else replace(t, values=change(t.values))
+        for t, change in zip(found.model.terms, alone, strict=True)
+    )
+    there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.pi))
+    return _finish(problem, there, moving)
+
+
+def _exchange(term: Term, errors: dict[str, float]) -> Callable | None:
+    """How two parts change places, where the second is told from zero and the first is not; else None."""
+    if not isinstance(term.law, TorqueLaw) or term.law.exchanged is None:
+        return None
+    first, second = (abs(term.values[p.name]) > TOLD * errors[p.name] for p in term.law.linear)
+    return term.law.exchanged if second and not first else None
 
 
 def _uncertainty(solution: Fit) -> Uncertainty:
