@@ -15,6 +15,7 @@ from jaxswarm.diagnose.discovery.front import (
     strict,
 )
 from jaxswarm.diagnose.discovery.nearby import nearby
+from jaxswarm.diagnose.discovery.pairs import pairs
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.reach import tame
@@ -53,6 +54,9 @@ def candidates(
         if leads == [None]:
             strung, count = cables(problem, folds)
             found, tried = [*_families(problem, folds), *strung], tried + count
+        if size == 2:
+            both, count = pairs(problem, pieces, folds)
+            found, tried = both, tried + count
         for lead in leads:
             tried += len(pieces)
             found += one_more(problem, pieces, lead, folds, seed)

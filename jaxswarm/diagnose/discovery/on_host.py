@@ -79,10 +79,8 @@ def shares_at(
     names: Sequence[str], searched: SearchRows, piece: Piece, points: np.ndarray
 ) -> np.ndarray:
     """Shares (m,) of the residual's square that a program takes off at points (m, M) of the unit cube."""
-    known = dict(zip(names, searched.variables, strict=True))
-    known |= {p.name: p.decode(points[:, k, None]) for k, p in enumerate(piece.constants)}
+    column = columns_at(names, searched, piece, points)
     with np.errstate(all="ignore"):
-        column = np.atleast_2d(evaluate(piece.program, known, np)) * searched.weight
         size = np.einsum("mr,mr->m", column, column)
         inner = column @ searched.basis
         left = size - np.einsum("mb,mb->m", inner, inner)
@@ -90,3 +88,13 @@ def shares_at(
         gain = (column @ searched.residual) ** 2 / np.where(own, left, 1.0)
     share = np.where(own, gain, 0.0) / (searched.residual @ searched.residual)
     return np.broadcast_to(share, len(points))
+
+
+def columns_at(
+    names: Sequence[str], searched: SearchRows, piece: Piece, points: np.ndarray
+) -> np.ndarray:
+    """Weighted columns of a program at points, (m, R); a single one where it has no constants."""
+    known = dict(zip(names, searched.variables, strict=True))
+    known |= {p.name: p.decode(points[:, k, None]) for k, p in enumerate(piece.constants)}
+    with np.errstate(all="ignore"):
+        return np.atleast_2d(evaluate(piece.program, known, np)) * searched.weight

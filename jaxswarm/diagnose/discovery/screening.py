@@ -42,9 +42,7 @@ def screen(
     problem: Joint, searched: SearchRows, pieces: Sequence[Piece], seed: int = 0
 ) -> list[Trial]:
     """The best programs with refined constants, the best first."""
-    engine = on_host if jax.default_backend() == "cpu" else on_device
-    lattices = {count: _lattice(count) for count in _POINTS}
-    points, shares = engine.survey(problem.names, searched, pieces, lattices)
+    _, points, shares = surveyed(problem, searched, pieces)
     chosen: list[int] = []
     for count in _POINTS:
         own = [i for i, one in enumerate(pieces) if len(one.constants) == count]
@@ -54,12 +52,24 @@ def screen(
     cell = np.array([_CELL[len(one.constants)] for one in group], np.float32)[:, None]
     low = np.clip(points[chosen] - cell, 0.0, 1.0 - 2.0 * cell).astype(np.float32)
     width = np.broadcast_to(2.0 * cell, low.shape).astype(np.float32)
-    places, shares = engine.refined(problem.names, searched, group, low, width, seed)
-    trials = [Trial(*one) for one in zip(group, map(_values, group, places), shares, strict=True)]
+    places, shares = _engine().refined(problem.names, searched, group, low, width, seed)
+    trials = [Trial(*one) for one in zip(group, map(values_at, group, places), shares, strict=True)]
     return sorted(trials, key=lambda one: -one.share)
 
 
-def _values(piece: Piece, place: np.ndarray) -> dict[str, float]:
+def surveyed(
+    problem: Joint, searched: SearchRows, pieces: Sequence[Piece]
+) -> tuple[dict[int, np.ndarray], np.ndarray, np.ndarray]:
+    """Points looked at, by the number of constants, the best of every program (m, M), and its share there."""
+    lattices = {count: _lattice(count) for count in _POINTS}
+    return lattices, *_engine().survey(problem.names, searched, pieces, lattices)
+
+
+def _engine():
+    return on_host if jax.default_backend() == "cpu" else on_device
+
+
+def values_at(piece: Piece, place: np.ndarray) -> dict[str, float]:
     """Constants of a program at a point of the unit cube, (M,)."""
     return {
         p.name: float(np.clip(p.decode(float(u)), p.lower, p.upper))
