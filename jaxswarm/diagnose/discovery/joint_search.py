@@ -20,6 +20,7 @@ from jaxswarm.diagnose.discovery.partner import (
 )
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.proof import Proved, clearly_better, needed, prove
+from jaxswarm.diagnose.discovery.refitted import shorter_refitted
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.seen_again import (
     alike_in_form,
@@ -107,6 +108,7 @@ def _search(
         if again is not None:
             problem, points, count, outcome = again
             one, tried = points[0], tried + count
+        one, outcome = _refitted(diagnosis, left, problem, one, points, tried, other, outcome)
         term, item, after = outcome
         return Discovery(
             find_term(after, term),
@@ -163,6 +165,25 @@ def _seen_again(
     if isinstance(proved, str) or clearly_better(proved[2], after, left.joint, other):
         return None
     return own, points, count, proved
+
+
+def _refitted(
+    diagnosis: Diagnosis,
+    left: Open,
+    problem: Joint,
+    one: Point,
+    points: Sequence[Point],
+    tried: int,
+    other: Sequence[Motion],
+    outcome: Proved,
+) -> tuple[Point, Proved]:
+    """Of formulas that fit alike and prove themselves the one that says most of the log with all refitted."""
+    term, _, after = outcome
+    for point in shorter_refitted(problem, one, points, after, find_term(after, term)):
+        proved = prove(diagnosis, left, problem, point, tried, other)
+        if not isinstance(proved, str):
+            return point, proved
+    return one, outcome
 
 
 def _known_shapes(one: Point) -> tuple[str, ...]:

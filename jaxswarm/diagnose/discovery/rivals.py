@@ -24,12 +24,18 @@ def fit_alike(
     problem: Joint, one: Point, points: Sequence[Point]
 ) -> tuple[tuple[Point, Term], ...]:
     """Formulas of another form that fit alike, the shortest first."""
-    told: list[tuple[Point, Term]] = []
-    for point in points:
-        near = abs(alike(point, one)) < FORMULA_TIE or point.error < FORMULA_NEAR * one.error
-        if near and not _extends(point, one) and len(told) < _TOLD:
-            told.append((point, as_term(problem, point.formula)))
-    return tuple(told)
+    told = near_ones(one, points)[:_TOLD]
+    return tuple((point, as_term(problem, point.formula)) for point in told)
+
+
+def near_ones(one: Point, points: Sequence[Point]) -> list[Point]:
+    """Points of another form than one whose errors are not told from its own, in their order."""
+    return [
+        point
+        for point in points
+        if (abs(alike(point, one)) < FORMULA_TIE or point.error < FORMULA_NEAR * one.error)
+        and not _extends(point, one)
+    ]
 
 
 def _extends(point: Point, one: Point) -> bool:

@@ -1,0 +1,65 @@
+"""Formulas that fit alike, each in the model that it leads to: which says most of the log once all is refitted.
+
+They are searched, and ranked, in a model that lacks the law: with the load, the sign widths and the parameters
+of the arm that it came to without it. What these are off by is of the size of what tells sin(q - c) from q - c.
+On a drawn law max(q - c, 0) sign(dq) load the sine was shorter by 34 bits there, and left 2 % more than the
+truth once all was refitted, of which it is 1400 independent samples' worth; on unseen motion it left 1.8 times.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.discovery.as_term import as_term
+from jaxswarm.diagnose.discovery.front import Point
+from jaxswarm.diagnose.discovery.problem import Joint
+from jaxswarm.diagnose.discovery.rivals import near_ones
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.covariance import correlation_length
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.regression import Diverged
+
+# Formulas that are refitted beside the chosen one.
+_REFITTED = 4
+# Formulas whose errors differ by less than this part say the same on the log: the shorter one is asked.
+_SAME = 1e-6
+
+
+def shorter_refitted(
+    problem: Joint, one: Point, points: Sequence[Point], after: Estimate, term: Term
+) -> list[Point]:
+    """Formulas that fit like a proved one and describe the log in fewer bits with all refitted, the best first.
+
+    Args:
+        problem: The joint.
+        one: The formula that was proved.
+        points: The others, the best first.
+        after: The model with it, all refitted.
+        term: Its term there.
+    """
+    told = [one]
+    for point in near_ones(one, points):
+        if all(abs(point.error / p.error - 1.0) > _SAME for p in told) and len(told) <= _REFITTED:
+            told.append(point)
+    kept = without(term, after.model.terms)
+    lengths = {id(one): _length(after, one, after)}
+    for point in told[1:]:
+        try:
+            fitted = refit(after, (*kept, as_term(problem, point.formula)))
+        except Diverged:
+            continue
+        lengths[id(point)] = _length(fitted, point, after)
+    better = [p for p in told if lengths.get(id(p), np.inf) < lengths[id(one)]]
+    return sorted(better, key=lambda p: lengths[id(p)])
+
+
+def _length(fitted: Estimate, point: Point, first: Estimate) -> float:
+    """Bits of a formula and of what the model with it leaves, in independent samples of the first model."""
+    regression = first.regression
+    used = np.ones(len(regression.log), bool) if regression.used is None else regression.used
+    samples = used.sum() / correlation_length(first.fit.residual[used], regression.log[used])
+    constants = len(point.formula.constants) + len(point.formula.pieces)
+    left = np.log2((fitted.fit.residual[used] ** 2).mean(axis=0)).sum()
+    return float(point.bits + 0.5 * constants * np.log2(samples) + 0.5 * samples * left)

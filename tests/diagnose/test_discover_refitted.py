@@ -1,0 +1,85 @@
+"""Of formulas that fit alike the one is told that describes the log shortest once all is refitted."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jaxswarm.diagnose.discovery import joint_search, refitted
+from jaxswarm.diagnose.discovery.front import Point
+from jaxswarm.diagnose.discovery.pieces import Piece
+from jaxswarm.diagnose.discovery.sums import Sum
+from jaxswarm.effects.parameter import Parameter
+from jaxswarm.identify.forward.regression import Diverged
+
+ROWS = 400
+CENTER = Parameter("c", "rad", -1.0, 1.0, False, 0.1, "center")
+SINE = Piece(("q", "c", "-", "sin", "pos", "load", "*"), (CENTER,))
+HINGE = Piece(("q", "c", "-", "pos", "load", "*"), (CENTER,))
+LEVER = Piece(("q", "c", "-", "abs", "ddq", "*"), (CENTER,))
+NOISE = np.random.default_rng(0).normal(size=(ROWS, 2))
+
+
+def point_of(piece: Piece, error: float, bits: float) -> Point:
+    formula = Sum((piece,), {"c": 0.1})
+    return Point(formula, error, bits, np.sqrt(error) * NOISE[:, 0], None)
+
+
+def model_that_leaves(size: float) -> SimpleNamespace:
+    regression = SimpleNamespace(used=None, log=np.zeros(ROWS, int))
+    residual = NOISE * np.array([size, 1.0])
+    return SimpleNamespace(
+        regression=regression,
+        fit=SimpleNamespace(residual=residual),
+        model=SimpleNamespace(terms=()),
+    )
+
+
+def asked(monkeypatch, leaves: dict, points: list[Point]) -> list[tuple]:
+    """Programs of the formulas that are better than the first, by what the refitted model with each leaves."""
+
+    def refit(after, terms):
+        size = leaves[terms[-1]]
+        if size is None:
+            raise Diverged
+        return model_that_leaves(size)
+
+    monkeypatch.setattr(refitted, "refit", refit)
+    monkeypatch.setattr(refitted, "without", lambda term, terms: terms)
+    monkeypatch.setattr(refitted, "as_term", lambda problem, formula: formula.programs[0])
+    after = model_that_leaves(leaves[points[0].formula.programs[0]])
+    told = refitted.shorter_refitted(None, points[0], points[1:], after, None)
+    return [p.formula.programs[0] for p in told]
+
+
+@pytest.mark.parametrize(
+    ("hinge", "better"), [(0.97, True), (1.0, True), (1.03, False), (None, False)]
+)
+def test_what_the_refitted_model_leaves_decides(monkeypatch, hinge, better):
+    """Though the sine left less in the model that lacked the law; where they leave as much, the shorter one."""
+    points = [point_of(SINE, 8e-4, 43.0), point_of(HINGE, 9e-4, 38.0)]
+    told = asked(monkeypatch, {SINE.program: 1.0, HINGE.program: hinge}, points)
+    assert told == ([HINGE.program] if better else [])
+
+
+def test_a_formula_that_does_not_fit_alike_is_not_asked(monkeypatch):
+    points = [point_of(SINE, 8e-4, 43.0), point_of(LEVER, 0.9, 38.0)]
+    assert asked(monkeypatch, {SINE.program: 1.0, LEVER.program: 0.1}, points) == []
+
+
+def test_of_formulas_that_say_the_same_the_first_is_asked(monkeypatch):
+    points = [point_of(SINE, 8e-4, 43.0), point_of(HINGE, 9e-4, 38.0), point_of(LEVER, 9e-4, 43.0)]
+    leaves = {SINE.program: 1.0, HINGE.program: 0.97, LEVER.program: 0.5}
+    assert asked(monkeypatch, leaves, points) == [HINGE.program]
+
+
+@pytest.mark.parametrize("proved", [True, False])
+def test_it_has_to_prove_itself_as_the_first_did(monkeypatch, proved):
+    sine, hinge = point_of(SINE, 8e-4, 43.0), point_of(HINGE, 9e-4, 38.0)
+    first, second = ("first", None, model_that_leaves(1.0)), ("second", None, None)
+    monkeypatch.setattr(joint_search, "find_term", lambda after, term: term)
+    monkeypatch.setattr(joint_search, "shorter_refitted", lambda *given: [hinge])
+    monkeypatch.setattr(joint_search, "prove", lambda *given: second if proved else "it harms")
+    given = (None, None, None, sine, [sine, hinge], 10, ())
+    told = joint_search._refitted(*given, first)
+    assert told == ((hinge, second) if proved else (sine, first))
