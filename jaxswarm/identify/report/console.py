@@ -78,7 +78,7 @@ def event_lines(errors: Mapping[str, dict]) -> list[str]:
     }
     return [
         f"{name}: {span} is not scored: every model leaves far more there than in most of the log. Look at "
-        "what happened then, a contact or a stop."
+        "what happened then, such as a push."
         for name, span in spans.items()
     ]
 
