@@ -12,7 +12,7 @@ import numpy as np
 from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.estimation.base_parameters import find_base
-from jaxswarm.identify.estimation.least_squares import triangular_factor
+from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.physical.physical_model import random_columns

@@ -6,6 +6,7 @@ from small_problems import make_motion, planar_arm
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify import estimate, model_torque, parse_terms
+from jaxswarm.identify.estimation import gauss_newton, least_squares
 from jaxswarm.identify.estimation.validate import (
     held_out_errors,
     held_out_residual,
@@ -58,6 +59,25 @@ def test_width_and_parameters_are_found_under_noise(found):
         name = term.law.linear[0].name
         assert abs(term.values[name] - true) < 5 * errors[name] + 1e-3
     assert found.fit.sigma == pytest.approx([0.02, 0.02], rel=0.15)
+
+
+def test_how_certain_a_fit_is_is_asked_of_the_last_step_alone(arm, monkeypatch):
+    asked = {"steps": 0, "doubts": 0}
+
+    def counted(name, function):
+        def call(*args, **more):
+            asked[name] += 1
+            return function(*args, **more)
+
+        return call
+
+    monkeypatch.setattr(gauss_newton, "settle", counted("steps", gauss_newton.settle))
+    monkeypatch.setattr(least_squares, "scored", counted("doubts", least_squares.scored))
+    motion = make_motion(arm, friction, noise=0.02)
+    terms = parse_terms(EFFECTS + ",stribeck_friction@joint1", arm.joints)
+    estimate(arm, terms, [motion], width=4 * WIDTH, refine_width=True)
+    # Once of the linear parameters, once of all together, at most three times of what each width would be.
+    assert asked["doubts"] <= 5 < asked["steps"]
 
 
 def test_the_model_predicts_another_motion(found, arm):

@@ -9,12 +9,12 @@ from small_problems import make_regression, waves
 
 from jaxswarm.identify.estimation.bounded import solve
 from jaxswarm.identify.estimation.covariance import correlation_length, moving_sums
-from jaxswarm.identify.estimation.least_squares import (
+from jaxswarm.identify.estimation.factors import (
     compress,
-    fit,
     joint_factors,
     weighted_factor,
 )
+from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.estimation.validate import held_out_residual
 
 TRUTH = np.array([1.5, -0.7, 0.3, 2.0])

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from jaxswarm.effects.term import parse_terms
+from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.identify.estimation.inequalities import solve_above
-from jaxswarm.identify.estimation.least_squares import fit, triangular_factor
+from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.estimation.link_inertia import link_inertias
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.robot import load_robot, mass_matrix

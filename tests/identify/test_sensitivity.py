@@ -14,7 +14,7 @@ from jaxswarm.identify.estimation.free_parameters import (
     width_parameter,
     write,
 )
-from jaxswarm.identify.estimation.gauss_newton import Problem
+from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression, lag_slopes, link_motion
 from jaxswarm.identify.forward.sensitivity import sensitivity_of

@@ -24,7 +24,7 @@ from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
-from jaxswarm.identify.estimation.gauss_newton import Problem
+from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import width_groups, width_range
 from jaxswarm.identify.forward.model import linear_values
 

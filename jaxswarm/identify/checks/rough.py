@@ -9,7 +9,7 @@ import scipy
 from jaxswarm.identify.checks.lateness import Lateness, late_by
 from jaxswarm.identify.checks.rough_columns import Wave, columns_of, strongest_line
 from jaxswarm.identify.checks.samples import Samples
-from jaxswarm.identify.estimation.least_squares import triangular_factor
+from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.robot.model import Robot
 
 # A fit with fewer rows than this per parameter bends: a wrong guess gains what it should not, the more the

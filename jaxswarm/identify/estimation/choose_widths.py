@@ -10,7 +10,6 @@ from jaxswarm.identify.estimation.free_parameters import (
     width_parameter,
 )
 from jaxswarm.identify.estimation.gauss_newton import (
-    Problem,
     Settled,
     newton,
     settle,
@@ -18,6 +17,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
 )
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
+from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import width_range
 from jaxswarm.logs.motion import Motion
 
@@ -85,8 +85,8 @@ def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own)
     free = free_parameters(here.place.terms, free_widths(problem.motions, known, told))
     there = newton(problem, free, settle(problem, here.place._replace(width=told), here.pi))
     sigma = here.solution.sigma
-    one, two = (weighted_cost(x.solution.residual, sigma) for x in (here, there))
-    denied = two > (1.0 + _HARDLY_TOLD / len(here.solution.residual)) * one
+    one, two = (weighted_cost(x.residual, sigma) for x in (here, there))
+    denied = two > (1.0 + _HARDLY_TOLD / len(here.residual)) * one
     return (here, moving) if denied else (there, free)
 
 

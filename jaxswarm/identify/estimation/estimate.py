@@ -16,13 +16,13 @@ from jaxswarm.identify.estimation.free_parameters import (
     free_parameters,
 )
 from jaxswarm.identify.estimation.gauss_newton import (
-    Problem,
     Settled,
     newton,
     settle,
     standard_errors,
 )
-from jaxswarm.identify.estimation.least_squares import Fit
+from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
+from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.body import tilted
@@ -166,7 +166,8 @@ def _uncertainty(solution: Fit) -> Uncertainty:
 def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Estimate:
     """The estimate with values and standard errors by name."""
     robot, theta = problem.robot, here.solution.theta
-    first = problem.motions[0]
+    first, solution = problem.motions[0], with_doubt(here.solution, here.regression)
+    solution = replace(solution, residual=here.residual)
     named = [t.linear_names(robot.joints) for t in here.place.terms]
     split = np.cumsum([10 * robot.num_joints, *(len(names) for names in named)])
     parts = np.split(theta, split)[1:]
@@ -179,8 +180,8 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         terms,
         here.place.width,
         first.filtering,
-        tuple(map(float, here.solution.sigma)),
-        uncertainty=_uncertainty(here.solution),
+        tuple(map(float, solution.sigma)),
+        uncertainty=_uncertainty(solution),
     )
     placed = replace(here, place=Place(terms, here.place.width))
     columns, positions = standard_errors(problem, moving, placed, linear_values(model))
@@ -202,8 +203,8 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         own.update(dict.fromkeys(untold(term, own), np.nan))
     if any(t.law.recurring for t in terms):
         model, errors = with_event_torques(
-            model, here.solution, here.regression, problem.motions, problem.rigids, errors
+            model, solution, here.regression, problem.motions, problem.rigids, errors
         )
     return Estimate(
-        model, here.solution, here.regression, problem.motions, problem.rigids, tuple(errors)
+        model, solution, here.regression, problem.motions, problem.rigids, tuple(errors)
     )

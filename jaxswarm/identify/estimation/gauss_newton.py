@@ -5,12 +5,11 @@ Problems 19 (2003)): the tangents :math:`\partial W(\nu)/\partial\nu\;\theta` ar
 and solving for both gives the step, and in the end the standard errors of all parameters together.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.term import Term, parameter_bounds
+from jaxswarm.identify.estimation.factors import compress, triangular_factor
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
     Place,
@@ -19,97 +18,33 @@ from jaxswarm.identify.estimation.free_parameters import (
     with_values,
     write,
 )
-from jaxswarm.identify.estimation.least_squares import (
-    Fit,
-    compress,
-    fit,
-    triangular_factor,
-    weighted_cost,
-)
-from jaxswarm.identify.estimation.link_inertia import link_inertias
+from jaxswarm.identify.estimation.least_squares import Solved, fit, weighted_cost, with_doubt
+from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.forward.body import moves_links
-from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, term_block, uses_load
-from jaxswarm.identify.forward.regression import Diverged, Regression, build_regression
-from jaxswarm.logs.motion import Motion
-from jaxswarm.robot.model import Robot
+from jaxswarm.identify.forward.measuring_chain import uses_load
+from jaxswarm.identify.forward.regression import Diverged, Regression
 
 # Rounds of refitting where the load or the lag of a soft joint depends on the fit itself.
 _ROUNDS, _STEPS = 6, 8
 
 
 @dataclass(frozen=True)
-class Problem:
-    """What stays the same while a model is fitted.
+class Settled:
+    """A fit at a place.
 
     Attributes:
-        inertias: Rows of :func:`link_inertias` by the terms' identities: every fit asks for the same.
+        place: Nonlinear parameters and widths.
+        solution: The linear ones.
+        regression: The rows that they solve.
+        pi: Rigid parameters (10 n,) that the columns were built with.
+        residual: What the model leaves, (T, n): where its columns bend, not what the solution promises.
     """
 
-    robot: Robot
-    motions: tuple[Motion, ...]
-    rigids: tuple[Rigid, ...]
-    bounded: bool
-    inertias: dict = field(default_factory=dict, repr=False, compare=False)
-
-    def build(self, place: Place, pi) -> Regression:
-        """The rows at a place."""
-        return build_regression(self.robot, place.terms, self.motions, place.width, pi, self.rigids)
-
-    def solve(self, terms: tuple[Term, ...], regression: Regression) -> Fit:
-        """The linear parameters."""
-        lower, upper = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
-        known = tuple(t.identity for t in terms)
-        if known not in self.inertias:
-            self.inertias[known] = link_inertias(self.robot, terms, self.motions)
-        above = self.inertias[known]
-        if above is not None:
-            others = len(regression.names) - above.shape[1]
-            above = np.pad(above, ((0, 0), (0, others)))
-        return fit(regression, lower, upper, above=above)
-
-    def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
-        """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
-        moved = self._moved(place, free)
-        sizes = [len(t.columns(self.robot.joints)) for t in place.terms]
-        ends = len(pi) + np.cumsum(sizes)
-        parts = []
-        for number, (motion, rigid) in enumerate(zip(self.motions, self.rigids, strict=True)):
-            given = (motion, place.width, pi, rigid)
-            if moved is None:
-                columns = assemble(self.robot, place.terms, *given, decimate=True, log=number)
-                parts.append(columns @ theta)
-                continue
-            parts.append(
-                sum(
-                    term_block(self.robot, place.terms, place.terms[k], *given)
-                    @ (place.terms[k].acts_in(number) * theta[ends[k] - sizes[k] : ends[k]])
-                    for k in moved
-                )
-            )
-        return np.concatenate(parts)
-
-    def _moved(self, place: Place, free: FreeParameter) -> list[int] | None:
-        """Indices of the terms whose columns a free parameter changes; None: the whole model."""
-        if free.term is None:
-            return [
-                k
-                for k, t in enumerate(place.terms)
-                if t.joint in free.joints and t.law.uses_direction
-            ]
-        own = isinstance(place.terms[free.term].law, TorqueLaw)
-        alone = own and not moves_links(place.terms)
-        return [free.term] if alone else None
-
-
-@dataclass(frozen=True)
-class Settled:
-    """A fit at a place, with the rigid parameters (10 n,) its columns were built with."""
-
     place: Place
-    solution: Fit
+    solution: Solved
     regression: Regression
     pi: np.ndarray
+    residual: np.ndarray
 
 
 def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
@@ -122,13 +57,13 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
     solution = problem.solve(place.terms, regression)
     theta = solution.theta
     if not uses_load(place.terms) and not moves_links(place.terms):
-        return Settled(place, solution, regression, theta[:rigid])
+        return Settled(place, solution, regression, theta[:rigid], solution.residual)
     small = 1e-6 * np.abs(regression.torque).max()
     stand = np.concatenate([pi, theta[rigid:]])
     for _ in range(_ROUNDS):
         sigma, step = solution.sigma, theta - stand
         if np.abs(regression.columns @ step).max() < small:
-            return Settled(place, solution, regression, theta[:rigid])
+            return Settled(place, solution, regression, theta[:rigid], solution.residual)
         before = _true_cost(regression, stand, sigma)
         for part in (1.0, 0.3, 0.1):
             trial = stand + part * step
@@ -143,7 +78,7 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
         theta = solution.theta
     # What the linearization promises further on is not what the model does.
     residual = regression.target - regression.columns @ stand
-    return Settled(place, replace(solution, residual=residual), regression, stand[:rigid])
+    return Settled(place, solution, regression, stand[:rigid], residual)
 
 
 def _attempt(build, *at):
@@ -163,7 +98,7 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
     """Gauss-Newton steps of the free parameters, if any; a step that does not pay is shortened."""
     if not moving:
         return here
-    cost = weighted_cost(here.solution.residual, here.solution.sigma)
+    cost = weighted_cost(here.residual, here.solution.sigma)
     for _ in range(_STEPS):
         sigma = here.solution.sigma
         position = read(here.place, moving)
@@ -172,14 +107,14 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
             trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
             there = None  # its columns go before others are made
             there = _attempt(settle, problem, trial, here.pi)
-            new = np.inf if there is None else weighted_cost(there.solution.residual, sigma)
+            new = np.inf if there is None else weighted_cost(there.residual, sigma)
             if new < cost * (1 - 1e-7):
                 break
         else:
             break
         gain = 1 - new / cost
         here = there
-        cost = weighted_cost(here.solution.residual, here.solution.sigma)
+        cost = weighted_cost(here.residual, here.solution.sigma)
         if gain < 1e-5:
             break
     return here
@@ -199,7 +134,7 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     factors = []
     for j, sigma in enumerate(solution.sigma):
         kept = regression.columns[:, j, solution.base.kept]
-        factors.append(compress(np.hstack([kept, slopes[:, j]]), solution.residual[:, j]) / sigma)
+        factors.append(compress(np.hstack([kept, slopes[:, j]]), here.residual[:, j]) / sigma)
     triangle = triangular_factor(np.concatenate(factors))
     matrix, target = triangle[:, :-1], triangle[:, -1]
     scale = np.linalg.norm(matrix, axis=0)
@@ -221,7 +156,7 @@ def standard_errors(
     problem: Problem, moving: list[FreeParameter], here: Settled, theta: np.ndarray
 ):
     """Standard errors of all columns (p,) and of the free parameters' positions (m,); NaN where inseparable."""
-    solution, regression = here.solution, here.regression
+    regression = here.regression
     if moving:
         pi = theta[: len(here.pi)]
         slopes = tangents(
@@ -235,14 +170,16 @@ def standard_errors(
         wide = Regression(
             (*regression.names, *(f"{m.name}:{m.term}:{m.joints}" for m in moving)),
             np.concatenate([regression.columns, slopes], axis=2),
-            solution.residual,
+            here.residual,
             regression.moving,
             regression.t,
             regression.log,
             regression.step,
             used=regression.used,
         )
-        solution = fit(wide, sigma=solution.sigma)
+        solution = fit(wide, sigma=here.solution.sigma)
+    else:
+        solution = with_doubt(here.solution, regression)
     errors = np.full(len(solution.base.names), np.nan)
     errors[solution.base.kept] = solution.std_error
     count = len(regression.names)

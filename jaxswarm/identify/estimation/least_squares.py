@@ -18,14 +18,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
 from jaxswarm.identify.estimation.bounded import solve, solve_within
 from jaxswarm.identify.estimation.covariance import sandwich, scored
+from jaxswarm.identify.estimation.factors import joint_factors, weighted_factor
 from jaxswarm.identify.forward.regression import Regression
-
-_BLOCK_ROWS = 512
 
 
 @dataclass(frozen=True)
@@ -75,53 +73,6 @@ class Fit:
         return float(np.linalg.cond(self.factor / np.linalg.norm(self.factor, axis=0)))
 
 
-def compress(columns: np.ndarray, torque: np.ndarray) -> np.ndarray:
-    """Triangular factor of ``[columns | torque]``: all that weighted quadratic costs need.
-
-    Args:
-        columns: Shape (m, p).
-        torque: Shape (m,).
-
-    Returns:
-        Upper triangle, shape (min(m, p + 1), p + 1).
-    """
-    return triangular_factor(np.column_stack([columns, torque]))
-
-
-def triangular_factor(matrix: np.ndarray) -> np.ndarray:
-    """Triangular factor (min(m, p), p) of a tall matrix (m, p), by blocks of rows that stay in the cache.
-
-    J. Demmel, L. Grigori, M. Hoemmen, J. Langou, SIAM J. Sci. Comput. 34 (2012), section 2. Rows may
-    differ in sign from those of one factorization.
-
-    >>> a = np.random.default_rng(0).normal(size=(5000, 3))
-    >>> r = triangular_factor(a)
-    >>> bool(np.allclose(r.T @ r, a.T @ a)), r.shape
-    (True, (3, 3))
-    """
-    width = matrix.shape[1]
-    rows = max(_BLOCK_ROWS, 2 * width)
-    whole = len(matrix) // rows * rows
-    if whole > rows:
-        blocks = np.asarray(np.linalg.qr(matrix[:whole].reshape(-1, rows, width), mode="r"))
-        matrix = np.concatenate([blocks.reshape(-1, width), matrix[whole:]])
-    return np.asarray(np.linalg.qr(matrix, mode="r"))
-
-
-def joint_factors(regression: Regression) -> list[np.ndarray]:
-    """One triangular factor of ``[W_j | tau_j]`` per joint, so that weights can change for nothing."""
-    return [
-        compress(regression.columns[:, j], regression.target[:, j])
-        for j in range(regression.torque.shape[1])
-    ]
-
-
-def weighted_factor(factors: list[np.ndarray], sigma: np.ndarray) -> np.ndarray:
-    """Triangular factor of all joints' rows, divided by their standard deviations."""
-    stacked = np.concatenate([f / s for f, s in zip(factors, sigma, strict=True)])
-    return scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
-
-
 def weighted_cost(residual: np.ndarray, sigma: np.ndarray) -> float:
     """Sum of squares of a residual (T, n) in units of ``sigma`` (n,)."""
     return float(((residual / sigma) ** 2).sum())
@@ -138,6 +89,11 @@ class Solved(NamedTuple):
     at_bound: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Full parameter vector, as :attr:`Fit.theta`."""
+        return self.base.expand(self.values)
 
 
 def fit(
@@ -158,7 +114,16 @@ def fit(
         sigma: Weights to use, shape (n,); None: iterated from the residual.
         above: Rows whose products with the full parameters must not be negative, (m, p).
     """
-    found = solved(regression, lower, upper, base, sigma, above)
+    return with_doubt(solved(regression, lower, upper, base, sigma, above), regression)
+
+
+def with_doubt(found: Solved, regression: Regression) -> Fit:
+    """A solution with how certain it is, which takes as long as to find it.
+
+    Args:
+        found: What :func:`solved` found.
+        regression: For these rows.
+    """
     size, triangle = found.base.size, found.triangle
     factor, target = triangle[:size, :size], triangle[:size, size]
     error = found.residual / found.sigma

@@ -7,7 +7,8 @@ import scipy
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import joint_factors, triangular_factor, values_on
+from jaxswarm.identify.estimation.factors import joint_factors, triangular_factor
+from jaxswarm.identify.estimation.least_squares import values_on
 from jaxswarm.identify.forward.link_lag import slope_terms, unseen_samples, unseen_start
 from jaxswarm.identify.forward.metrics import is_moving, torque_errors
 from jaxswarm.identify.forward.model import Model, model_torque

@@ -14,7 +14,7 @@ import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.identify.estimation.base_parameters import BaseParameters, find_base
-from jaxswarm.identify.estimation.least_squares import triangular_factor
+from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.physical.consistency import violations
 from jaxswarm.identify.physical.projection import Further, nearest_physical, plain_prior

@@ -16,7 +16,7 @@ import jax
 import numpy as np
 
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.identify.estimation.least_squares import triangular_factor
+from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.robot import regressor, rx60
 from jaxswarm.studies.rx60.paper import NAMES, NOISE, TRUE
 
