@@ -12,6 +12,7 @@ from jaxswarm.identify.estimation.covariance import correlation_length, moving_s
 from jaxswarm.identify.estimation.factors import (
     compress,
     joint_factors,
+    narrow_factor,
     weighted_factor,
 )
 from jaxswarm.identify.estimation.least_squares import fit
@@ -72,6 +73,30 @@ def test_factors_of_joints_stack_to_the_factor_of_all(columns):
     rows = rows.reshape(-1, 5)
     np.testing.assert_allclose(triangle.T @ triangle, rows.T @ rows, rtol=1e-10, atol=1e-8)
     assert compress(columns[:2, 0], regression.torque[:2, 0]).shape == (2, 5)
+
+
+def test_columns_of_zeros_cost_no_rows_of_a_factor(columns):
+    # As of the last joint: nothing of the links before it.
+    block = np.concatenate([columns[:, 1], noisy(columns)[:, 1:]], axis=1)
+    block[:, :2] = 0.0
+    factor = narrow_factor(block)
+    assert factor.shape == (3, 5)
+    np.testing.assert_allclose(factor.T @ factor, block.T @ block, rtol=1e-10, atol=1e-10)
+    # A torque that is zero counts all the same, and so does a joint that feels nothing.
+    assert narrow_factor(0.0 * block).shape == (1, 5)
+    # Fewer rows than columns are filled up, so that nobody asks how many there are.
+    assert weighted_factor([factor, narrow_factor(0.0 * block)], np.ones(2)).shape == (5, 5)
+
+
+def test_fits_of_joints_that_feel_little_are_numpys(columns):
+    sparse = columns.copy()
+    sparse[:, 0, 2:] = 0.0
+    sparse[:, 1, :2] = 0.0
+    torque = sparse @ TRUTH
+    torque[:, 0] += 0.1 * np.sin(np.arange(400.0))
+    found = fit(make_regression(sparse, torque), sigma=np.ones(2))
+    expected = np.linalg.lstsq(sparse.reshape(-1, 4), torque.ravel(), rcond=None)[0]
+    np.testing.assert_allclose(found.values, expected, rtol=1e-10)
 
 
 def test_dependent_columns_merge():

@@ -9,7 +9,7 @@ import scipy
 from jaxswarm.identify.checks.lateness import Lateness, late_by
 from jaxswarm.identify.checks.rough_columns import Wave, columns_of, strongest_line
 from jaxswarm.identify.checks.samples import Samples
-from jaxswarm.identify.estimation.factors import triangular_factor
+from jaxswarm.identify.estimation.factors import narrow_factor
 from jaxswarm.robot.model import Robot
 
 # A fit with fewer rows than this per parameter bends: a wrong guess gains what it should not, the more the
@@ -76,12 +76,9 @@ class Rough:
         self._dry = self._columns.dry
         self._size, self._own, self._memory = self._columns.sizes
         self._rows = len(samples.tau)
-        self._factors = []
-        for j in range(samples.q.shape[1]):
-            block = self._block(j)
-            factor = triangular_factor(block)
-            missing = block.shape[1] - len(factor)
-            self._factors.append(np.pad(factor, ((0, max(missing, 0)), (0, 0))))
+        factors = [narrow_factor(self._block(j)) for j in range(samples.q.shape[1])]
+        most = max(map(len, factors))
+        self._factors = [np.pad(f, ((0, most - len(f)), (0, 0))) for f in factors]
 
     def _block(self, joint: int) -> np.ndarray:
         """What a joint's rows are fitted by, all torques, its torque's derivative by parts, and its memory."""
