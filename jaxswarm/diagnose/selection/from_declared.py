@@ -7,10 +7,13 @@ where the declared model alone does not. On a world (w2735) all widths came out 
 model's.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
+import jax
 import numpy as np
 
+from jaxswarm import cores
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
@@ -19,7 +22,9 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks, with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.robot.model import Robot
 
 # Widths whose logarithms are nearer lie in one valley, as where a fit is trusted to have found them by itself.
 _NEAR = 0.3
@@ -27,24 +32,47 @@ _NEAR = 0.3
 _CHANCE = 4.0
 
 
-def fit_from_declared(
-    search: Search, declared: tuple[Term, ...], motions: Sequence[Motion]
-) -> None:
+@contextmanager
+def declared_alone(
+    robot: Robot, declared: tuple[Term, ...], motions: Sequence[Motion]
+) -> Iterator[Callable[[], Estimate]]:
+    """The fit of the declared model that ``identify`` makes, with its clocks, found beside the selection.
+
+    It is asked for at the end, whatever was added, and follows from nothing before that. Two fits of a long log
+    do not stand in memory together: it waits until it is asked for.
+
+    Args:
+        robot: Kinematics.
+        declared: Terms the user knows of.
+        motions: Prepared logs, their clocks as read.
+    """
+
+    def found() -> Estimate:
+        with jax.enable_x64(True):  # a thread has settings of its own
+            return estimate_with_clocks(robot, declared, list(motions))
+
+    if not all(map(is_kept, motions)):
+        yield found
+        return
+    with cores.beside(found) as told:
+        yield told
+
+
+def fit_from_declared(search: Search, alone: Callable[[], Estimate]) -> None:
     """Replace the current fit by the one from the declared model's widths and clocks, where that is better.
 
     Args:
         search: With everything added.
-        declared: Terms the user knows of.
-        motions: Prepared logs, their clocks as read.
+        alone: Gives the fit of the declared model, :func:`declared_alone`.
     """
     current = search.current
     terms = current.model.terms
     directed = any(t.law.uses_direction for t in terms)
     if not directed or any(isinstance(t.law, MeasurementLaw) and t.law.clock for t in terms):
         return
-    alone = estimate_with_clocks(current.model.robot, declared, list(motions))
-    width, skew = alone.model.width, alone.motions[0].skew
-    del alone
+    told = alone()
+    width, skew = told.model.width, told.motions[0].skew
+    del told
     if np.abs(np.log(np.divide(width, current.model.width))).max() < _NEAR:
         return
     again = with_clocks(_fit_at(current, width, skew - current.motions[0].skew))

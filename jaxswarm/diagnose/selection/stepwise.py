@@ -23,7 +23,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
-from jaxswarm.diagnose.selection.from_declared import fit_from_declared
+from jaxswarm.diagnose.selection.from_declared import declared_alone, fit_from_declared
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
@@ -38,7 +38,6 @@ from jaxswarm.diagnose.selection.two_laws import add_two_laws
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -78,20 +77,21 @@ def diagnose(
         The :class:`Diagnosis`.
     """
     rules = rules or Rules()
-    progress("fitting the declared model")
-    start = estimate(robot, declared, motions, bounded=False)
-    memory = Memory(journal, rules.share)
-    search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
-    most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
-    run_rounds(search, _LACKING, most)
-    while take_back(search):
+    with declared_alone(robot, declared, motions) as alone:
+        progress("fitting the declared model")
+        start = estimate(robot, declared, motions, bounded=False)
+        memory = Memory(journal, rules.share)
+        search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
+        most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
         run_rounds(search, _LACKING, most)
-    if search.steps:
-        settle_clocks(search)
-        fit_from_declared(search, declared, motions)
-        _hold_within_bounds(search)
-    else:
-        _as_identified(search, declared, motions)
+        while take_back(search):
+            run_rounds(search, _LACKING, most)
+        if search.steps:
+            settle_clocks(search)
+            fit_from_declared(search, alone)
+            _hold_within_bounds(search)
+        else:
+            _as_identified(search, alone())
     return Diagnosis(
         within_bounds(search.declared),
         search.current,
@@ -139,13 +139,12 @@ def _act(search: Search, passed: list[Score]) -> bool:
     return _choose_again(search) or (not search.budget.spent and add_two_laws(search))
 
 
-def _as_identified(search: Search, declared: tuple[Term, ...], motions: Sequence[Motion]) -> None:
+def _as_identified(search: Search, found: Estimate) -> None:
     """Where nothing is added, the model is the one that ``identify`` fits: with its clocks, within its bounds.
 
     Clocks found among candidates differ from these by a part of their doubt, which was a sixth of a joint's
     error on other motion of a world.
     """
-    found = estimate_with_clocks(search.current.model.robot, declared, list(motions))
     search.current = search.declared = with_motion_noise(found, search.seed)
     search.crossfit = cross_fit(search.current)
 
