@@ -87,6 +87,15 @@ def test_free_parts_of_many_are_those_of_each(crossfit, monkeypatch):
             np.testing.assert_allclose(part, fold.free_part(own), atol=1e-10)
 
 
+def test_what_the_model_has_is_free_by_nothing_not_by_rounding(crossfit):
+    known = crossfit.whole.project[:, :, :2] @ np.array([[1.0], [-3.0]])
+    other = np.random.default_rng(6).normal(size=known.shape)
+    both = np.concatenate([known, known + 1e-4 * other], axis=2)
+    for part in next(free_parts([(both,) * 3], crossfit)):
+        assert not part[:, :, 0].any()
+        assert part[:, :, 1].any()
+
+
 def test_no_candidates_have_no_free_parts(crossfit):
     assert list(free_parts([], crossfit)) == []
 
