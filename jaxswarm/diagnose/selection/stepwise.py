@@ -1,7 +1,7 @@
 """Forward stepwise selection: score every candidate, add the best that passes, refit, score again.
 
-When nobody passes, every choice is made once more with the others in place; when that changes nothing, the
-search is over.
+When nobody passes, one law of the whole arm is tried in the place of all that was added; then every choice is
+made once more with the others in place; when that changes nothing, the search is over.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,6 +25,7 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
 from jaxswarm.diagnose.selection.from_declared import declared_alone, fit_from_declared
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
+from jaxswarm.diagnose.selection.one_for_several import one_for_several
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
@@ -136,7 +137,9 @@ def _act(search: Search, passed: list[Score]) -> bool:
         return True
     if passed:
         return _add_best(search, passed)
-    return _choose_again(search) or (not search.budget.spent and add_two_laws(search))
+    if one_for_several(search) or _choose_again(search):
+        return True
+    return not search.budget.spent and add_two_laws(search)
 
 
 def _as_identified(search: Search, found: Estimate) -> None:

@@ -1,0 +1,97 @@
+"""One law of the whole arm in the place of what was added on its joints.
+
+A body carried for a while takes ten numbers and a window, and a wrong zero shows on all joints. Half a short
+log knows them so badly that they fail for chance, given how many are asked, while a law of a joint takes a
+part of the same with one number or two: of a payload of 33 g in a log of 10 s, a drag and a cable were told,
+which left 1.2 and 1.4 times the noise where the payload leaves 0.6. That something is missing is proven once
+a law was added; which one is another question, to which the fits to the whole log are an answer, as for any
+rivals of different size.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import ASKED_ALONE, LOUD, NEAR, PRICE
+from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.plainer import cost, does_as_well
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.effects.alike import lacking
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def one_for_several(search: Search) -> bool:
+    """Put a law of the whole arm in the place of all that was added, if it explains more; whether it did.
+
+    What every drive has stays.
+    """
+    over = search.current.fit.sigma / noise_of(search.current)
+    added = [k for k, step in enumerate(search.steps) if not step.added.law.everyday]
+    if not added or search.budget.spent or not (over > LOUD).any():
+        return False
+    kept, steps = search.steps[: added[0]], search.steps[added[0] :]
+    if any(_of_the_arm(step.added) for step in steps):
+        return False
+    before = steps[0].before
+    for score in _asked_alone(search, steps[0]):
+        after = refit_with(before, score)
+        if after is None or not _explains_more(search, steps, score, after):
+            continue
+        term = find_term(after, score.candidate.term)
+        search.progress(f"{term.label(after.model.robot.joints)} in place of what was added")
+        removed = lacking(before.model.terms, after.model.terms)
+        search.withdrawn += tuple(step.added for step in steps)
+        search.steps = [*kept, Step(term, score, (), (), before, after, removed)]
+        search.current = after
+        search.banned = set()  # what was refused was refused beside laws that are gone
+        return True
+    return False
+
+
+def _of_the_arm(term: Term) -> bool:
+    """Whether a law has no joint, or shows on all of them, as a wrong zero does."""
+    return term.joint is None or not term.law.shows_on_own_joint
+
+
+def _asked_alone(search: Search, first: Step) -> list[Score]:
+    """Laws of the arm that gain more than the first addition on its joint, the best first.
+
+    They would pass if nobody else were asked, at the usual level: what decides is what they leave.
+    """
+    before, refused = first.before, {term.identity for term, _ in search.refused} | search.barred
+    terms = [
+        t
+        for t in eligible_terms(before.model, before.motions)
+        if _of_the_arm(t) and not t.law.recurring and t.identity not in refused
+    ]
+    scores = score_terms(Linearization(before, cross_fit(before)), terms, search.seed)
+    rules = replace(search.rules, significance=ASKED_ALONE)
+    told = [s for s in scores if s.gain > first.score.worth and passes(s, 1, rules)]
+    return sorted(told, key=lambda s: -s.gain)
+
+
+def _explains_more(search: Search, steps: Sequence[Step], score: Score, after: Estimate) -> bool:
+    """Whether a fit leaves every joint near its noise, and less than the present one by more than it costs.
+
+    No joint that had a law of its own may be left with more, here or on other motion.
+    """
+    current, joints = search.current, {step.score.joint for step in steps}
+    more = score.candidate.size - sum(step.score.candidate.size for step in steps)
+    if (after.fit.sigma > NEAR * noise_of(after)).any() or does_as_well(current, after, more):
+        return False
+    if any(cost(after, j, current) > PRICE * cost(current, j, current) for j in joints):
+        return False
+    if any(left_elsewhere(after, current, j, search.other) > 1.0 for j in joints if search.other):
+        return False
+    if score.candidate.term.law.in_one_log:
+        return True
+    return not survives(steps[0].before, after, score.joint, search.other, search.rules)

@@ -1,0 +1,81 @@
+"""What a law of the whole arm explains is not told as laws of joints, though these are proven more easily."""
+
+from dataclasses import replace
+
+import pytest
+from elbow import ask, elbow_log, fitted
+
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.one_for_several import one_for_several
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.effects.term import Term
+
+BODY = {
+    **{"m": 1.5, "mcx": 0.15, "mcy": 0.0, "mcz": 0.05},
+    **{"Ixx": 0.01, "Ixy": 0.0, "Iyy": 0.02, "Ixz": 0.0, "Iyz": 0.0, "Izz": 0.02, "log": 0.0},
+}
+LOAD = Term("payload_change", values={**BODY, "start": 4.3, "end": 8.1})
+SPRING = Term("joint_spring", 1, values={"k": 12.0, "tau0": 1.0})
+DRAG = Term("quadratic_drag", 2, values={"c": 1.0})
+
+
+def ended(truth, joint_law):
+    """A search that has added a law of a joint, as if no other one had been proven."""
+    found = with_motion_noise(fitted(elbow_log(truth)), 0)
+    first = max(ask(found, joint_law), key=lambda s: s.share)
+    after = refit(found, (*found.model.terms, first.candidate.term))
+    added = find_term(after, first.candidate.term)
+    search = Search(after, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search.steps = [Step(added, first, (), (), found, after, ())]
+    return search
+
+
+@pytest.mark.parametrize("joint_law", ["torque_offset", "torque_ripple"])
+def test_a_load_takes_the_place_of_what_was_told_of_a_joint(joint_law):
+    search = ended(LOAD, joint_law)
+    told = search.steps[0].added
+    assert told.effect == joint_law
+    assert one_for_several(search)
+    (step,) = search.steps
+    assert step.added.effect == "payload_change" and search.withdrawn == (told,)
+    assert step.added.values["m"] == pytest.approx(1.5, rel=0.03)
+    assert [t.effect for t in search.current.model.terms].count(joint_law) == 0
+    assert not one_for_several(search)
+
+
+def test_what_every_drive_has_stays():
+    search = ended(LOAD, "torque_offset")
+    (step,) = search.steps
+    friction = replace(step, added=search.current.model.terms[0])
+    assert friction.added.law.everyday
+    search.steps = [friction]
+    assert not one_for_several(search)
+    search.steps = [friction, step]
+    assert one_for_several(search)
+    assert [s.added.effect for s in search.steps] == [friction.added.effect, "payload_change"]
+
+
+def test_a_zero_that_is_off_takes_the_place_of_an_offset():
+    search = ended(Term("encoder_offset", 1, values={"dq0": 0.2}), "torque_offset")
+    assert one_for_several(search)
+    (step,) = search.steps
+    assert step.added.place == ("encoder_offset", 1, None)
+    assert step.added.values["dq0"] == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.parametrize("truth", [SPRING, DRAG], ids=lambda t: t.effect)
+def test_a_law_of_a_joint_that_is_right_stays(truth):
+    search = ended(truth, truth.effect)
+    assert not one_for_several(search)
+    assert search.steps[0].added.effect == truth.effect
+
+
+def test_a_law_of_a_joint_that_is_wrong_stays_where_none_of_the_arm_explains_more():
+    search = ended(SPRING, "torque_ripple")
+    assert not one_for_several(search)
+    assert search.steps[0].added.effect == "torque_ripple"
