@@ -25,6 +25,7 @@ class Search:
         banned: Identities of terms that were refused on the model as it is.
         barred: Identities of terms that were taken back for another law's, and are not asked any more.
         kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
+        pairs: Places of two laws that were added at once, and are not once more.
         asked: Candidates scored in the first round.
         crossfit: The current model on all folds.
         scores: Of all candidates in the latest round.
@@ -48,6 +49,7 @@ class Search:
     banned: set = field(default_factory=set)
     barred: set = field(default_factory=set)
     kept_out: set = field(default_factory=set)
+    pairs: set[frozenset] = field(default_factory=set)
     asked: int = 0
     crossfit: CrossFit | None = None
     scores: list[Score] = field(default_factory=list)

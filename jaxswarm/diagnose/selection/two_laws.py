@@ -55,6 +55,11 @@ class _Pair:
     after: Estimate
 
     @property
+    def places(self) -> frozenset:
+        """Where either acts."""
+        return frozenset(s.candidate.term.place for s in self.scores)
+
+    @property
     def size(self) -> int:
         """Numbers that both spend."""
         return sum(s.candidate.size for s in self.scores)
@@ -91,6 +96,7 @@ def _add(search: Search, found: _Pair) -> None:
         removed = lacking(before.model.terms, after.model.terms)
         search.steps.append(Step(added, score, near, (), before, after, removed))
     search.current = found.after
+    search.pairs.add(found.places)
     # What was refused on this joint was refused without them, and every choice was made without them.
     search.banned = {key for key in search.banned if key[1] != found.scores[0].joint}
     search.settled = False
@@ -118,7 +124,7 @@ def _pairs(search: Search, joint: int) -> list[_Pair]:
     for one in first:
         search.progress(f"asking what goes with {one.candidate.term.label(names)}")
         told.append(_partner(search, one, len(asked), len(first) * max(search.asked, len(asked))))
-    return [found for found in told if found is not None]
+    return [found for found in told if found is not None and found.places not in search.pairs]
 
 
 def _partner(search: Search, one: Score, own: int, pairs: int) -> _Pair | None:
