@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.swarm import Space, around, batches, cma_es, minimize_runs, pso
-from jaxswarm.swarm.optimizers.counting import FEW, ascending, order
+from jaxswarm.swarm.optimizers.counting import FEW, ascending, order, place
 
 SPACE = Space.vector([-5.0] * 3, [5.0] * 3)
 KEYS = jax.random.split(jax.random.key(4), 12)
@@ -60,3 +60,5 @@ def test_counting_orders_as_a_sort(n):
     )
     np.testing.assert_array_equal(order(jnp.array(first)), np.argsort(first, kind="stable"))
     np.testing.assert_array_equal(ascending(jnp.array(first)), np.sort(first))
+    at = np.lexsort((second, first))
+    np.testing.assert_array_equal(place(jnp.array(first), jnp.array(second))[at], np.arange(n))

@@ -20,6 +20,7 @@ from jaxswarm.swarm import (
     textbook_ga,
 )
 from jaxswarm.swarm.optimizers.cma_distribution import Rates
+from jaxswarm.swarm.optimizers.counting import FEW
 from jaxswarm.swarm.optimizers.de import cross, within
 from jaxswarm.swarm.optimizers.rules import Swarm
 from jaxswarm.swarm.random import Random
@@ -250,6 +251,20 @@ def test_cma_mean_and_covariance_follow_the_selected():
     np.testing.assert_allclose(new.search.covariance, new.search.covariance.T, atol=1e-12)
     decomposed = new.search.basis @ jnp.diag(new.search.spread**2) @ new.search.basis.T
     np.testing.assert_allclose(decomposed, new.search.covariance, atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [9, FEW + 2])
+def test_cma_does_not_depend_on_the_order_of_its_candidates(n):
+    """Few candidates get their weights where they are, many are brought in order: both are the same step."""
+    optimizer = cma_es(n, sigma=0.1)
+    state = optimizer.init(KEY, 3)
+    value = jnp.sum((state.position - 0.2) ** 2, axis=1)
+    rising = jnp.argsort(value)
+    ordered = state._replace(position=state.position[rising], sample=state.sample[rising])
+    one, _ = optimizer.update(KEY, state, value)
+    other, _ = optimizer.update(KEY, ordered, value[rising])
+    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
 
 
 def test_cma_worse_half_shrinks_the_covariance():

@@ -50,7 +50,7 @@ class Distribution(NamedTuple):
     """Mean (d,), sigma (), covariance and basis (d, d), square roots of the eigenvalues (d,), paths.
 
     Attributes:
-      basis: eigenvectors in columns; spread: standard deviation over sigma along each of them.
+      basis: eigenvectors in columns; spread: standard deviation over sigma along each of them, rising.
       path_sigma, path_covariance: (d,) evolution paths.
       generation: () int32, generations since the distribution was round.
     """
@@ -120,7 +120,7 @@ def round_at(mean: jax.Array, sigma: Any) -> Distribution:
     """The distribution at the start of a search: C = I."""
     d, dtype = mean.size, mean.dtype
     zero = jnp.zeros((d,), dtype)
-    eye, one = jnp.eye(d, dtype=dtype), jnp.ones((d,), dtype)
+    eye, one = jnp.asarray(np.eye(d), dtype), jnp.ones((d,), dtype)
     sigma = jnp.asarray(sigma, dtype)
     return Distribution(mean, sigma, eye, eye, one, zero, zero, jnp.zeros((), jnp.int32))
 
@@ -135,28 +135,32 @@ def draw(random: Random, of: Distribution, n: int) -> jax.Array:
 
 def deviations(of: Distribution) -> jax.Array:
     """Return the standard deviations (d,) of the coordinates."""
-    return of.sigma * jnp.sqrt(jnp.diagonal(of.covariance))
+    # By a mask: an index for every coordinate takes longer to trace, to compile and in many runs.
+    on_diagonal = np.eye(of.mean.size, dtype=bool)
+    return of.sigma * jnp.sqrt(jnp.sum(jnp.where(on_diagonal, of.covariance, 0.0), axis=0))
 
 
-def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:
+def adapt(old: Distribution, sample: jax.Array, rates: Rates, place: Any = None) -> Distribution:
     """Move the mean, adapt the shape and the size.
 
     Args:
       old: what the samples were drawn from.
-      ranked: (n, d) samples, the best first; rows of weight 0 do not count.
+      sample: (n, d), the best first; rows of weight 0 do not count.
       rates: for as many candidates as count.
+      place: (n,) int32, where each row comes if the best is not first.
     """
     d, dtype = old.mean.size, old.mean.dtype
     eps = jnp.finfo(dtype).eps
-    weights = jnp.asarray(rates.weights, dtype)
-    y = (ranked - old.mean) / old.sigma
+    weights, total = (jnp.asarray(a, dtype) for a in (rates.weights, rates.weights.sum()))
+    weights = weights if place is None else weights[place]
+    y = (sample - old.mean) / old.sigma
     move = jnp.maximum(weights, 0.0) @ y
     mean = old.mean + old.sigma * move
 
     whitened = old.basis @ ((old.basis.T @ move) / old.spread)
     keep = (rates.c_sigma * (2.0 - rates.c_sigma) * rates.mass) ** 0.5
     path_sigma = (1.0 - rates.c_sigma) * old.path_sigma + keep * whitened
-    norm = jnp.linalg.norm(path_sigma)
+    norm = jnp.sqrt(jnp.sum(path_sigma**2))
     updates = old.generation.astype(dtype) + 1.0
     settled = jnp.sqrt(1.0 - (1.0 - rates.c_sigma) ** (2.0 * updates))
     steady = norm / settled < (1.4 + 2.0 / (d + 1.0)) * rates.length
@@ -167,7 +171,6 @@ def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:
     # Samples that are all alike have no length: nothing to take away from C.
     scale = jnp.where(weights < 0.0, d / jnp.maximum(lengths, eps), 1.0)
     lost = jnp.where(steady, 0.0, rates.c_1 * rates.c_c * (2.0 - rates.c_c))
-    total = jnp.asarray(rates.weights.sum(), dtype)
     covariance = (
         (1.0 - rates.c_1 - rates.c_mu * total + lost) * old.covariance
         + rates.c_1 * jnp.outer(path, path)
@@ -176,12 +179,12 @@ def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:
     grow = (rates.c_sigma / rates.d_sigma) * (norm / rates.length - 1.0)
     sigma = old.sigma * jnp.exp(jnp.minimum(grow, 1.0))
     basis, spread, covariance, size = jax.lax.cond(
-        old.generation % rates.gap == 0,
+        jax.lax.rem(old.generation, jnp.asarray(rates.gap, jnp.int32)) == 0,
         _eigen,
         lambda c: (old.basis, old.spread, c, jnp.ones((), dtype)),
         covariance.astype(dtype),
     )
-    sigma = jnp.clip(sigma * size, eps / spread.max(), LARGEST / spread.max())
+    sigma = jnp.clip(sigma * size, eps / spread[-1], LARGEST / spread[-1])
     count = old.generation + 1
     new = Distribution(mean, sigma, covariance, basis, spread, path_sigma, path / size, count)
     return jax.tree.map(lambda part, before: part.astype(before.dtype), new, old)
@@ -190,7 +193,7 @@ def adapt(old: Distribution, ranked: jax.Array, rates: Rates) -> Distribution:
 def _eigen(covariance):
     """Axes, their lengths, C over the square of its size where that is extreme, and the size."""
     covariance = 0.5 * (covariance + covariance.T)
-    eigenvalues, basis = jnp.linalg.eigh(covariance)
+    basis, eigenvalues = jax.lax.linalg.eigh(covariance, symmetrize_input=False)
     largest = eigenvalues[-1]
     extreme = (largest > UNSCALED) | (largest < 1.0 / UNSCALED)
     unit = jnp.where(extreme, largest, 1.0)

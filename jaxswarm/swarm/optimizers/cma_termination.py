@@ -30,7 +30,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.cma_distribution import Distribution, deviations
-from jaxswarm.swarm.optimizers.counting import ascending
+from jaxswarm.swarm.optimizers.counting import place
 
 __all__ = ["REASONS", "Watch", "unwatched", "watch"]
 
@@ -102,42 +102,48 @@ def watch(
     """
     generation = now.generation
     best, median, worst = value[0], value[n // 2], value[n - 1]
-    recent = _put(old.recent_value, (generation - 1) % old.recent_value.size, best)
+    recent = _put(old.recent_value, _rem(generation - 1, old.recent_value.size), best)
     window = old.best_value.size
-    due = generation % jnp.maximum(1, generation // (WINDOW_OF * window)) == 0
-    place = jnp.where(due, old.entered % window, window)
-    bests, medians = _put(old.best_value, place, best), _put(old.median_value, place, median)
+    every = jnp.maximum(1, jax.lax.div(generation, jnp.int32(WINDOW_OF * window)))
+    due = _rem(generation, every) == 0
+    at = jnp.where(due, _rem(old.entered, window), window)
+    bests, medians = _put(old.best_value, at, best), _put(old.median_value, at, median)
     entered = old.entered + due
 
     highest, lowest = recent.max(), recent.min()
     flat = (highest == lowest) | (jnp.maximum(highest, worst) - lowest <= tol_fun)
-    look = due & (entered >= window) & (entered % LOOK == 0)
+    look = due & (entered >= window) & (_rem(entered, LOOK) == 0)
     # No slope passes: what comes out is true or false, and mapped by hand it has none to give.
     stale = _stale(look, *jax.lax.stop_gradient((jnp.stack([bests, medians]), entered)))
     level = jnp.asarray(EQUAL_SHARE * n).astype(jnp.int32)
     equal = jnp.where(value[level] == best, old.equal + 1, 0)
-    here = jnp.stack(
-        [
-            _small(now, tol_x * sigma),
-            flat & (generation >= recent.size),
-            stale,
-            _ill(now),
-            _lost_axis(now),
-            jnp.any(now.mean == now.mean + 0.2 * deviations(now)),
-            now.sigma * now.spread.max() > GROWTH * sigma,
-            equal >= EQUAL_TIMES,
-        ]
+    held = (
+        _small(now, tol_x * sigma),
+        flat & (generation >= recent.size),
+        stale,
+        _ill(now),
+        _lost_axis(now),
+        jnp.any(now.mean == now.mean + 0.2 * deviations(now)),
+        now.sigma * now.spread[-1] > GROWTH * sigma,
+        equal >= EQUAL_TIMES,
     )
-    code = jnp.where(here.any(), 1 + jnp.argmax(here), 0).astype(jnp.int32)
+    code = jnp.int32(0)
+    for number, holds in reversed(list(enumerate(held, 1))):
+        code = jnp.where(holds, jnp.int32(number), code)
     return Watch(recent, bests, medians, entered, equal, jnp.where(old.code > 0, old.code, code))
 
 
-def _put(ring, place, value):
+def _rem(count, size):
+    """What ``%`` gives of counts, which are never negative, in one operation and not in five."""
+    return jax.lax.rem(count, jnp.asarray(size, count.dtype))
+
+
+def _put(ring, at, value):
     """The ring with a value at a place; none where there is no such place.
 
     As one pass: a scatter is a loop of its own on a CPU, over all runs where there are many.
     """
-    return jnp.where(jnp.arange(ring.size) == place, value, ring)
+    return jnp.where(jnp.arange(ring.size) == at, value, ring)
 
 
 def _small(now, limit):
@@ -147,11 +153,11 @@ def _small(now, limit):
 
 def _ill(now):
     limit = jnp.minimum(CONDITION, 0.5 / jnp.finfo(now.spread.dtype).eps)
-    return (now.spread.max() / now.spread.min()) ** 2 > limit
+    return (now.spread[-1] / now.spread[0]) ** 2 > limit
 
 
 def _lost_axis(now):
-    axis = now.generation % now.mean.size
+    axis = _rem(now.generation, now.mean.size)
     step = 0.1 * now.sigma * now.spread[axis] * now.basis[:, axis]
     return jnp.all(now.mean == now.mean + step)
 
@@ -181,8 +187,9 @@ def _no_better(history, entered):
     window = history.shape[1]
     count = int(SHARE * window)
     oldest = jnp.arange(count)
-    places = jnp.stack([oldest, window - 1 - oldest]) + entered
+    rows = jnp.stack([oldest, window - 1 - oldest]) + entered
+    values = history[:, _rem(rows, window)]
     # Ordered by counting: in many runs at once every run looks, due or not, and a sort takes ten times as long.
-    rising = jax.vmap(jax.vmap(ascending))(history[:, places % window])
-    first, latest = jnp.moveaxis(rising[..., count // 2], 1, 0)
+    middle = jax.vmap(jax.vmap(place))(values) == count // 2
+    first, latest = jnp.sum(jnp.where(middle, values, 0.0), axis=-1).T
     return jnp.all(latest >= first)

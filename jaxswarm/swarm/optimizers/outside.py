@@ -23,9 +23,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from jaxswarm.swarm.optimizers.counting import ascending, order
+from jaxswarm.swarm.optimizers.counting import ascending, order, place
 
-__all__ = ["evaluated", "inside", "ranks"]
+__all__ = ["evaluated", "inside", "places", "ranks"]
 
 SHARE = 0.3
 """Of the interquartile range, for a sample one standard deviation outside: chosen on BBOB's functions."""
@@ -46,7 +46,9 @@ def evaluated(sample: jax.Array, position: jax.Array) -> jax.Array:
     return jnp.where(position == inside(sample), sample, position)
 
 
-def ranks(sample: jax.Array, value: jax.Array, spread: Any, num: Any = None) -> jax.Array:
+def ranks(
+    sample: jax.Array, value: jax.Array, spread: Any, num: Any = None, rising: Any = None
+) -> jax.Array:
     """Order of the samples, the best first: int32 (n,).
 
     Args:
@@ -54,11 +56,21 @@ def ranks(sample: jax.Array, value: jax.Array, spread: Any, num: Any = None) -> 
       value: (n,) values of ``inside(sample)``, NaN excluded.
       spread: standard deviation of the samples, () or (d,).
       num: how many rows count, all by default; the others come last.
+      rising: (n,) values in rising order, by who has them at hand and gives no ``num``.
     """
+    return order(*_keys(sample, value, spread, num, rising))
+
+
+def places(sample: jax.Array, value: jax.Array, spread: Any, rising: jax.Array) -> jax.Array:
+    """Where each of at most ``FEW`` samples comes in that order: int32 (n,). Arguments as for ``ranks``."""
+    return place(*_keys(sample, value, spread, None, rising))
+
+
+def _keys(sample, value, spread, num, rising):
     outside = jnp.sum(((sample - inside(sample)) / spread) ** 2, axis=1)
+    keys: tuple[jax.Array, ...] = ()
     if num is None:
-        rising, num = ascending(value), value.size
-        keys: tuple[jax.Array, ...] = ()
+        rising, num = ascending(value) if rising is None else rising, value.size
         center = sample.mean(axis=0)
     else:
         absent = jnp.arange(value.size) >= num
@@ -68,4 +80,4 @@ def ranks(sample: jax.Array, value: jax.Array, spread: Any, num: Any = None) -> 
     width = jnp.where(jnp.isfinite(width), width, 0.0)
     beyond = jnp.sum(center != inside(center))
     share = SHARE / jnp.maximum(1.0, beyond / WALLS)
-    return order(*keys, value + share * width * outside, outside)
+    return *keys, value + share * width * outside, outside
