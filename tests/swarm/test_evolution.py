@@ -229,6 +229,21 @@ def test_members_that_differ_are_kept():
     assert float(fresh.best_value) == 1.0 and not info.improved
 
 
+def test_differential_evolution_finds_valleys_that_lie_along_the_axes():
+    """Ten coordinates with a dozen valleys each: all eight runs, one where all populations are alike."""
+
+    def rastrigin(x, _):
+        return jnp.sum(10.0 * (1.0 - jnp.cos(2.0 * jnp.pi * x)) + x**2, axis=-1)
+
+    space = Space.vector([-5.37] * 10, [4.63] * 10)
+    keys = jax.random.split(KEY, 8)
+    runs = minimize_runs(rastrigin, de(), space, keys, num_steps=1500)
+    assert (np.asarray(runs.value) < 1e-6).sum() >= 7
+    assert int(runs.state.restarts.min()) > 0
+    once = minimize_runs(rastrigin, de(renew=False), space, keys, num_steps=1500)
+    assert int(once.state.restarts.max()) == 0
+
+
 def test_cma_rates_of_the_tutorial():
     rates = Rates.of(10, 10)
     assert rates.weights[:5].sum() == pytest.approx(1.0) and len(rates.weights) == 10
