@@ -50,7 +50,7 @@ def test_no_batches_where_runs_belong_together(monkeypatch):
     assert set(values) == {(12,)}, "progress is told of all runs at once"
 
 
-@pytest.mark.parametrize("n", [1, 7, FEW, FEW + 1])
+@pytest.mark.parametrize("n", [1, 7, FEW, FEW + 1, 1000])
 def test_counting_orders_as_a_sort(n):
     draw = np.random.default_rng(n)
     first, second = draw.integers(0, 4, (2, n)).astype(float)
@@ -62,3 +62,12 @@ def test_counting_orders_as_a_sort(n):
     np.testing.assert_array_equal(ascending(jnp.array(first)), np.sort(first))
     at = np.lexsort((second, first))
     np.testing.assert_array_equal(place(jnp.array(first), jnp.array(second))[at], np.arange(n))
+    # Numbers that all differ, of both signs and sizes, in both precisions, alone and in runs.
+    for dtype in (jnp.float32, jnp.float64):
+        apart = jnp.array(draw.normal(size=n) * 10.0 ** draw.integers(-30, 30, n), dtype)
+        at = np.argsort(apart, kind="stable")
+        np.testing.assert_array_equal(ascending(apart), np.sort(apart))
+        both = jax.vmap(place)(jnp.stack([apart, jnp.asarray(first, dtype)]))
+        np.testing.assert_array_equal(both[0][at], np.arange(n))
+        np.testing.assert_array_equal(both[1][np.argsort(first, kind="stable")], np.arange(n))
+    np.testing.assert_array_equal(place(jnp.zeros(n).at[0].set(-0.0)), np.arange(n))

@@ -30,8 +30,8 @@ from jaxswarm.swarm.optimizers.cma_distribution import (
     round_at,
 )
 from jaxswarm.swarm.optimizers.cma_termination import Watch, unwatched, watch
-from jaxswarm.swarm.optimizers.counting import FEW, ascending
-from jaxswarm.swarm.optimizers.outside import evaluated, inside, places, ranks
+from jaxswarm.swarm.optimizers.counting import ascending
+from jaxswarm.swarm.optimizers.outside import evaluated, inside, places
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import coefficient
@@ -105,11 +105,7 @@ class CMAES:
         sample = evaluated(state.sample, state.position)
         spread = jnp.sqrt(jnp.mean(deviations(state.search) ** 2))
         rates, rising = Rates.of(n, d), ascending(value)
-        of_rank = sample, value, spread
-        if n <= FEW:  # a weight for each is less to do than to bring all samples in order
-            search = adapt(state.search, sample, rates, places(*of_rank, rising))
-        else:
-            search = adapt(state.search, sample[ranks(*of_rank, rising=rising)], rates)
+        search = adapt(state.search, sample, rates, places(sample, value, spread, rising))
         # Past the step: ranks among equal values are chance, and the search shrinks where it stands.
         # Not samples that one corner of the cube stands for: their values are one candidate's.
         within = jnp.all(sample == inside(sample), axis=1)

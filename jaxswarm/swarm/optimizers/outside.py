@@ -46,9 +46,7 @@ def evaluated(sample: jax.Array, position: jax.Array) -> jax.Array:
     return jnp.where(position == inside(sample), sample, position)
 
 
-def ranks(
-    sample: jax.Array, value: jax.Array, spread: Any, num: Any = None, rising: Any = None
-) -> jax.Array:
+def ranks(sample: jax.Array, value: jax.Array, spread: Any, num: Any = None) -> jax.Array:
     """Order of the samples, the best first: int32 (n,).
 
     Args:
@@ -56,17 +54,19 @@ def ranks(
       value: (n,) values of ``inside(sample)``, NaN excluded.
       spread: standard deviation of the samples, () or (d,).
       num: how many rows count, all by default; the others come last.
-      rising: (n,) values in rising order, by who has them at hand and gives no ``num``.
     """
-    return order(*_keys(sample, value, spread, num, rising))
+    return order(*_keys(sample, value, spread, num))
 
 
 def places(sample: jax.Array, value: jax.Array, spread: Any, rising: jax.Array) -> jax.Array:
-    """Where each of at most ``FEW`` samples comes in that order: int32 (n,). Arguments as for ``ranks``."""
-    return place(*_keys(sample, value, spread, None, rising))
+    """Where each sample comes in that order, given the values in ``rising`` order, too: int32 (n,).
+
+    Weights are put in the order of the samples with less to do than samples in that of their ranks.
+    """
+    return place(*_keys(sample, value, spread, rising=rising))
 
 
-def _keys(sample, value, spread, num, rising):
+def _keys(sample, value, spread, num=None, rising=None):
     outside = jnp.sum(((sample - inside(sample)) / spread) ** 2, axis=1)
     keys: tuple[jax.Array, ...] = ()
     if num is None:
