@@ -21,13 +21,13 @@ the unseen error within 1.5 times on 3 before and 5 after; of the 10 among the c
 6, and on 2 clean logs nothing was added. What is left are forms that say the same in the range of the log.
 
 Of the 23 laws among the cases 400 to 428 the right class was found on 17 and the unseen error was within 1.5
-times on 18. Of the five others four are sums of two laws of which one or both are not among the best alone; on
-one a sine was told by the load of a model that lacked the law. Pairs are searched together since, and forms that
-fit alike are refitted: of the 24 laws among the cases 430 to 458, from which nothing was learned, the right
-class on 21 and the unseen error within 1.5 times on 20 (the rival on none; the 10 up to 441 without the refits).
-Left are sums of a large law by the load (435, 442): a model that lacks it has another load, in which the true
-sum looks worse than others, though with it all refitted the model is at its noise. A search took 8 s of one core
-in the median, 67 at most.
+times on 18. Of the five others four are sums of two laws of which one or both are not among the best alone;
+on one a sine was told by the load of a model that lacked the law. Pairs are searched together since, and
+forms that fit alike are refitted: of the 24 laws among the cases 430 to 458, from which nothing was learned,
+the right class on 21 and the unseen error within 1.5 times on 20 (the rival on none; the 10 up to 441 without
+the refits). Left are sums of a large law by the load (435, 442): a model that lacks it has another load, in
+which the true sum looks worse than others, though with it all refitted the model is at its noise. A search
+took 8 s of one core in the median, 67 at most.
 """
 
 import json
