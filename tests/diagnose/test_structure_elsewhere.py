@@ -66,6 +66,7 @@ def test_the_sentence_names_the_joints_and_times_that_matter_most():
     result = {
         **{"error": {"before": errors, "after": errors}, "verdict": "unexplained", "proof": "none"},
         **{"effects": [], "changed": [], "discovered": [], "unexplained": left, "joints": []},
+        "residual_over_noise": [],
     }
     told = evidence_sentence(result)
     assert all(f"joint{k} is left with" in told for k in (0, 2, 3)) and "joint1" not in told

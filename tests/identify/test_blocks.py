@@ -153,7 +153,7 @@ def test_no_more_columns_stand_in_memory_than_a_search_looks_at(log, monkeypatch
     import gc
     import weakref
 
-    steps = importlib.import_module("jaxswarm.identify.estimation.gauss_newton")
+    steps = importlib.import_module("jaxswarm.identify.estimation.problem")
     alive, most = [], []
 
     def counted(*given):
