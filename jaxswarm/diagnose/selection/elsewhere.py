@@ -47,11 +47,11 @@ def residuals_on(
     Where a link on a spring of either may swing by what was before the log, neither is compared, nor where
     an event was.
     """
-    seen = outside(_times(motion), event_windows(before, after, motion))
+    one, two, times = *(log_residual(e, motion) for e in (before, after)), _times(motion)
+    seen = outside(times, _eventful(one, two, times))
     if slope_terms((*before.model.terms, *after.model.terms)):
         seen &= ~unseen_rows(motion)[_inside(motion)]
-    pair = (log_residual(e, motion)[seen] for e in (before, after))
-    return *pair, _moving(motion)[seen]
+    return one[seen], two[seen], _moving(motion)[seen]
 
 
 def event_windows(
@@ -62,14 +62,21 @@ def event_windows(
     What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a
     push of 0.8 s had true Stribeck friction of another log refused.
     """
-    left = [np.square(log_residual(e, motion)) for e in (before, after)]
-    blocks = np.array_split(np.minimum(*left), min(_BLOCKS, len(left[0])))
+    one, two = (log_residual(e, motion) for e in (before, after))
+    return _eventful(one, two, _times(motion))
+
+
+def _eventful(
+    one: np.ndarray, two: np.ndarray, times: np.ndarray
+) -> tuple[tuple[float, float], ...]:
+    """The same from two residuals (T, n) at times (T,)."""
+    blocks = np.array_split(np.minimum(one**2, two**2), min(_BLOCKS, len(one)))
     power = np.array([block.mean(axis=0) for block in blocks])
     eventful = (power > EVENTFUL * np.median(power, axis=0)).any(axis=1)
-    times = np.array_split(_times(motion), len(blocks))
+    parts = np.array_split(times, len(blocks))
     found: list[tuple[float, float]] = []
     for number in np.flatnonzero(eventful):
-        begin, end = float(times[number][0]), float(times[number][-1])
+        begin, end = float(parts[number][0]), float(parts[number][-1])
         joins = number > 0 and eventful[number - 1]
         found.append((found.pop()[0] if joins else begin, end))
     return tuple(found)
