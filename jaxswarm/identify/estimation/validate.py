@@ -40,7 +40,10 @@ def log_errors(
     """
     swinging = bool(slope_terms(tuple(model.terms if terms is None else terms)))
     scored = [outside(m.t, events) & ~(swinging & unseen_samples(m)) for m in motions]
-    parts = [_compared(model, m, rows) for m, rows in zip(motions, scored, strict=True)]
+    # A joint moves by its top speed in the whole log, not in each of its stretches.
+    ends = np.cumsum([len(m.t) for m in motions])[:-1]
+    moving = np.split(is_moving(np.concatenate([m.dq for m in motions])), ends)
+    parts = [_compared(model, *given) for given in zip(motions, scored, moving, strict=True)]
     low, measured = zip(*parts, strict=True)
     errors = torque_errors(*map(np.concatenate, zip(*low, strict=True)))
     errors["wideband"] = torque_errors(*map(np.concatenate, zip(*measured, strict=True)))
@@ -62,10 +65,12 @@ def outside(t: np.ndarray, events: Sequence[tuple[float, float]]) -> np.ndarray:
     return calm
 
 
-def _compared(model: Model, motion: Motion, scored: np.ndarray) -> tuple[tuple, tuple]:
+def _compared(
+    model: Model, motion: Motion, scored: np.ndarray, moving: np.ndarray
+) -> tuple[tuple, tuple]:
     """Torque, prediction and whether each joint moves, below the torque's cutoff and as measured."""
     kept = motion.decimator.kept(len(motion.t))
-    predicted, moving = model_torque(model, motion), is_moving(motion.dq)
+    predicted = model_torque(model, motion)
     low = motion.low_torque, motion.decimator.apply(predicted), moving[kept]
     wide = np.asarray(motion.tau), predicted, moving
     return tuple(x[scored[kept]] for x in low), tuple(x[scored] for x in wide)
