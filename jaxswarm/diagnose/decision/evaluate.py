@@ -8,9 +8,12 @@ import jax
 from jaxswarm import cores
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.propose import propose_all
-from jaxswarm.diagnose.decision.score import Score, score
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.decision.score import Score, passes, score
 from jaxswarm.diagnose.folds.free_parts import at_once, free_parts
+from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
 
 
 def score_terms(
@@ -42,3 +45,16 @@ def score_terms(
     for one in scores:
         lin.memory.explained(one.candidate.term, one.trained)
     return scores
+
+
+def score_on(found: Estimate, terms: Sequence[Term], seed: int) -> list[Score]:
+    """Scores of candidates against a fit that is looked at for them alone."""
+    return score_terms(Linearization(found, cross_fit(found)), terms, seed)
+
+
+def score_if_passing(
+    found: Estimate, term: Term, asked: int, rules: Rules, seed: int
+) -> Score | None:
+    """The score of one term, without its values, on a fit if it passes at the level of ``asked`` candidates."""
+    scores = score_on(found, [replace(term, values={})], seed)
+    return next((s for s in scores if passes(s, asked, rules)), None)

@@ -17,10 +17,9 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit_in_place
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, find_term, with_errors
+from jaxswarm.diagnose.selection.step import step_between, with_errors
 from jaxswarm.diagnose.selection.survives import survives
 from jaxswarm.diagnose.selection.tenable import can_be, is_certain
-from jaxswarm.effects.alike import lacking
 
 
 def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
@@ -45,10 +44,7 @@ def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
         if any(whys):
             search.refuse(first, next(w for w in whys if w))
             continue
-        for s, before, then in ((one, current, middle), (other, middle, after)):
-            removed = lacking(before.model.terms, then.model.terms)
-            added = find_term(then, s.candidate.term)
-            search.steps.append(Step(added, s, (), (), before, then, removed))
+        search.steps += [step_between(one, current, middle), step_between(other, middle, after)]
         search.current = after
         return True
     return False

@@ -6,8 +6,7 @@ from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.effects.alike import lacking
+from jaxswarm.diagnose.selection.step import step_between
 from jaxswarm.effects.term import Term
 
 # Events of one kind that are looked for in a row.
@@ -33,7 +32,5 @@ def add_further(search: Search, asked: Term, most: int) -> None:
         after = refit_with(current, told[0])
         if after is None:
             return
-        removed = lacking(current.model.terms, after.model.terms)
-        added = find_term(after, told[0].candidate.term)
-        search.steps.append(Step(added, told[0], (), (), current, after, removed))
+        search.steps.append(step_between(told[0], current, after))
         search.current = after

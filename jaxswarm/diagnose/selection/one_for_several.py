@@ -12,19 +12,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
-from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import ASKED_ALONE, LOUD, NEAR, PRICE
 from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.diagnose.selection.step import Step, step_between
 from jaxswarm.diagnose.selection.survives import survives
-from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -46,11 +43,10 @@ def one_for_several(search: Search) -> bool:
         after = refit_with(before, score)
         if after is None or not _explains_more(search, steps, score, after):
             continue
-        term = find_term(after, score.candidate.term)
-        search.progress(f"{term.label(after.model.robot.joints)} in place of what was added")
-        removed = lacking(before.model.terms, after.model.terms)
-        search.withdrawn += tuple(step.added for step in steps)
-        search.steps = [*kept, Step(term, score, (), (), before, after, removed)]
+        step = step_between(score, before, after)
+        search.progress(f"{step.added.label(after.model.robot.joints)} in place of what was added")
+        search.withdrawn += tuple(s.added for s in steps)
+        search.steps = [*kept, step]
         search.current = after
         search.banned = set()  # what was refused was refused beside laws that are gone
         return True
@@ -73,7 +69,7 @@ def _asked_alone(search: Search, first: Step) -> list[Score]:
         for t in eligible_terms(before.model, before.motions)
         if _of_the_arm(t) and not t.law.recurring and t.identity not in refused
     ]
-    scores = score_terms(Linearization(before, cross_fit(before)), terms, search.seed)
+    scores = score_on(before, terms, search.seed)
     rules = replace(search.rules, significance=ASKED_ALONE)
     told = [s for s in scores if s.gain > first.score.worth and passes(s, 1, rules)]
     return sorted(told, key=lambda s: -s.gain)

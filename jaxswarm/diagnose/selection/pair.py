@@ -6,21 +6,17 @@ unseen blocks clearly better than the bent law did.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import imitates
-from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.evaluate import score_if_passing
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term
 from jaxswarm.effects.alike import has
-from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -45,11 +41,11 @@ def pair(
             continue
         rest = refit(current, tuple(t for t in current.model.terms if t.identity != own))
         for rival in rivals:
-            one = _ask(rest, rival, asked, rules, seed)
+            one = score_if_passing(rest, rival, asked, rules, seed)
             first = None if one is None else refit_with(rest, one)
             if one is None or first is None:
                 continue
-            two = _ask(first, step.added, asked, rules, seed)
+            two = score_if_passing(first, step.added, asked, rules, seed)
             both = None if two is None else refit_with(first, two)
             # What comes second may hold what the first one says, and take its place.
             if two is None or both is None or not has(rival, both.model.terms):
@@ -65,12 +61,6 @@ def pair(
             ]
             return chain([*steps[:number], *found, *steps[number + 1 :]]), both
     return None
-
-
-def _ask(found: Estimate, term: Term, asked: int, rules: Rules, seed: int) -> Score | None:
-    """The score of a term on a model if it passes."""
-    scores = score_terms(Linearization(found, cross_fit(found)), [replace(term, values={})], seed)
-    return next((s for s in scores if passes(s, asked, rules)), None)
 
 
 def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules: Rules) -> bool:

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
-from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import SAVED, Rules
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import cross_fit, row_weight
@@ -39,7 +38,7 @@ def plainer(
         and len(t.law.parameters) < size
         and not (t.law.everyday or t.law.in_one_log)
     ]
-    scores = score_terms(Linearization(rest, cross_fit(rest)), terms, seed)
+    scores = score_on(rest, terms, seed)
     telling = [s for s in scores if s.share >= rules.share]
     for score in sorted(telling, key=lambda s: (s.candidate.size, -s.share)):
         after = refit_with(rest, score)

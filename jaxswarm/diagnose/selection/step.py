@@ -9,7 +9,7 @@ from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.alike import has, number_of
+from jaxswarm.effects.alike import has, lacking, number_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
@@ -70,6 +70,20 @@ class Step:
     removed: tuple[Term, ...]
     near: tuple[Score, ...] = ()
     rest: Model | None = None
+
+
+def step_between(
+    score: Score,
+    before: Estimate,
+    after: Estimate,
+    rivals: tuple[Score, ...] = (),
+    others: tuple[Score, ...] = (),
+    near: tuple[Score, ...] = (),
+) -> Step:
+    """The step from one fit to the next, which has the term of a score in it."""
+    added = find_term(after, score.candidate.term)
+    removed = lacking(before.model.terms, after.model.terms)
+    return Step(added, score, rivals, others, before, after, removed, near)
 
 
 def near_ones(chosen: Score, passed: Sequence[Score], crossfit: CrossFit) -> tuple[Score, ...]:

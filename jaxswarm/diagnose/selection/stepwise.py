@@ -32,12 +32,11 @@ from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, find_term, near_ones
+from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
-from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
@@ -206,7 +205,6 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if search.other and near:
         chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
         term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
-    removed = lacking(current.model.terms, after.model.terms)
     why = None
     if not term.law.in_one_log:
         why = survives(current, after, chosen.joint, search.other, search.rules)
@@ -220,8 +218,8 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         return True
     ranked = sorted(scores, key=lambda s: -s.gain)
     others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
-    told = tuple(rivals), tuple(others)
-    search.steps.append(Step(added, chosen, *told, current, after, removed, near))
+    step = step_between(chosen, current, after, tuple(rivals), tuple(others), near)
+    search.steps.append(step)
     search.current = after
     if added.law.recurring:
         add_further(search, replace(added, values={}), MOST_EVENTS)

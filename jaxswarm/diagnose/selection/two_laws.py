@@ -8,13 +8,13 @@ laws of that joint none finds a partner with which it is left below 3.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.competing import choose
-from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.evaluate import score_if_passing, score_terms
 from jaxswarm.diagnose.decision.rules import LOST, NEAR
 from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
@@ -22,7 +22,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.plainer import does_as_well
 from jaxswarm.diagnose.selection.refit import refit, refit_in_place, refit_with
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, find_term, with_errors
+from jaxswarm.diagnose.selection.step import find_term, step_between, with_errors
 from jaxswarm.diagnose.selection.survives import one_place, survives
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
@@ -89,12 +89,9 @@ def add_two_laws(search: Search) -> bool:
 
 
 def _add(search: Search, found: _Pair) -> None:
-    rivals: tuple[tuple[Score, ...], ...] = ((), found.rivals)
-    fits = ((search.current, found.middle), (found.middle, found.after))
-    for score, near, (before, after) in zip(found.scores, rivals, fits, strict=True):
-        added = find_term(after, score.candidate.term)
-        removed = lacking(before.model.terms, after.model.terms)
-        search.steps.append(Step(added, score, near, (), before, after, removed))
+    first, second = found.scores
+    search.steps.append(step_between(first, search.current, found.middle))
+    search.steps.append(step_between(second, found.middle, found.after, found.rivals))
     search.current = found.after
     search.pairs.add(found.places)
     # What was refused on this joint was refused without them, and every choice was made without them.
@@ -152,9 +149,7 @@ def _partner(search: Search, one: Score, own: int, pairs: int) -> _Pair | None:
         return None
     back = lacking(current.model.terms, middle.model.terms)
     rest = refit(current, (*without(first, after.model.terms), *back))
-    lin = Linearization(rest, cross_fit(rest))
-    beside = score_terms(lin, [replace(one.candidate.term, values={})], seed)
-    needed = next((s for s in beside if passes(s, own, rules)), None)
+    needed = score_if_passing(rest, one.candidate.term, own, rules, seed)
     return None if needed is None else _Pair((needed, two), tuple(rivals), middle, after)
 
 
