@@ -69,6 +69,8 @@ class Motion:
             of the motion, below it [N m or N], (n,); None: not known yet.
         step_noise: What the times of jumps, unknown between samples, make of the residual, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
+        held: Whether a joint stands on a decimated row, held by dry friction at a torque that no law tells,
+            (T', n); None: not known yet.
     """
 
     source: str
@@ -94,6 +96,7 @@ class Motion:
     steady_noise: np.ndarray | None = None
     step_noise: np.ndarray | None = None
     bridged: np.ndarray | None = None
+    held: np.ndarray | None = None
 
     @property
     def filtering(self) -> Filtering:

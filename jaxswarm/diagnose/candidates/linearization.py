@@ -6,6 +6,7 @@ import jax
 import numpy as np
 
 from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.folds.noise import usual_size
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.sample import Sample
@@ -76,7 +77,7 @@ class Linearization:
         columns = regression.columns[:, :, solution.base.kept]
         residual, values = solution.residual, solution.values
         for turn in range(_TURNS):
-            noise = np.maximum(1.4826 * np.median(np.abs(residual), axis=0), 1e-300)
+            noise = np.maximum(usual_size(residual), 1e-300)
             far = np.abs(residual) / noise / _REACH
             weight = np.where(far < 1, 1.0, 0.0) if turn > 2 else np.maximum(far, 1.0) ** -0.5
             rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])

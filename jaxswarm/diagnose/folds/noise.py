@@ -100,6 +100,16 @@ def _sensor(found: Estimate) -> np.ndarray:
     return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
 
 
+def usual_size(residual: np.ndarray) -> np.ndarray:
+    """Standard deviation (n,) of a residual (T, n) by its median; rows that are not used have none.
+
+    >>> usual_size(np.array([[0.0], [0.0], [0.0], [1.0], [-1.0]])).tolist()
+    [1.4826]
+    """
+    told = [x[x > 0] if x.any() else x for x in np.abs(residual).T]
+    return 1.4826 * np.array([np.median(x) for x in told])
+
+
 def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     """The same fit, with what the doubt of its logs' motion makes of the model, row by row."""
     motions = tuple(

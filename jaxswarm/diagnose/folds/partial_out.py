@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.folds.blocks import blocks_of
-from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt
+from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt, usual_size
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
@@ -145,7 +145,7 @@ def cross_fit(
     doubt = doubt_of(found)
     weight = row_weight(found, doubt)
     if regression.used is not None:
-        weight = weight * regression.used[:, None]
+        weight = weight * regression.used
     columns = regression.columns[:, :, solution.base.kept]
     size = columns.shape[2]
     if frozen:
@@ -163,7 +163,8 @@ def cross_fit(
     folds = (_fold(columns, torque, rows, count) for rows in (everything, odd, ~odd))
     # What the widths take up is no change of the base parameters.
     whole, first, second = (replace(fold, solve=fold.solve[:size]) for fold in folds)
-    torque_size = np.sqrt((regression.torque**2).mean(axis=0))
+    rows = len(block) if regression.used is None else np.maximum(regression.used.sum(axis=0), 1)
+    torque_size = np.sqrt((regression.torque**2).sum(axis=0) / rows)
     halves = (first, second)
     noise = np.sqrt((doubt**2).mean(axis=0))
     # Rows that are bounded already count for no less.
@@ -205,9 +206,7 @@ def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:
 def robust_weight(residual: np.ndarray) -> np.ndarray:
     """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
     size = np.abs(residual)
-    told = size.any(axis=1)  # rows that are not used have no residual
-    noise = 1.4826 * np.median(size[told] if told.any() else size, axis=0)
-    noise = np.maximum(noise, 1e-6 * size.max(axis=0) + 1e-300)
+    noise = np.maximum(usual_size(residual), 1e-6 * size.max(axis=0) + 1e-300)
     return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
 
 

@@ -7,6 +7,8 @@ import numpy as np
 from jaxswarm.diagnose.decision.rules import CERTAIN, EVENTFUL, GAIN
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.standing import held as held_at_rest
+from jaxswarm.identify.estimation.standing import standing
 from jaxswarm.identify.estimation.validate import held_out_residual, outside
 from jaxswarm.identify.forward.link_lag import slope_terms, unseen_rows
 from jaxswarm.identify.forward.metrics import is_moving
@@ -34,8 +36,10 @@ def errors_elsewhere(
     if label is None or len(label) != len(after.regression.torque):
         return
     used = rows_of_both(before, after)
-    one, two = (held_out_residual(e, block=label)[used] for e in (before, after))
-    moving = before.regression.moving[used]
+    rows = used.any(axis=1)
+    left = (np.where(used, held_out_residual(e, block=label), 0.0) for e in (before, after))
+    one, two = (x[rows] for x in left)
+    moving = before.regression.moving[rows]
     yield *compared(one, two, moving), "on held-out regions of the motion"
 
 
@@ -45,13 +49,15 @@ def residuals_on(
     """Residuals of two fits on another log, and whether each joint moves, (T, n) each, at the same rows.
 
     Where a link on a spring of either may swing by what was before the log, neither is compared, nor where
-    an event was.
+    an event was, nor a joint that dry friction holds.
     """
-    one, two, times = *(log_residual(e, motion) for e in (before, after)), _times(motion)
-    seen = outside(times, _eventful(one, two, times))
+    one, two, held = _both(before, after, motion)
+    times = _times(motion)
+    seen = outside(times, _eventful(one, two, held, times))
     if slope_terms((*before.model.terms, *after.model.terms)):
         seen &= ~unseen_rows(motion)[_inside(motion)]
-    return one[seen], two[seen], _moving(motion)[seen]
+    one, two = (np.where(held, 0.0, x)[seen] for x in (one, two))
+    return one, two, _moving(motion)[seen]
 
 
 def event_windows(
@@ -62,24 +68,47 @@ def event_windows(
     What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a
     push of 0.8 s had true Stribeck friction of another log refused.
     """
+    return _eventful(*_both(before, after, motion), _times(motion))
+
+
+def _both(
+    before: Estimate, after: Estimate, motion: Motion
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Residuals of two fits on another log, and whether friction holds a joint at rest by both, (T, n) each."""
     one, two = (log_residual(e, motion) for e in (before, after))
-    return _eventful(one, two, _times(motion))
+    return one, two, _held(motion, np.minimum(np.abs(one), np.abs(two)))
+
+
+def _held(motion: Motion, left: np.ndarray) -> np.ndarray:
+    """Whether dry friction holds a joint on the rows of :func:`log_residual`, which leaves so much, (T, n)."""
+    rest = standing([motion])[0][_inside(motion)]
+    return rest & held_at_rest([left], [rest])
 
 
 def _eventful(
-    one: np.ndarray, two: np.ndarray, times: np.ndarray
+    one: np.ndarray, two: np.ndarray, held: np.ndarray, times: np.ndarray
 ) -> tuple[tuple[float, float], ...]:
-    """The same from two residuals (T, n) at times (T,)."""
-    blocks = np.array_split(np.minimum(one**2, two**2), min(_BLOCKS, len(one)))
-    power = np.array([block.mean(axis=0) for block in blocks])
-    eventful = (power > EVENTFUL * np.median(power, axis=0)).any(axis=1)
-    parts = np.array_split(times, len(blocks))
+    """The same from two residuals (T, n) at times (T,), but for what friction holds."""
+    count = min(_BLOCKS, len(one))
+    squares = np.where(held, np.nan, np.minimum(one**2, two**2))
+    power = np.array([_mean(block) for block in np.array_split(squares, count)])
+    usual = np.array(
+        [np.median(x[~np.isnan(x)]) if not np.isnan(x).all() else np.nan for x in power.T]
+    )
+    eventful = np.any(power > EVENTFUL * usual, axis=1)
+    parts = np.array_split(times, count)
     found: list[tuple[float, float]] = []
     for number in np.flatnonzero(eventful):
         begin, end = float(parts[number][0]), float(parts[number][-1])
         joins = number > 0 and eventful[number - 1]
         found.append((found.pop()[0] if joins else begin, end))
     return tuple(found)
+
+
+def _mean(rows: np.ndarray) -> np.ndarray:
+    """Mean of what is known in rows (T, n); NaN where nothing is."""
+    known = (~np.isnan(rows)).sum(axis=0)
+    return np.where(known, np.nansum(rows, axis=0) / np.maximum(known, 1), np.nan)
 
 
 def compared(
@@ -134,8 +163,8 @@ def rms(x: np.ndarray) -> np.ndarray:
 
 
 def rows_of_both(before: Estimate, after: Estimate) -> np.ndarray:
-    """Rows (T,) that both fits use."""
-    used = np.ones(len(before.regression.log), bool)
+    """Rows of every joint, (T, n), that both fits use."""
+    used = np.ones_like(before.regression.moving)
     for one in (before, after):
         used &= True if one.regression.used is None else one.regression.used
     return used

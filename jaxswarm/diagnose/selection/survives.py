@@ -129,7 +129,7 @@ def _confirmed(before: Estimate, after: Estimate, joint: int, rules: Rules) -> s
     and little beside the noise, which holds what is unknown of the motion.
     """
     own = before.model.robot.joints[joint]
-    used = rows_of_both(before, after)
+    used = rows_of_both(before, after)[:, joint]
     one, two = (rms(e.fit.residual[used, joint]) for e in (before, after))
     if two > GAIN * one:
         return f"does not lower the error of {own} once all is fitted with it"
@@ -150,7 +150,7 @@ def _predicted_stretches(
     robot = after.model.robot
     terms = lacking(after.model.terms, before.model.terms)
     added = {name for term in terms for name in term.columns(robot.joints)}
-    used = rows_of_both(before, after)
+    used = rows_of_both(before, after)[:, joint]
     fitted, pairs = rms(before.fit.residual[used, joint]), []
     for count in STRETCHES:
         stretch = time_blocks(before.regression.log, count)
@@ -192,10 +192,9 @@ def harmful(
         little = two[j] <= HARM_ON_THE_WAY * one[j]
         raised = []
         for step in steps:
-            if step.added.law.in_one_log:
-                continue
             pairs = [(a, b) for a, b, *_ in errors_elsewhere(step.before, step.after, other)]
-            if little and step.added.joint != j and _beyond_doubt(step, pairs, noise):
+            shown = step.added.law.in_one_log or _beyond_doubt(step, pairs, noise)
+            if little and step.added.joint != j and shown:
                 continue
             raised.append((max((b[j] - a[j] for a, b in pairs), default=0.0), step))
         rise, worst = max(raised, key=lambda item: item[0], default=(0.0, None))

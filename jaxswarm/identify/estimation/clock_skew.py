@@ -41,7 +41,10 @@ def clock_skew(found: Estimate) -> tuple[float, float]:
     """
     solution = found.fit
     regression, residual = _in_the_middle(found.regression, solution.residual)
-    slope = -change_by_time(regression.torque - residual, regression.t, regression.log)
+    torque = regression.torque - residual
+    if regression.used is not None:
+        torque = _bridged(torque, regression.used)
+    slope = -change_by_time(torque, regression.t, regression.log)
     if regression.used is not None:
         slope[~regression.used] = 0.0
     if not slope.any():
@@ -131,6 +134,16 @@ def _in_the_middle(regression: Regression, residual: np.ndarray) -> tuple[Regres
     asked = np.zeros(len(residual), bool)
     asked[beyond // 2 : beyond // 2 + _ROWS] = True
     return regression.rows(asked), residual[asked]
+
+
+def _bridged(torque: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Torques (T, n) with lines across the rows that are not used: a jump to zero has no derivative."""
+    rows = np.arange(len(torque))
+    lines = [
+        np.interp(rows, rows[u], x[u]) if u.any() else x
+        for x, u in zip(torque.T, used.T, strict=True)
+    ]
+    return np.stack(lines, axis=1)
 
 
 def change_by_time(torque: np.ndarray, t: np.ndarray, log: np.ndarray) -> np.ndarray:

@@ -24,12 +24,13 @@ from jaxswarm.identify.estimation.gauss_newton import (
 from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
+from jaxswarm.identify.estimation.standing import held, leave_out, standing
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.model import Model, linear_values
-from jaxswarm.identify.forward.regression import Regression
+from jaxswarm.identify.forward.regression import Regression, build_regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -106,8 +107,9 @@ def estimate(
     if width is None:
         width = best_widths(robot, terms, motions, rigids)
     width = tuple(map(float, np.broadcast_to(width, robot.num_joints)))
-    problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     pi = np.zeros(10 * robot.num_joints) if start is None else start
+    motions = _without_rest(robot, terms, motions, rigids, width, pi)
+    problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     groups = width_groups(robot, terms) if refine_width else []
     moving = free_parameters(terms, free_widths(motions, alike(groups, width), width))
     # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
@@ -115,6 +117,31 @@ def estimate(
         problem, newton(problem, moving, settle(problem, Place(terms, width), pi)), moving, groups
     )
     return _named(problem, here, moving, _finish(problem, here, moving))
+
+
+def _without_rest(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motions: Sequence[Motion],
+    rigids: Sequence[Rigid],
+    width: tuple[float, ...],
+    pi: np.ndarray,
+) -> Sequence[Motion]:
+    """The logs, where that is not known yet with the rest of joints left out that dry friction holds there."""
+    if all(m.held is not None for m in motions):
+        return motions
+    rest = standing(motions)
+    found = np.zeros(robot.num_joints, bool)
+    asked = np.any([r.any(axis=0) for r in rest], axis=0)
+    if asked.any():
+        trial = [replace(m, held=r) for m, r in zip(motions, rest, strict=True)]
+        here = settle(Problem(robot, tuple(trial), tuple(rigids), False), Place(terms, width), pi)
+        theta = np.concatenate([here.pi, here.solution.theta[len(here.pi) :]])
+        every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
+        left = every.target - every.columns @ theta
+        ends = np.cumsum([len(r) for r in rest])[:-1]
+        found = held(np.split(left, ends), rest) & asked
+    return leave_out(motions, rest, found)
 
 
 def untold(term: Term, errors: dict[str, float]) -> list[str]:

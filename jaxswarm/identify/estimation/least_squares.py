@@ -158,8 +158,8 @@ def solved(
     pick = np.append(base.kept, len(regression.names))
     reduced = [f[:, pick] for f in factors]
     # Parameters shared by the joints are counted where they act: equally among the rows.
-    used = len(regression.torque) if regression.used is None else int(regression.used.sum())
-    freedom = max(1.0, used - base.size / joints)
+    used = len(regression.torque) if regression.used is None else regression.used.sum(axis=0)
+    freedom = np.maximum(1.0, used - base.size / joints)
     for _ in range(1 if fixed else 5):
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)

@@ -39,7 +39,7 @@ class Regression:
         step: Sampling interval of the decimated clock [s], one per log.
         shift: ``columns @ theta`` minus the model's torque where the columns were made, (T, n),
             where a soft joint or a load makes the torque nonlinear in the rigid parameters; None: zero.
-        used: Whether a row is used, (T,); columns and torque of the others are zero. None: all.
+        used: Whether a joint's row is used, (T, n); columns and torque of the others are zero. None: all.
     """
 
     names: tuple[str, ...]
@@ -114,9 +114,7 @@ def build_regression(
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
-        used.append(~event_rows(terms, motion, k))
-        if slope_terms(terms):
-            used[-1] &= ~unseen_rows(motion)
+        used.append(_used(terms, motion, k))
         _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
     every = np.concatenate(used)
     stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
@@ -133,6 +131,15 @@ def build_regression(
         np.concatenate(shift) if shift else None,
         None if np.all(every) and not any(t.law.recurring for t in terms) else every,
     )
+
+
+def _used(terms: tuple[Term, ...], motion: Motion, number: int) -> np.ndarray:
+    """Whether a joint's row of a log, by its number, is used, (T', n)."""
+    rows = ~event_rows(terms, motion, number)
+    if slope_terms(terms):
+        rows &= ~unseen_rows(motion)
+    used = np.repeat(rows[:, None], len(motion.joints), axis=1)
+    return used if motion.held is None else used & ~motion.held
 
 
 def _slopes(

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from jaxswarm.identify.estimation.standing import held_note
 from jaxswarm.identify.forward.seen import swing_note
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.summary import SOUND
@@ -58,6 +59,7 @@ def remarks(report: dict) -> list[str]:
     return [
         *clock_lines(report),
         *unscored_lines(error_rows(report)),
+        *([held_note(report["held_at_rest"])] if report.get("held_at_rest") else []),
         *consistency_lines(report),
         *estimator_lines(report),
     ]

@@ -7,6 +7,7 @@ import numpy as np
 
 from jaxswarm.drawing import Drawing
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.standing import held_shares
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.identify.report.summary import (
@@ -61,6 +62,7 @@ def report_of(
             "clock_skew_s": found.motions[0].skew,
         },
         "residual_std": solution.sigma,
+        "held_at_rest": held_shares(found.motions),
         "torque_units": units(robot),
         "logs": logs,
         "error": {

@@ -1,0 +1,96 @@
+"""Joints that dry friction holds at rest: at torques that no law tells, which nothing is fitted to."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from planted import BAND, NOISE, RATE, blank, log_with, small_arm
+
+from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
+from jaxswarm.identify import estimate, model_torque
+from jaxswarm.identify.estimation.standing import held_note, held_shares, leave_out, standing
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.motion import prepare
+
+# Time [s] of a move, and of the rest after it.
+MOVE, REST, MOVES = 0.9, 0.6, 12
+
+
+@cache
+def truth():
+    """A model of the arm with its declared friction."""
+    return estimate(small_arm(), blank(), [prepare(log_with(), BAND)]).model
+
+
+def stopping(level: float, seed: int = 0) -> Log:
+    """A log of moves with rests, in each of which either joint is held up to a torque off the model's [N m]."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, MOVES * (MOVE + REST), 1.0 / RATE)
+    number, phase = np.divmod(t, MOVE + REST)
+    s = np.clip(phase / MOVE, 0.0, 1.0)[:, None]
+    points = rng.uniform(-1.2, 1.2, (MOVES + 1, 2))
+    begin, end = points[number.astype(int)], points[number.astype(int) + 1]
+    q = begin + (end - begin) * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    bare = Log(f"stops {seed}", small_arm().joints, t, q, tau=np.zeros_like(q), channels={})
+    motion = prepare(bare, BAND)
+    tau = np.stack([np.interp(t, motion.t, x) for x in model_torque(truth(), motion).T], axis=1)
+    off = rng.uniform(-level, level, (MOVES, 2))[number.astype(int)]
+    tau = tau + np.where(phase[:, None] > MOVE, off, 0.0)
+    return replace(bare, tau=tau + NOISE.torque * rng.normal(size=tau.shape))
+
+
+def fitted(log: Log, held: bool = True):
+    motion = prepare(log, BAND)
+    motion = motion if held else leave_out([motion], standing([motion]), np.zeros(2, bool))[0]
+    return estimate(small_arm(), blank(), [motion])
+
+
+def test_rest_is_left_out_where_friction_holds_it_at_any_torque():
+    found = fitted(stopping(2.5))
+    rest = standing(found.motions)[0]
+    assert 0.3 < rest.mean() < 0.5
+    assert not found.regression.used[rest].any()
+    assert found.regression.used[~rest].mean() > 0.7
+    shares = held_shares(found.motions)
+    assert set(shares) == {"joint1", "joint2"}
+    assert "joint2" in held_note(shares)
+    # What is left is the noise's: with rest fitted it is several times as much.
+    assert (found.fit.sigma < 0.4 * fitted(stopping(2.5), held=False).fit.sigma).all()
+
+
+def test_what_friction_holds_does_not_move_the_parameters():
+    true = {t.identity: t.values for t in truth().terms}
+    worst = {}
+    for held in (True, False):
+        terms = fitted(stopping(2.5), held).model.terms
+        worst[held] = max(
+            abs(t.values[p.name] / true[t.identity][p.name] - 1.0)
+            for t in terms
+            for p in t.law.linear
+        )
+    assert worst[True] < 0.3 * worst[False]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rest_that_the_model_tells_is_fitted(seed):
+    found = fitted(stopping(0.0, seed))
+    assert held_shares(found.motions) == {}
+    assert found.regression.used is None
+
+
+def test_nothing_is_added_for_what_friction_holds():
+    found = diagnose(small_arm(), blank(), [prepare(stopping(2.5), BAND)])
+    assert not found.kept
+
+
+def test_rest_of_another_log_decides_nothing():
+    """Where it is held, neither of two models is compared; it is no event either."""
+    one, two = (fitted(log_with(motion_seed=k)) for k in (7, 8))
+    other = prepare(stopping(2.5, 3), BAND)
+    before, after, moving = residuals_on(one, two, other)
+    assert event_windows(one, two, other) == ()
+    assert len(before) == len(moving) and not moving.all()
+    assert np.sqrt((before**2).mean()) < 0.5
+    assert np.sqrt((after**2).mean()) < 0.5
