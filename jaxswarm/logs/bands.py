@@ -1,7 +1,7 @@
 r"""Which frequencies of a log are used: where a motion is known, and over which band torques are compared.
 
 A motion is kept up to :data:`MOTION_BAND` times the frequency at which it is as strong as its noise
-(:func:`jaxswarm.logs.smoothing.find_cutoffs`), joint by joint; where friction turns round it is sharper than
+(:func:`jaxswarm.logs.cutoffs.find_cutoffs`), joint by joint; where friction turns round it is sharper than
 on the whole, and what is lost there is not won back. Noise that is not white, such as that of a filtered
 or interpolated position, would make a likelihood trust all of it: the valley of the acceleration's spectrum
 bounds the cutoff. Torques are compared over :data:`TORQUE_BAND` of the band of the median joint, and no further
@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxswarm.logs.cutoffs import find_cutoffs
 from jaxswarm.logs.filtering import acceleration_valley, derivatives, energy_band, noise_floor
-from jaxswarm.logs.smoothing import find_cutoffs, smooth
+from jaxswarm.logs.smoothing import smooth
 
 # Measured on p01 and q01-q04 of the practice logs: 1.4 lowers the error on unseen motion of p01 by a third
 # against 1.0 and moves that of the others by less than 3 %; 2.0 gains nothing further.

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from jaxswarm.logs.cutoffs import find_cutoffs
 from jaxswarm.logs.log import Log
-from jaxswarm.logs.smoothing import find_cutoffs
 
 # Stamps nearer to an even clock than this share of the interval are even.
 _EVEN = 1e-3

@@ -12,9 +12,8 @@ the ends it needs no made-up samples, where padding spoils accelerations (P. H. 
 cleaner one: a differentiated position at low, a measured velocity at high frequencies.
 
 The minimizer is the posterior mean of a motion whose fourth difference is white, and :math:`\omega_c` is
-where motion and noise are equally strong. :func:`find_cutoffs` takes the :math:`\lambda` of greatest
-restricted likelihood, joint by joint (G. Wahba, Annals of Statistics 13 (1985); S. Wood, J. R. Stat. Soc. B
-73 (2011)): the same smoothing is then best for position, velocity and acceleration.
+where motion and noise are equally strong: the same smoothing is best for position, velocity and acceleration.
+:mod:`jaxswarm.logs.cutoffs` finds it.
 """
 
 from typing import NamedTuple
@@ -34,26 +33,15 @@ _SLOPE_AT_START = np.array(
 )
 # Above this share of the sampling rate there is nothing to smooth.
 WHOLE_BAND = 0.475
-# Cutoffs tried, from this share of the rate (below it the system loses its digits), and the samples that
-# are looked at: likelihoods are sharp long before that many.
-_TRIED, _LEAST, _BLOCK, _BLOCKS = 20, 0.008, 8000, 3
+# Below this share of the rate a motion is smoothed on fewer samples, so many in a period of its cutoff and at
+# least so many in all: the condition of the system grows with the eighth power of their number in a period.
+# With 125 a position [rad] was off by 4e-4, its acceleration by 20 times what the noise of its encoder makes.
+_SPARSE, _SAMPLES, _FEWEST = 0.02, 16.0, 50
+# Every how many-th sample is kept at most at a time, and up to which share of the lower rate what they say.
+_THINNED, _KEPT = 12.0, 0.25
 # Weight of the velocity beside the position at most, where both are per sample: beyond, the system loses its
 # digits. Encoders and velocity channels of arms make a hundred.
 _STRONGEST = 1e9
-# Above this rate [Hz] samples are averaged before cutoffs are looked for, so many left of a short stretch.
-_ENOUGH, _FEWEST = 300.0, 50
-
-
-class Cutoffs(NamedTuple):
-    """What the data say about a motion.
-
-    Attributes:
-        cutoff: Frequency [Hz] at which motion and noise are equally strong, (n,).
-        noise: Standard deviation of the position's white noise [rad or m], (n,).
-    """
-
-    cutoff: np.ndarray
-    noise: np.ndarray
 
 
 def smooth(
@@ -88,66 +76,36 @@ def smooth(
         if one[0] >= WHOLE_BAND * rate and one[1] == 0.0:
             continue
         given = None if velocity is None else velocity[:, own]
-        flat[:, own] = _solve(flat[:, own], given, rate, *one).mean
+        flat[:, own] = _smoothed(flat[:, own], given, rate, *one)
     return flat.reshape(np.shape(x))
 
 
-def find_cutoffs(
-    q: np.ndarray,
-    rate: float,
-    velocity: np.ndarray | None = None,
-    ratio: np.ndarray | None = None,
-) -> Cutoffs:
-    """Cutoffs of greatest restricted likelihood, joint by joint.
+def _smoothed(
+    x: np.ndarray, velocity: np.ndarray | None, rate: float, cutoff: float, rho: float
+) -> np.ndarray:
+    """Columns (T, m) of one cutoff, on as many samples as the system keeps its digits with.
 
-    Args:
-        q: Uniformly sampled positions, (T, n).
-        rate: Sampling rate [Hz].
-        velocity, ratio: As for :func:`smooth`.
-
-    >>> t, rng = np.arange(4000) / 200.0, np.random.default_rng(0)
-    >>> found = find_cutoffs(np.sin(2 * np.pi * t)[:, None] + 1e-3 * rng.normal(size=(4000, 1)), 200.0)
-    >>> bool(1.0 < found.cutoff[0] < 10.0), round(float(found.noise[0]), 4)
-    (True, 0.001)
+    A joint's motion is then the same beside a faster one, for whose sake all are sampled more often.
     """
-    group = max(1, min(int(rate / _ENOUGH), len(q) // _FEWEST))
-    whole = WHOLE_BAND * rate
-    if group > 1:
-        q, rate = _averaged(q, group), rate / group
-        velocity = None if velocity is None else _averaged(velocity, group)
-    blocks = [slice(None)]
-    if len(q) > _BLOCK * _BLOCKS:
-        starts = np.linspace(0, len(q) - _BLOCK, _BLOCKS).astype(int)
-        blocks = [slice(s, s + _BLOCK) for s in starts]
-    highest = WHOLE_BAND * rate
-    tried = np.geomspace(_LEAST * rate, highest, _TRIED)
-    cutoff, noise = np.full(q.shape[1], whole), np.zeros(q.shape[1])
-    rhos = np.zeros(q.shape[1]) if ratio is None else np.asarray(ratio, dtype=float)
-    moving = np.ptp(q, axis=0) > 0.0
-    for rho in sorted({*rhos[moving].tolist()}):
-        # Joints of one ratio share the system: it is factored once for all of them.
-        own = np.flatnonzero(moving & (rhos == rho))
-        # A column in one piece is summed as it would be alone.
-        x = np.asfortranarray(q[:, own])
-        v = None if velocity is None else np.asfortranarray(velocity[:, own])
-        parts = [(x[b], None if v is None else v[b]) for b in blocks]
-        costs = [sum(_evidence(*part, rate, f, rho)[0] for part in parts) for f in tried]
-        for k, (j, cost) in enumerate(zip(own, np.array(costs).T, strict=True)):
-            cutoff[j] = float(np.exp(_vertex(np.log(tried), cost)))
-            alone = [(x[:, [k]], None if v is None else v[:, [k]]) for x, v in parts]
-            noise[j] = np.median([_evidence(*part, rate, cutoff[j], rho)[1] for part in alone])
-            if cutoff[j] >= highest:
-                cutoff[j] = whole
-    return Cutoffs(cutoff, noise * np.sqrt(group))
+    stride = 1.0 if cutoff >= _SPARSE * rate else min(rate / (_SAMPLES * cutoff), _THINNED)
+    kept = int((len(x) - 1) / stride)
+    if stride == 1.0 or kept < _FEWEST:
+        return solve(x, velocity, rate, cutoff, rho).mean
+    # From the first sample to the last one: nothing is prolonged. What would fold back is smoothed away before,
+    # by the same least squares, which keep cubics up to the ends.
+    clock, sparse = np.arange(float(len(x))), np.linspace(0.0, len(x) - 1.0, kept + 1)
+    slower = rate / sparse[1]
+
+    def thinned(signal: np.ndarray) -> np.ndarray:
+        low = solve(signal, None, rate, _KEPT * slower, 0.0).mean
+        return scipy.interpolate.make_interp_spline(clock, low, k=5)(sparse)
+
+    given = None if velocity is None or rho == 0.0 else thinned(velocity)
+    mean = _smoothed(thinned(x), given, slower, cutoff, rho)
+    return scipy.interpolate.make_interp_spline(sparse, mean, k=5)(clock)
 
 
-def _averaged(x: np.ndarray, group: int) -> np.ndarray:
-    """Means of so many samples each: white noise stays white."""
-    kept = len(x) // group
-    return x[: kept * group].reshape(kept, group, -1).mean(axis=1)
-
-
-class _Solution(NamedTuple):
+class Solution(NamedTuple):
     """The smoothed columns, half the log-determinant of the system, and the least sum of squares per column."""
 
     mean: np.ndarray
@@ -155,9 +113,9 @@ class _Solution(NamedTuple):
     squares: np.ndarray
 
 
-def _solve(
+def solve(
     x: np.ndarray, velocity: np.ndarray | None, rate: float, cutoff: float, rho: float
-) -> _Solution:
+) -> Solution:
     """Minimize the penalized squares for columns (T, m) that share cutoff and rho."""
     length, middle = len(x), x.mean(axis=0)
     x = x - middle  # what stands is kept to the last digit, where the system would lose six of them
@@ -184,19 +142,7 @@ def _solve(
         squares += strength * ((velocity[3:-3] / rate - slope) ** 2).sum(axis=0)
         for row, columns, stencil in _ends(length):
             squares += strength * (velocity[row] / rate - stencil @ mean[columns]) ** 2
-    return _Solution(mean + middle, float(np.log(factor[-1]).sum()), squares)
-
-
-def _evidence(
-    x: np.ndarray, velocity: np.ndarray | None, rate: float, cutoff: float, rho: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Minus twice the restricted log-likelihood of a cutoff for columns (T, m), and the noise it implies."""
-    found = _solve(x, velocity, rate, cutoff, rho)
-    count = len(x) - 4 + (len(x) if rho > 0.0 else 0)
-    weight = -8.0 * np.log(2.0 * np.sin(np.pi * min(cutoff / rate, 0.5)))
-    variance = np.maximum(found.squares / count, 1e-300)
-    cost = count * np.log(variance) + 2.0 * found.half_log_det - (len(x) - 4) * weight
-    return cost, np.sqrt(variance)
+    return Solution(mean + middle, float(np.log(factor[-1]).sum()), squares)
 
 
 def _ends(length: int):
@@ -223,12 +169,3 @@ def _transposed(stencil: np.ndarray, y: np.ndarray, length: int) -> np.ndarray:
     for k, c in enumerate(stencil):
         out[k : k + len(y)] += c * y
     return out
-
-
-def _vertex(x: np.ndarray, cost: np.ndarray) -> float:
-    """Minimum of a sampled cost by a parabola through its three lowest neighbors; ends stay ends."""
-    best = int(np.argmin(cost))
-    if not 0 < best < len(x) - 1:
-        return float(x[best])
-    a, b, _ = np.polyfit(x[best - 1 : best + 2] - x[best], cost[best - 1 : best + 2], 2)
-    return float(x[best] - b / (2.0 * a)) if a > 0 else float(x[best])

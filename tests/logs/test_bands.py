@@ -40,3 +40,15 @@ def test_where_all_are_known_alike_the_median_decides():
 def test_a_joint_that_hardly_moves_hides_no_torque_of_the_others():
     found = find_band(positions(2e-4, swing=4e-3), RATE, JOINTS)
     assert found.motion[0] < 0.3 * found.torque
+
+
+@pytest.mark.parametrize("rate", [1000.0, 4000.0])
+def test_a_slow_motion_sampled_often_keeps_its_velocity(rate):
+    """The smoothing lost its digits: dq was told not to be the derivative of q, or the system not solved."""
+    t, rng = np.arange(0, 20, 1 / rate), np.random.default_rng(0)
+    q = np.sin(0.2 * np.pi * t) + 0.3 * np.sin(0.54 * np.pi * t + 0.4)
+    dq = 0.2 * np.pi * (np.cos(0.2 * np.pi * t) + 0.81 * np.cos(0.54 * np.pi * t + 0.4))
+    q, dq = q + 1e-4 * rng.normal(size=len(t)), dq + 1e-3 * rng.normal(size=len(t))
+    found = find_band(q[:, None], rate, ("shoulder",), dq[:, None])
+    assert not found.notes
+    assert found.ratio == pytest.approx(0.01, rel=0.2)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from jaxswarm.logs.cutoffs import find_cutoffs
 from jaxswarm.logs.filtering import (
     Decimator,
     acceleration_valley,
@@ -15,7 +16,7 @@ from jaxswarm.logs.filtering import (
     noise_floor,
     power_density,
 )
-from jaxswarm.logs.smoothing import find_cutoffs, smooth
+from jaxswarm.logs.smoothing import smooth
 
 RATE = 200.0
 INSIDE = slice(400, -400)
