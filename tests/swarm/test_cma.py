@@ -21,9 +21,10 @@ from jaxswarm.swarm import (
     sep_cma_es,
 )
 from jaxswarm.swarm.optimizers.base import finished
-from jaxswarm.swarm.optimizers.cma_distribution import Rates, round_at
+from jaxswarm.swarm.optimizers.cma_distribution import Rates, draw, round_at
 from jaxswarm.swarm.optimizers.cma_termination import REASONS, unwatched, watch
 from jaxswarm.swarm.optimizers.outside import SHARE, inside, ranks
+from jaxswarm.swarm.random import Random
 
 KEY = jax.random.key(0)
 TURNED = jnp.asarray(np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0])
@@ -109,14 +110,34 @@ def test_restart_leaves_a_search_alone_until_it_has_ended():
     def banana(x, _):
         return jnp.sum(100.0 * (10.0 * (x[1:] - x[:-1] ** 2)) ** 2 + (1.0 - x[:-1]) ** 2)
 
-    space = Space.vector([-2.0] * 8, [2.0] * 8)
-    for seed in range(1, 4):
-        its_own, hasty = (
-            minimize(banana, optimizer, space, jax.random.key(seed), num_steps=1500)
-            for optimizer in (restart(cma_es(8)), restart(cma_es(8), patience=10, diversity=1e-6))
-        )
-        assert float(its_own.value) < 0.1 * float(hasty.value)
-        assert int(hasty.state.restarts) > int(its_own.state.restarts)
+    space, keys = Space.vector([-2.0] * 8, [2.0] * 8), jax.random.split(KEY, 16)
+    its_own, hasty = (
+        minimize_runs(banana, optimizer, space, keys, num_steps=1500, vectorized=False)
+        for optimizer in (restart(cma_es(8)), restart(cma_es(8), patience=10, diversity=1e-6))
+    )
+    assert jnp.median(its_own.value) < 0.1 * jnp.median(hasty.value)
+    assert hasty.state.restarts.sum() > 2 * its_own.state.restarts.sum()
+
+
+@pytest.mark.parametrize("n", [2, 8])
+def test_samples_have_the_covariance_of_the_distribution(n):
+    spread = jnp.array([0.5, 1.0, 4.0])
+    of = round_at(jnp.zeros(3), 2.0)._replace(basis=TURNED, spread=spread)
+    draws = jax.vmap(lambda k: draw(Random(k), of, n))(jax.random.split(KEY, 40_000 // n))
+    unit = draws.reshape(-1, 3) @ TURNED / (2.0 * spread)
+    # Of 40,000 samples the standard error of a covariance is 0.005, of a variance 0.007.
+    np.testing.assert_allclose(unit.T @ unit / 40_000, np.eye(3), atol=0.03)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_run_of_many_is_the_same_search_alone(dtype):
+    """Which axes equal eigenvalues get is decided by rounding: after a step it was another search."""
+    space, keys = Space.vector(*np.full((2, 60), [[-5.0], [5.0]], dtype)), jax.random.split(KEY, 3)
+    sphere = lambda x, _: (x**2).sum(axis=-1)  # noqa: E731
+    many = minimize_runs(sphere, cma_es(), space, keys, num_steps=40)
+    alone = minimize(sphere, cma_es(), space, keys[1], num_steps=40, vectorized=True)
+    apart = jnp.abs(many.state.search.mean[1] - alone.state.search.mean).max()
+    assert apart < 1e3 * np.finfo(dtype).eps
 
 
 def test_who_has_ended_is_known_through_wrappers():
@@ -270,7 +291,7 @@ def test_auto_averages_noise_out():
 
 
 def test_steps_are_walked_down_where_half_of_a_generation_is_as_good_as_its_best():
-    """Of BBOB's step ellipsoid 12 of 20 runs found the lowest step, whatever they had left."""
+    """Of BBOB's step ellipsoid three of five runs found the lowest step, whatever they had left."""
     one, two = (np.linalg.qr(np.random.default_rng(k).normal(size=(5, 5)))[0] for k in (2, 12))
     wide, heavy = 10.0 ** jnp.linspace(0.0, 0.5, 5), 100.0 ** jnp.linspace(0.0, 1.0, 5)
     space = Space.vector([-5.0] * 5, [5.0] * 5)
@@ -281,5 +302,6 @@ def test_steps_are_walked_down_where_half_of_a_generation_is_as_good_as_its_best
         z = jnp.where(jnp.abs(far) > 0.5, jnp.floor(0.5 + far), near) @ two
         return (heavy * z**2).sum(axis=-1)
 
-    found = minimize_runs(steps, cma_es(), space, jax.random.split(KEY, 20), num_steps=600)
-    assert int((found.value < 1e-8).sum()) >= 17
+    found = minimize_runs(steps, cma_es(), space, jax.random.split(KEY, 100), num_steps=600)
+    # 0.87 of 800 runs: 76 of 100 are three standard deviations below, and three above 60.
+    assert int((found.value < 1e-8).sum()) >= 76

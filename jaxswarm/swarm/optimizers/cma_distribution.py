@@ -1,6 +1,6 @@
 r"""The normal distribution of CMA-ES: how it is sampled and how a ranked generation changes it.
 
-Candidates x = m + sigma B D z, z ~ N(0, I), with C = B D^2 B^T. After ranking, the mean moves to
+Candidates x = m + sigma B D B^T z, z ~ N(0, I), with C = B D^2 B^T. After ranking, the mean moves to
 the weighted mean of the best half, two evolution paths accumulate the moves, and
 
     C      <- (1 - c_1 - c_mu sum_i w_i) C + c_1 p_c p_c^T + c_mu sum_i w_i y_i y_i^T
@@ -17,6 +17,10 @@ step of a large population in 20 dimensions falls sooner than it has found its w
 BBOB's f7. The distribution lives in all of R^d, walls are seen by
 :mod:`~jaxswarm.swarm.optimizers.outside` alone; an eigendecomposition is made only as often as C changes
 noticeably.
+
+B D z has the same distribution, but in many dimensions most eigenvalues of C are equal at first, and which
+axes a decomposition gives them is decided by rounding: with the same key a search beside others, or on another
+machine, was another search after one step. The root B D B^T is the same whatever they are.
 
 Long after a search has converged, or where values do not depend on the candidates, sigma and C drift.
 Then the samples keep apart by the rounding of the cube at least, C is brought back to eigenvalues
@@ -130,7 +134,11 @@ def draw(random: Random, of: Distribution, n: int) -> jax.Array:
     d = of.mean.size
     # In one row, scaled by the product: a CPU takes four times as long for many short rows (``repeating``).
     z = random.normal("sample", (n * d,), of.mean.dtype).reshape(n, d)
-    return of.mean + of.sigma * over_columns(z, of.basis * of.spread)
+    axes = of.basis * of.spread
+    # The same product of three, from the side on which it is smaller.
+    few = n < d
+    y = over_columns(z @ axes, of.basis) if few else z @ over_columns(axes, of.basis)
+    return of.mean + of.sigma * y
 
 
 def deviations(of: Distribution) -> jax.Array:
