@@ -79,7 +79,7 @@ SWARM_LEVEL = {
     **dict.fromkeys(("start", "standing", "stopping", "result", "needed"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding"), "tools"),
     **dict.fromkeys(("contract", "endurance"), "tools"),
-    **dict.fromkeys(("driver", "noise", "handling", "constraints"), "tools"),
+    **dict.fromkeys(("driver", "workers", "noise", "handling", "constraints"), "tools"),
     **dict.fromkeys(("pareto", "objectives", "nsga2", "mopso", "plots", "own"), "tools"),
 }
 

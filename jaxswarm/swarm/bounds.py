@@ -13,13 +13,14 @@ __all__ = [
     "Bound",
     "Box",
     "Choice",
+    "array_of",
     "as_box",
-    "index_of",
     "is_bound",
     "joined",
     "name_of",
     "names_in",
     "one_each",
+    "searched",
     "vectors",
 ]
 
@@ -130,9 +131,26 @@ def _check(name, lower, upper, bound):
             f"{name}: lower={bound.lower} must be below upper={bound.upper}; "
             "to hold a parameter fixed use the wrapper freeze."
         )
+    dtype = searched(lower.dtype)
+    with np.errstate(over="ignore"):
+        lower, upper = lower.astype(dtype), upper.astype(dtype)
+        width = upper - lower
+    if not ((width > 0) & np.isfinite(width)).all():
+        raise InputError(
+            f"{name}: from {bound.lower} to {bound.upper} it is {width} in {dtype}: choose a unit in "
+            "which it is near one, or float64 (jax_enable_x64)."
+        )
     fault = SCALES[bound.scale].fault(lower, upper)
     if fault:
         raise InputError(f"{name}: {fault}.")
+
+
+def searched(dtype: Any) -> Any:
+    """The floating type in which bounds of a type are searched.
+
+    In float16 values above 65504 are infinite, and JAX has no eigenvectors of matrices.
+    """
+    return jnp.promote_types(jax.dtypes.canonicalize_dtype(dtype), jnp.float32)
 
 
 def vectors(lower: Any, upper: Any) -> tuple[Any, Any]:
@@ -160,9 +178,20 @@ def _floats(name, value):
         return value if jnp.issubdtype(value.dtype, jnp.floating) else value.astype(float)
     try:
         array = np.asarray(value)
+        if np.iscomplexobj(array):
+            raise TypeError("complex")
         return array if np.issubdtype(array.dtype, np.floating) else array.astype(float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: {value!r} is no number and no array of numbers.") from error
+
+
+def array_of(name: str, leaf: Any, options: tuple | None) -> jax.Array:
+    """A parameter as an array of JAX: of a choice its index; or an error that names it."""
+    leaf = _index_of(name, leaf, options)
+    try:
+        return jnp.asarray(leaf)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: {leaf!r} is no number and no array of numbers.") from error
 
 
 def joined(parts: list[Any]) -> Any:
@@ -179,7 +208,7 @@ def one_each(name: str, given: Any, size: int) -> tuple:
     return values
 
 
-def index_of(name: str, leaf: Any, options: tuple | None) -> Any:
+def _index_of(name, leaf, options):
     """The index of an option, given by itself or by its index; anything else as it is."""
     if options is None or isinstance(leaf, jax.Array | np.ndarray | np.generic):
         return leaf

@@ -9,7 +9,6 @@
 """
 
 import concurrent.futures
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -24,16 +23,14 @@ from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.repeating import first
 from jaxswarm.swarm.result import Result, Status
-from jaxswarm.swarm.search import going_on, optimizer_for, rule, start_for
+from jaxswarm.swarm.search import check_state, going_on, optimizer_for, rule, start_for
 from jaxswarm.swarm.space import Space
 from jaxswarm.swarm.standing import NO_FINITE_VALUE, STEPS_DONE, progress_of
 from jaxswarm.swarm.start import begun
 from jaxswarm.swarm.stopping import ask
+from jaxswarm.swarm.workers import shared_out, tried
 
 __all__ = ["Driver"]
-
-LOOK = 0.02
-"""Seconds between two looks at which candidates are running: a time limit is kept to within this."""
 
 
 class Driver:
@@ -81,6 +78,8 @@ class Driver:
         refuse_too_many(self._optimizer, space, 0)
         self._key, self._stop = key, rule(stop)
         begin = start_for(space, start, state)
+        if state is not None:
+            check_state(state, lambda k: begun(self._optimizer, k, space, None), key)
         self._carry = going_on(state, self._stop)
         if self._carry is None:
             self._carry = first(begun(self._optimizer, key, space, begin), self._stop)
@@ -114,10 +113,16 @@ class Driver:
     def tell(self, value: Sequence[Any] | np.ndarray) -> None:
         """Give the values (n,) of what was asked, in its order, and make the step; NaN counts as +inf.
 
-        For an optimizer with several numbers a candidate, (n, k).
+        For an optimizer with several numbers a candidate, (n, k), or n times what an objective returns.
         """
-        told = jnp.asarray(np.asarray([np.asarray(one, float) for one in value]))
         width = num_values(self._optimizer)
+        try:
+            told = jnp.asarray(np.asarray([_floats(one, width) for one in value]))
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"value: {error}. Tell a number for each candidate, NaN where it has none; an "
+                "objective returns it."
+            ) from error
         expected = (self.size,) if width is None else (self.size, width)
         if told.shape != expected:
             raise InputError(
@@ -156,21 +161,18 @@ class Driver:
             raise InputError(f"timeout={timeout} needs a pool: nothing else can be waited for.")
         if vectorized and pool is not None:
             raise InputError("vectorized=True asks for all at once, which no pool can share out.")
+        width = num_values(self._optimizer)
+        lost = np.inf if width is None else np.full(width, np.inf)
         while not self.finished:
             if vectorized:
                 self.tell(fn(self.ask_population()))
             elif pool is None:
-                self.tell([_tried(fn, params, forgive) for params in self.ask()])
+                self.tell([tried(fn, params, forgive, lost) for params in self.ask()])
             else:
-                values, late = _shared_out(fn, self.ask(), pool, timeout, forgive)
+                values, late = shared_out(fn, self.ask(), pool, timeout, forgive, lost)
                 self.num_timeouts += late
-                self.tell(self._filled(values))
+                self.tell(values)
         return self.result()
-
-    def _filled(self, values):
-        width = num_values(self._optimizer)
-        lost = np.inf if width is None else np.full(width, np.inf)
-        return [lost if value is None else value for value in values]
 
     def result(self) -> Result:
         """What ``minimize`` would return by now; the history holds the steps told so far."""
@@ -209,41 +211,10 @@ def _step(optimizer, key, carry, value, stop):
     return carry._replace(memory=memory, done=carry.done | here, code=code)
 
 
-def _tried(fn, params, forgive):
-    try:
-        return fn(params)
-    except forgive:
-        return np.inf
-
-
-def _shared_out(fn, candidates, pool, timeout, forgive):
-    """Values in order, None where a candidate was given up, and how many these are."""
-    futures = [pool.submit(_tried, fn, params, forgive) for params in candidates]
-    try:
-        late = _waited(futures, timeout)
-        values = [None if one in late else one.result() for one in futures]
-    finally:
-        for one in futures:
-            one.cancel()
-    return values, len(late)
-
-
-def _waited(futures, timeout):
-    """Wait for all; the set of those that ran, or waited while nothing moved, for too long."""
-    if timeout is None:
-        concurrent.futures.wait(futures, return_when=concurrent.futures.FIRST_EXCEPTION)
-        return set()
-    waiting, late, began = set(futures), set(), {}
-    moved = time.monotonic()
-    while waiting:
-        done, waiting = concurrent.futures.wait(waiting, timeout=LOOK)
-        now = time.monotonic()
-        started = {one for one in waiting if one.running()} - began.keys()
-        began |= dict.fromkeys(started, now)
-        moved = now if done or started else moved
-        # Where all workers are held by what was given up, what queues behind them moves no more.
-        stuck = now - moved >= timeout
-        over = {one for one in waiting if now - began.get(one, now) >= timeout or stuck}
-        late |= over
-        waiting -= over
-    return late
+def _floats(one, width):
+    """What was told of a candidate; of several numbers as one row, whatever parts they come in."""
+    if one is None:
+        raise TypeError("None is no number")
+    if width is not None and isinstance(one, tuple | list):
+        return np.concatenate([np.asarray(part, float).ravel() for part in one])
+    return np.asarray(one, float)

@@ -111,11 +111,26 @@ def _check_info(info):
         )
 
 
+def _real(out):
+    """What an objective returned as an array of real numbers; refused if it is none."""
+    try:
+        array = jnp.asarray(out)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"fn returned {out!r}, which is no number: is a return missing?"
+        ) from error
+    if jnp.iscomplexobj(array):
+        raise InputError(
+            f"fn returned {array.dtype} numbers, which have no order: take .real or abs."
+        )
+    return array
+
+
 def _values(out, lead, width, vectorized):
     """What an objective returned as an array, checked: (*lead,), or (*lead, width)."""
     if width is not None and isinstance(out, tuple | list):
-        out = [jnp.asarray(part) for part in out]
-        out = jnp.concatenate([part.reshape(*lead, -1) for part in out], axis=-1)
+        out = jnp.concatenate([_real(part).reshape(*lead, -1) for part in out], axis=-1)
+    out = _real(out)
     shape, expected = jnp.shape(out), lead if width is None else (*lead, width)
     if shape == expected:
         return out

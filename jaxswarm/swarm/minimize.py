@@ -26,6 +26,7 @@ from jaxswarm.swarm.search import (
     going_on,
     optimizer_for,
     rule,
+    runs_of,
     search,
     start_for,
     the_loop,
@@ -134,7 +135,7 @@ def minimize_runs(
         held while the others go on.
 
     Returns:
-      A :class:`Result` with a leading axis of runs; run r equals ``minimize`` with ``keys[r]``.
+      A :class:`Result` with a leading axis of runs; run r equals ``minimize`` with ``keys[r]``, to rounding.
 
     >>> from jaxswarm.swarm import Space, pso
     >>> space = Space.vector([-5.0] * 3, [5.0] * 3)
@@ -145,14 +146,13 @@ def minimize_runs(
     """
     options = dict(record=record, vectorized=vectorized, noisy=noisy)
     telling = dict(progress=progress, progress_every=progress_every)
-    axes = axes_of_runs(args, args_axes, keys)
+    runs, axes = runs_of(keys), axes_of_runs(args, args_axes, keys)
     loop = the_loop(fn, space, num_steps, runs=True, args_axes=axes, **options, **telling)
     optimizer = optimizer_for(optimizer, num_steps, state)
-    refuse_too_many(optimizer, space, loop.num_steps, keys.shape[0])
+    refuse_too_many(optimizer, space, loop.num_steps, runs)
     stop, begin = rule(stop), start_for(space, start, state)
     # What looks at all runs at once, or gives each its own data, keeps them together.
     if stop is None and state is None and progress is None and axes is None:
-        runs = keys.shape[0]
         batch = batch_of(optimizer, space.size, space.dtype, runs)
         if batch < runs:
             return search_in_batches(loop, optimizer, space, keys, args, begin, batch=batch)
@@ -165,6 +165,10 @@ def axes_of_runs(args: Any, axes: Any, keys: jax.Array) -> Any:
         axes = tuple(axes)
     if axes is None:
         return None
+    if isinstance(axes, tuple) and not (isinstance(args, tuple | list) and len(args) == len(axes)):
+        raise InputError(
+            f"args_axes={axes!r} names {len(axes)} parts: give args as a tuple of these."
+        )
     parts = zip(axes, args, strict=True) if isinstance(axes, tuple) else [(axes, args)]
     for axis, part in parts:
         if axis not in (0, None) or isinstance(axis, bool):

@@ -33,6 +33,7 @@ References:
 import math
 import zlib
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -41,7 +42,7 @@ import numpy as np
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.swarm.quantile import quantile
 
-__all__ = ["Random", "SOURCES", "check_source", "fold", "mix"]
+__all__ = ["Random", "SOURCES", "check_source", "fold", "lead_of", "mix"]
 
 BRANCHES = ((15, 0x846CA68B), (17, 0xED5AD4BB), (11, 0xAC4C1B51))
 """Shift and factor of the last multiplication, for up to three numbers from one hash."""
@@ -88,6 +89,18 @@ def fold(key: jax.Array, data: int | jax.Array) -> jax.Array:
     if jnp.issubdtype(key.dtype, jax.dtypes.prng_key):
         return jax.random.wrap_key_data(new, impl=jax.random.key_impl(key))
     return new
+
+
+def lead_of(keys: Any) -> tuple[int, ...]:
+    """Shape of an array of JAX keys, typed or raw: () of a single one.
+
+    Raises:
+      InputError: something else, such as a seed or a list.
+    """
+    if not isinstance(keys, jax.Array | np.ndarray):
+        raise InputError(f"key={keys!r} is no JAX key: pass jax.random.key(0).")
+    typed = jnp.issubdtype(keys.dtype, jax.dtypes.prng_key)
+    return keys.shape if typed else keys.shape[:-1]
 
 
 class Random:
@@ -196,8 +209,7 @@ upper bits are random."""
 
 
 def _words(key: jax.Array) -> list[jax.Array]:
-    if not isinstance(key, jax.Array):
-        raise InputError(f"key={key!r} is no JAX key: pass jax.random.key(0).")
+    lead_of(key)
     data = jax.random.key_data(key) if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else key
     if data.ndim != 1 or data.dtype != jnp.uint32 or data.shape[0] < 2:
         raise InputError(

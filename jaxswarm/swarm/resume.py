@@ -26,9 +26,10 @@ from jaxswarm.swarm.minimize import axes_of_runs
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.pytree import replace
+from jaxswarm.swarm.random import lead_of
 from jaxswarm.swarm.repeating import held
 from jaxswarm.swarm.result import Result
-from jaxswarm.swarm.search import optimizer_for, rule, search, start_for, the_loop
+from jaxswarm.swarm.search import optimizer_for, rule, runs_of, search, start_for, the_loop
 from jaxswarm.swarm.space import Space
 from jaxswarm.swarm.standing import STEPS_DONE, TIME_UP
 from jaxswarm.swarm.stopping import renewed
@@ -78,7 +79,11 @@ def minimize_resumable(
         others from the start. Or too little memory.
     """
     at_least("every", every, 1, "a checkpoint follows a step")
-    runs = _is_runs(key)
+    if not Path(path).parent.is_dir():
+        raise InputError(
+            f"path={str(path)!r}: there is no folder {Path(path).parent}; make it first."
+        )
+    runs = bool(lead_of(key)) and runs_of(key) > 0
     axes = axes_of_runs(args, args_axes, key) if runs else None
     options = dict(record=record, vectorized=vectorized, noisy=noisy, runs=runs, args_axes=axes)
     loop = the_loop(fn, space, num_steps, **options)
@@ -185,11 +190,6 @@ def _steps_done(path) -> int:
     if not isinstance(header.get("steps"), int):
         raise InputError(f"{path} is no checkpoint of a search: it does not say how far it came.")
     return header["steps"]
-
-
-def _is_runs(key) -> bool:
-    typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
-    return key.ndim == (1 if typed else 2)
 
 
 def _key_words(key: jax.Array) -> list:

@@ -52,7 +52,11 @@ def _uncauchy(x, lower, upper):
 
 
 def _not_positive(lower, upper):
-    return "" if (lower > 0).all() else f"a log scale needs lower > 0, not {lower}"
+    if not (lower > 0).all():
+        return f"a log scale needs lower > 0, not {lower}"
+    with np.errstate(over="ignore"):
+        far = not np.isfinite(upper / lower).all()
+    return f"in {lower.dtype} a log scale does not reach from {lower} to {upper}" if far else ""
 
 
 def _not_whole(lower, upper):

@@ -5,12 +5,15 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from jax.tree_util import keystr, tree_flatten_with_path
 
 from jaxswarm.errors import InputError
 from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
 from jaxswarm.swarm.pytree import as_part
+from jaxswarm.swarm.random import lead_of
 from jaxswarm.swarm.repeating import Carry, first, held, repeat_all, repeat_until
 from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.schedules import for_run
@@ -20,9 +23,11 @@ from jaxswarm.swarm.start import Start, begun, points_of
 
 __all__ = [
     "best_value",
+    "check_state",
     "going_on",
     "optimizer_for",
     "rule",
+    "runs_of",
     "search",
     "start_for",
     "the_loop",
@@ -46,7 +51,8 @@ def search(
     """
     if carry is None:
         carry = first(loop.map(lambda k: begun(optimizer, k, space, start))(key), stop)
-    _check_state(carry.state, space, loop.runs)
+    else:
+        check_state(carry.state, loop.map(lambda k: begun(optimizer, k, space, None)), key)
     before = carry.num_steps
     step = partial(loop.advance, optimizer, space, key, args)
     run = repeat_all if stop is None else partial(repeat_until, stop)
@@ -105,7 +111,11 @@ def the_loop(
 
 def optimizer_for(optimizer, num_steps, state=None):
     """The optimizer with schedules that end with this call, whatever was done before it."""
-    done = 0.0 if state is None else jnp.max(state.count).astype(float)
+    if state is not None and not isinstance(getattr(state, "count", None), jax.Array | np.ndarray):
+        raise InputError(
+            f"state={state!r} is no state of an optimizer: give state=result.state of an earlier call."
+        )
+    done = 0.0 if state is None else jnp.max(jnp.asarray(state.count)).astype(float)
     return for_run(as_optimizer(optimizer), done + num_steps)
 
 
@@ -134,10 +144,36 @@ def start_for(space, start, state=None):
     return points_of(space, start), None
 
 
-def _check_state(state, space, runs):
-    rank = 3 if runs else 2
-    if state.position.ndim != rank or state.position.shape[-1] != space.size:
+def check_state(state: Any, init: Any, key: jax.Array) -> None:
+    """Refuse to go on from a state unlike the one that ``init(key)`` gives, another optimizer's or space's."""
+    own = jax.eval_shape(init, key)
+    kind, wanted = type(state).__name__, type(own).__name__
+    shapes, own_shapes = (
+        {keystr(path): jnp.shape(leaf) for path, leaf in tree_flatten_with_path(tree)[0]}
+        for tree in (state, own)
+    )
+    names = sorted(shapes.keys() | own_shapes.keys())
+    others = [name for name in names if shapes.get(name) != own_shapes.get(name)]
+    if kind == wanted and not others:
+        return
+    what = f"{kind}, this search has {wanted}"
+    if kind == wanted:
+        here, there = (of.get(others[0], "missing") for of in (shapes, own_shapes))
+        what = f"other: shape of {others[0]} {here}, in this search {there}"
+    raise InputError(
+        f"state is {what}: go on only with a state of the same optimizer, space and number of runs."
+    )
+
+
+def runs_of(keys: Any) -> int:
+    """How many runs keys (runs,) are for.
+
+    Raises:
+      InputError: a single key, no keys, rows of them.
+    """
+    lead = lead_of(keys)
+    if len(lead) != 1 or not lead[0]:
         raise InputError(
-            f"state.position has shape {state.position.shape}, the space has {space.size} "
-            "coordinates: go on only with a state of the same optimizer and space."
+            f"keys have shape {lead}: give one a run, jax.random.split(key, runs), at least one."
         )
+    return lead[0]

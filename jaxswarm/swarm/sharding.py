@@ -26,7 +26,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.swarm.minimize import axes_of_runs
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.result import Result
-from jaxswarm.swarm.search import optimizer_for, rule, search, start_for, the_loop
+from jaxswarm.swarm.search import optimizer_for, rule, runs_of, search, start_for, the_loop
 from jaxswarm.swarm.space import Space
 
 __all__ = ["minimize_sharded"]
@@ -69,10 +69,12 @@ def minimize_sharded(
       InputError: runs that do not divide evenly among the devices, too little memory.
     """
     devices = jax.devices() if devices is None else list(devices)
-    if keys.shape[0] % len(devices):
+    if not devices:
+        raise InputError("devices is empty: give at least one, or leave it out for all.")
+    runs = runs_of(keys)
+    if runs % len(devices):
         raise InputError(
-            f"keys has {keys.shape[0]} runs for {len(devices)} devices: give a multiple of "
-            f"{len(devices)}."
+            f"keys has {runs} runs for {len(devices)} devices: give a multiple of {len(devices)}."
         )
     mesh = Mesh(np.array(devices), ("runs",))
     axes = axes_of_runs(args, args_axes, keys)
@@ -80,9 +82,7 @@ def minimize_sharded(
     telling = dict(progress=progress, progress_every=progress_every)
     loop = the_loop(fn, space, num_steps, **options, **telling)
     optimizer = optimizer_for(optimizer, num_steps)
-    refuse_too_many(
-        optimizer, space, loop.num_steps, keys.shape[0] * _here(devices) // len(devices)
-    )
+    refuse_too_many(optimizer, space, loop.num_steps, runs * _here(devices) // len(devices))
     rest = loop, optimizer, space, rule(stop), start_for(space, start)
     run = _sharded(mesh, axes)
     return run(_placed(keys, mesh, SPLIT), _by_axes(_placed, args, axes, mesh), _placed(rest, mesh))

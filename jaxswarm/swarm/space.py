@@ -3,7 +3,6 @@
 Every optimizer searches [0, 1]^d, so step sizes, limits and diversity carry no units and a
 parameter of 1e-6 is treated like one of 1e3. A :class:`Space` turns a point of the cube into
 parameters, each on a scale of its own (:mod:`jaxswarm.swarm.scales`).
-
 The bounds are leaves (change or map them without compiling), names and scales are static.
 """
 
@@ -17,13 +16,14 @@ from jaxswarm.errors import InputError
 from jaxswarm.swarm.bounds import (
     Bound,
     Choice,
+    array_of,
     as_box,
-    index_of,
     is_bound,
     joined,
     name_of,
     names_in,
     one_each,
+    searched,
     vectors,
 )
 from jaxswarm.swarm.scales import COUNTED, to_unit, to_values
@@ -153,8 +153,8 @@ class Space:
 
     @property
     def dtype(self) -> Any:
-        """Floating type of the bounds, in which a search is carried out."""
-        return jnp.result_type(jax.dtypes.canonicalize_dtype(jnp.result_type(self.lower)), 0.0)
+        """Floating type of the bounds, float32 at least, in which a search is carried out."""
+        return searched(jnp.result_type(self.lower))
 
     def decode(self, position: jax.Array) -> Any:
         """Turn a point of the unit cube, (d,), into parameters; map over a population with vmap.
@@ -188,7 +188,7 @@ class Space:
         rows = zip(leaves, self.shapes, self.options, firsts, strict=True)
         for leaf, shape, options, first in rows:
             name = self.names[first]
-            value = jnp.asarray(index_of(name, leaf, options))
+            value = array_of(name, leaf, options)
             if value.shape != shape:
                 raise InputError(
                     f"{name}: params hold {value.size} numbers of shape {value.shape}, the space has "

@@ -57,6 +57,8 @@ def points_of(space: Space, params: Any) -> jax.Array:
     """
     leaves, rank = jax.tree.leaves(params), len(space.shapes[0])
     many = bool(leaves) and np.ndim(leaves[0]) == rank + 1
+    if many and not np.shape(leaves[0])[0]:
+        raise InputError("start holds no points: give at least one, or no start.")
     points = jax.vmap(space.encode)(params) if many else space.encode(params)[None]
     if isinstance(points, jax.core.Tracer):
         return jnp.clip(points, 0.0, 1.0)

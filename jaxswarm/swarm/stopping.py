@@ -86,6 +86,11 @@ def any_of(*rules: Any) -> "AnyOf | AnyOfBack":
     """Stop when one of the rules says so; the first that does gives the status."""
     if not rules:
         raise InputError("any_of() has no rules: give at least one, any_of(target(1e-6)).")
+    for rule in rules:
+        if not callable(rule):
+            raise InputError(
+                f"any_of was given {rule!r}: give rules one by one, any_of(target(1e-6))."
+            )
     parts = tuple(as_part(rule) for rule in rules)
     back = any(hasattr(rule, "start") for rule in rules)
     return AnyOfBack(parts) if back else AnyOf(parts)
@@ -212,7 +217,14 @@ def begin(rule: Any) -> Any:
 
 def ask(rule: Any, progress: Progress, memory: Any) -> tuple:
     """Whether to stop, the status code, and the rule's new memory."""
-    return rule(progress, memory) if hasattr(rule, "start") else (*rule(progress), memory)
+    if hasattr(rule, "start"):
+        return rule(progress, memory)
+    said = rule(progress)
+    if not (isinstance(said, tuple) and len(said) == 2):
+        raise InputError(
+            f"a stop rule returned {said!r}: return (done, code), code 5 for one of yours."
+        )
+    return *said, memory
 
 
 def renewed(rule: Any, memory: Any) -> Any:

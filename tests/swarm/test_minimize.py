@@ -203,7 +203,7 @@ def test_float32_search_stays_float32():
         (lambda: minimize(sphere, SWARM, SPACE, KEY, 1.0, num_steps=2, stop=5), "stop=5 must be"),
         (
             lambda: minimize(sphere, SWARM, SPACE, KEY, 1.0, num_steps=2, state=SWARM.init(KEY, 2)),
-            "the space has 3",
+            r"shape of .*best_position \(2,\), in this search \(3,\)",
         ),
         (lambda: find_optimizer("gspo"), "is unknown.*gpso"),
     ],

@@ -12,12 +12,20 @@ import pytest
 from jaxswarm.errors import InputError
 from jaxswarm.swarm import (
     OPTIMIZERS,
+    Bound,
+    Driver,
     Space,
+    any_of,
+    cma_es,
+    constrained,
     de,
     elitist_learning,
     freeze,
     islands,
     minimize,
+    minimize_resumable,
+    minimize_runs,
+    minimize_sharded,
     polish,
     pso,
     restart,
@@ -30,6 +38,7 @@ from jaxswarm.swarm.polish import _candidates, _distinct
 KEY = jax.random.key(0)
 SPACE = Space.vector([-5.0] * 2, [5.0] * 2)
 SWARM = pso(6)
+KEYS = jax.random.split(KEY, 2)
 
 
 class Pair(NamedTuple):
@@ -51,6 +60,18 @@ def sphere(x, center):
 
 def search(optimizer, **options):
     return minimize(sphere, optimizer, SPACE, KEY, 1.0, num_steps=4, **options)
+
+
+def says(value):
+    return minimize(lambda x, _: value, SWARM, SPACE, KEY, num_steps=2)
+
+
+def runs(keys, many=minimize_runs, **options):
+    return many(lambda x, _: x[:, 0], SWARM, SPACE, keys, num_steps=2, **options)
+
+
+def told(fn, **options):
+    return Driver(SWARM, SPACE, KEY, num_steps=2).run(fn, **options)
 
 
 @pytest.mark.parametrize("optimizer", [Pair(SWARM.init, SWARM.update), Methods()])
@@ -77,6 +98,43 @@ def test_functions_and_objects_are_optimizers(optimizer):
         (lambda: Space(a=(0.0, 1.0)).encode({"b": 0.5}), r"\['a'\] missing, \['b'\] unknown"),
         (lambda: SPACE.encode(jnp.ones(3)), "params hold 3 numbers"),
         (lambda: SPACE.encode(0.5), "params hold 1 numbers"),
+        (lambda: SPACE.encode({"x": 0.5}), r"x\[0\]: .* is no number"),
+        (lambda: says(None), "fn returned None, which is no number"),
+        (lambda: says("low"), "fn returned 'low', which is no number"),
+        (lambda: says({"cost": 1.0}), "which is no number"),
+        (lambda: says(1.0j), "fn returned complex.* numbers, which have no order"),
+        (lambda: Space(x=(0.0, 1.0 + 1.0j)), "is no number"),
+        (lambda: Space(x=(-1e308, 1e308)), "it is inf in float64"),
+        (lambda: Space(x=Bound(np.float32(-3e38), np.float32(3e38))), "it is inf in float32"),
+        (lambda: Space(x=Bound(1e-200, 1e200, "log")), "a log scale does not reach from"),
+        (lambda: search(SWARM, start=np.zeros((0, 2))), "start holds no points"),
+        (lambda: search(SWARM, stop=any_of([target(0.0)])), "give rules one by one"),
+        (lambda: search(SWARM, stop=lambda progress: progress.value < 1.0), "return .done, code."),
+        (lambda: runs(KEY), r"keys have shape \(\): give one a run"),
+        (lambda: runs(jax.random.split(KEY, 0)), r"keys have shape \(0,\)"),
+        (lambda: runs(jax.random.PRNGKey(0)), r"keys have shape \(\)"),
+        (lambda: runs(0), "key=0 is no JAX key"),
+        (lambda: runs([KEY, KEY]), "is no JAX key"),
+        (lambda: runs(KEYS, args=1.0, args_axes=(0,)), "give args as a tuple"),
+        (lambda: runs(KEYS, minimize_sharded, devices=[]), "devices is empty"),
+        (lambda: runs(0, minimize_sharded), "key=0 is no JAX key"),
+        (
+            lambda: runs(KEYS, state=runs(KEYS[:1]).state),
+            "state is other: shape of .*number of runs",
+        ),
+        (
+            lambda: search(de(6), state=search(SWARM).state),
+            "state is PSOState, this search has DEState",
+        ),
+        (lambda: search(pso(7), state=search(SWARM).state), "state is other: shape of"),
+        (lambda: search(SWARM, state=search(SWARM)), "state=result.state"),
+        (
+            lambda: Driver(pso(7), SPACE, KEY, num_steps=2, state=search(SWARM).state),
+            "state is other",
+        ),
+        (lambda: told(lambda x: None), "None is no number"),
+        (lambda: told(lambda x: 1.0j), "Tell a number for each candidate"),
+        (lambda: told(lambda x: 1.0, vectorized=True), "Tell a number for each candidate"),
     ],
 )
 def test_refused_at_once(build, message):
@@ -176,6 +234,35 @@ def test_a_result_reads_as_one_line():
     runs = jax.vmap(lambda key: minimize(sphere, SWARM, SPACE, key, 0.0, num_steps=2))
     assert "3 runs" in repr(runs(jax.random.split(KEY, 3)))
     assert "Result" in repr(jax.tree.map(jnp.shape, search(SWARM)))
+
+
+def test_a_checkpoint_without_a_folder_is_refused_before_the_first_step(tmp_path):
+    where = tmp_path / "no" / "such"
+    with pytest.raises(InputError, match="there is no folder .*such"):
+        minimize_resumable(sphere, SWARM, SPACE, KEY, 1.0, num_steps=2, path=where / "kept")
+    with pytest.raises(InputError, match="key=0 is no JAX key"):
+        minimize_resumable(sphere, SWARM, SPACE, 0, 1.0, num_steps=2, path=tmp_path / "kept")
+
+
+def test_bounds_of_half_a_precision_are_searched_in_a_single_one():
+    """Values above 65504 are infinite in float16, and it has no eigenvectors: ``cma_es`` failed."""
+    space = Space.vector(*np.full((2, 2), [[-5.0], [5.0]], np.float16))
+    found = minimize(
+        lambda x, _: 1e6 + jnp.sum(x**2), cma_es(), space, KEY, num_steps=20, stop=target(1e6 + 0.1)
+    )
+    assert found.value.dtype == found.params.dtype == jnp.float32
+    assert bool(found.status.ok) and found.status.message == "target value reached"
+
+
+def test_a_host_objective_returns_value_and_constraints_as_one_on_the_device_does():
+    def disc(x):
+        return -x[0], [x[0] ** 2 + x[1] ** 2 - 1.0]
+
+    driver = Driver(constrained(SWARM, 1), SPACE, KEY, num_steps=3)
+    ours = driver.run(lambda x: disc(x) if x[0] < 4.0 else 1 / 0, forgive=(ZeroDivisionError,))
+    jitted = lambda x, _: (jnp.where(x[0] < 4.0, -x[0], jnp.inf), disc(x)[1][0])  # noqa: E731
+    theirs = minimize(jitted, constrained(SWARM, 1), SPACE, KEY, num_steps=3)
+    np.testing.assert_allclose(ours.params, theirs.params, rtol=1e-6)
 
 
 def test_as_optimizer_keeps_what_is_one():
