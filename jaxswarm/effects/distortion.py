@@ -1,5 +1,7 @@
 """What a drive writes down beside the true torque of its joint, as columns of its linear parameters."""
 
+from collections.abc import Mapping
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -20,3 +22,15 @@ def _slopes(law: MeasurementLaw, torque: jax.Array) -> dict:
     assert distortion is not None  # callers ask those that distort
     zero = {p.name: jnp.zeros((), torque.dtype) for p in law.linear}
     return jax.jacfwd(lambda p: distortion(p, torque))(zero)
+
+
+def distortion_slope(law: MeasurementLaw, values: Mapping, torque: np.ndarray) -> np.ndarray:
+    """How what a law writes down beside a true torque (T,) changes with that, (T,); of a jump nothing."""
+    return np.asarray(_slope(law, {p.name: values[p.name] for p in law.linear}, torque))
+
+
+@program("law")
+def _slope(law: MeasurementLaw, values: dict, torque: jax.Array) -> jax.Array:
+    distortion = law.distortion
+    assert distortion is not None  # callers ask those that distort
+    return jax.jvp(lambda x: distortion(values, x), (torque,), (jnp.ones_like(torque),))[1]

@@ -29,10 +29,11 @@ from jaxswarm.diagnose.candidates.lattice import (
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimating, explained, explained_of
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.measurement import shifted
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
-from jaxswarm.identify.forward.measuring_chain import late
+from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.motion import Motion
 from jaxswarm.programs import program
 
@@ -174,7 +175,7 @@ def searching(
 
     def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
         parts = [
-            _held(late(joint_series(motion, width, load, joint, other), delay, motion), end)
+            _held(_late(joint_series(motion, width, load, joint, other), delay, motion), end)
             for motion, load, end in zip(motions, loads, ends, strict=True)
         ]
         series = jax.tree.map(lambda *x: np.concatenate(x), *parts)
@@ -233,3 +234,11 @@ def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
 def _decode(law: TorqueLaw, u) -> dict:
     """Nonlinear parameters by name at a point of the unit cube."""
     return {p.name: p.decode(u[k]) for k, p in enumerate(ordered(law))}
+
+
+def _late(series: Sample[np.ndarray], seconds: float, motion: Motion) -> Sample[np.ndarray]:
+    """What a law sees, so much later: its torque is then what a late clock reports of it."""
+    if not seconds:
+        return series
+    later = (np.asarray(shifted(x, seconds, 1.0 / motion.rate)) for x in filled(series))
+    return Sample(*(x[: len(motion.t)] for x in later))

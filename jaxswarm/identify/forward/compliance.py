@@ -9,10 +9,11 @@ import numpy as np
 
 from jaxswarm.effects.hinged_base import TURNS, hinged
 from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.term import Term
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.smoothing import smooth
-from jaxswarm.robot.logged import rigid_torque
+from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
 # Largest turn [rad] of the differences along a sway: errors of the third power and of rounding are alike
@@ -45,13 +46,65 @@ def compliance_columns(
         pi: Rigid parameters, (10 n,).
         motion: The log, for its rate and the cutoff of its torque.
     """
-    robot = hinged(arm.replace(parameters=np.asarray(pi, float).reshape(-1, 10)))
-    still = np.zeros((len(motion.t), 3, TURNS))
-    moment = _swayed(robot, still, moved)[:, :TURNS]
-    moment = smooth(moment, motion.rate, motion.torque_cutoff)
-    along = np.stack([moment, *derivatives(moment, motion.rate, 2)], axis=1)
+    robot = _on_hinges(arm, pi)
+    moment = _swayed(robot, _still(moved), moved)[:, :TURNS]
+    along = _along(moment, motion)
     none = {p.name: 0.0 for p in law.linear}
     turns = law.compliance
     assert turns is not None
     sways = [-along * np.asarray(turns({**none, p.name: 1.0})) for p in law.linear]
     return np.stack([_felt(robot, sway, moved) for sway in sways], axis=2)
+
+
+def compliance_slopes(
+    term: Term, arm: Robot, moved: tuple[np.ndarray, ...], pi: np.ndarray, motion: Motion
+) -> np.ndarray:
+    """Torque (T, n) of a compliance by the rigid parameters, (T, n, 10 n); arguments as above.
+
+    It is a moment's sway of an arm: both follow from the parameters. What no joint of a level arm feels of the
+    first link is part of the moment, and shows once the base turns: with these parameters left out a fit that
+    knew the law left 6.3 times the noise on the first joint, and laws that were none were told of it.
+    """
+    robot, turns = _on_hinges(arm, pi), term.law_of(BodyChange).compliance
+    assert turns is not None
+    softness = np.asarray(turns(term.values))
+    still = _still(moved)
+    at = [np.concatenate([still[:, k], x], axis=1) for k, x in enumerate(moved)]
+    moments = rigid_columns(robot, *at, first=TURNS)[:, :TURNS]
+    along = _along(moments.reshape(len(still), -1), motion)
+    along = -along.reshape(len(still), 3, TURNS, -1) * softness[:, None]
+    sway = np.einsum("tkap,p->tka", along, pi)
+    step = _STEP / (np.abs(sway[:, 0]).max() or 1.0)
+    ahead, behind = (
+        rigid_columns(
+            robot, *(a + way * _padded(sway[:, k], a) for k, a in enumerate(at)), first=TURNS
+        )
+        for way in (step, -step)
+    )
+    total = (ahead - behind)[:, TURNS:] / (2.0 * step)
+    for k in range(3):
+        for axis in range(TURNS):
+            unit = still.copy()
+            unit[:, k, axis] = 1.0
+            total += _felt(robot, unit, moved)[:, :, None] * along[:, None, k, axis]
+    return total
+
+
+def _on_hinges(arm: Robot, pi: np.ndarray) -> Robot:
+    return hinged(arm.replace(parameters=np.asarray(pi, float).reshape(-1, 10)))
+
+
+def _still(moved: tuple[np.ndarray, ...]) -> np.ndarray:
+    """A base that does not move, (T, 3, 2)."""
+    return np.zeros((len(moved[0]), 3, TURNS))
+
+
+def _padded(sway: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """A motion of the base (T, 2) as one of the whole arm on it, (T, n + 2)."""
+    return np.pad(sway, ((0, 0), (0, like.shape[1] - TURNS)))
+
+
+def _along(moment: np.ndarray, motion: Motion) -> np.ndarray:
+    """Moments (T, m) below the torque's cutoff with two derivatives, (T, 3, m)."""
+    low = smooth(moment, motion.rate, motion.torque_cutoff)
+    return np.stack([low, *derivatives(low, motion.rate, 2)], axis=1)

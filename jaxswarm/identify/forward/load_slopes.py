@@ -1,4 +1,4 @@
-r"""What the torque owes to the rigid parameters by way of the load that a law goes by.
+r"""What the torque owes to the linear parameters by way of the load that a law goes by.
 
 The load :math:`L = W_j\pi` of a law :math:`f(L)` follows from the parameters :math:`\pi` that are fitted beside
 it. With the load as a given number a fit goes from one load to the next; for a law as large as the load itself,
@@ -7,18 +7,23 @@ ended at 2.9 times the noise. The missing part of the derivative is
 
 .. math:: \frac{\partial f}{\partial L} W_j + \frac{\partial f}{\partial L_0} W_{0j},
 
-with the columns :math:`W_j` of the rigid torque and :math:`W_{0j}` of the same without acceleration.
+with the columns :math:`W_j` of the rigid torque and :math:`W_{0j}` of the same without acceleration. A drive
+that distorts a torque goes by all that it is made of, a base that gives way by what it carries: for both the
+same holds.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.distortion import distortion_slope
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along
 from jaxswarm.identify.forward.columns import Load, Rigid, is_kept, term_columns
-from jaxswarm.identify.forward.measuring_chain import placed, report
+from jaxswarm.identify.forward.compliance import compliance_slopes
+from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.identify.forward.measuring_chain import distorted, placed, report, reported_load
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
@@ -30,9 +35,13 @@ _STEP, _BLOCK = 1e-6, 16_384
 def loaded(term: Term) -> bool:
     """Whether a term follows the load sample by sample, and whether its linear values are known yet."""
     law = term.law
-    if not isinstance(law, TorqueLaw) or not law.uses_load or law.rate is not None:
-        return False
-    return all(p.name in term.values for p in law.linear)
+    if isinstance(law, TorqueLaw):
+        follows = law.uses_load and law.rate is None
+    elif isinstance(law, BodyChange):
+        follows = law.compliance is not None
+    else:
+        follows = distorted((term,))
+    return follows and all(p.name in term.values for p in law.linear)
 
 
 def load_slopes(
@@ -44,7 +53,7 @@ def load_slopes(
     rigid: Rigid | None = None,
     log: int | None = None,
 ) -> np.ndarray:
-    """Derivative of the torque by the rigid parameters that runs through loads, decimated, (T', n, 10 n).
+    """Derivative of the torque by the linear parameters that runs through loads, decimated, (T', n, p).
 
     Args:
         robot: Kinematics and nominal gravity.
@@ -56,8 +65,10 @@ def load_slopes(
         log: Number of the log; None: all terms act in it.
     """
     body = body_along(robot, terms, motion, pi, rigid)
-    load, acting = body.load(), [t for t in terms if loaded(t) and t.acts_in(log)]
-    by = [(t.index, *_by_load(t, body.motion, width, load)) for t in acting]
+    acting = [t for t in terms if loaded(t) and t.acts_in(log)]
+    load = reported_load(terms, body, width, motion.joints)
+    by = [(t, *_by_load(t, body.motion, width, load)) for t in acting if t.joint is not None]
+    by = [_of_what_it_bends(one, by) for one in by]
     low, joints = motion.decimator, motion.q.shape[1]
 
     def seen(own: np.ndarray, joint: int) -> np.ndarray:
@@ -66,23 +77,53 @@ def load_slopes(
             return low.apply(report(terms, motion, placed(own, joint, joints)))
         return placed(low.apply(own), joint, joints)
 
-    total, row = np.zeros((len(low.kept(len(motion.t))), joints, len(pi))), 0
+    ends = len(pi) + np.cumsum([0, *(len(t.columns(robot.joints)) for t in terms)])
+    total, row = np.zeros((len(low.kept(len(motion.t))), joints, ends[-1])), 0
     for part in low.blocks(len(motion.t), _BLOCK) if by else ():
         full, still = _columns(body, part)
         parts = [
-            seen(by_full[part, None] * full[:, j] + by_still[part, None] * still[:, j], j)
-            for j, by_full, by_still in by
+            seen(
+                by_full[part, None] * full[:, t.index] + by_still[part, None] * still[:, t.index],
+                t.index,
+            )
+            for t, by_full, by_still in by
         ]
         made = np.sum(parts, axis=0)
-        total[row : row + len(made)] = made
+        total[row : row + len(made), :, : len(pi)] = made
         row += len(made)
+    for t in (t for t in acting if t.joint is None):
+        swayed = compliance_slopes(t, body.arm, body.moved, pi, motion)
+        total[:, :, : len(pi)] += low.apply(report(terms, motion, swayed))
+    for t, slope in ((t, _bent(t, load)) for t in acting if distorted((t,))):
+        for u, start, end in zip(terms, ends[:-1], ends[1:], strict=True):
+            if isinstance(u.law, TorqueLaw) and u.joint == t.joint and u.acts_in(log):
+                own = slope[:, None] * term_columns(u, body.motion, width, load)
+                total[:, :, start:end] += seen(own, t.index)
     return total
+
+
+def _of_what_it_bends(one: tuple, every: Sequence[tuple]) -> tuple:
+    """A term with its slopes, those of a distortion by all that the loads of its joint do to the torque."""
+    term, slope, still = one
+    if not distorted((term,)):
+        return one
+    beside = [o for o in every if o[0].joint == term.joint and not distorted((o[0],))]
+    return term, slope * (1.0 + sum(o[1] for o in beside)), slope * sum(o[2] for o in beside)
+
+
+def _bent(term: Term, load: Load) -> np.ndarray:
+    """Slope of what a drive writes down beside the torque of its joint by that torque, (T,)."""
+    assert load.whole is not None  # it is known where a term distorts it
+    whole = load.whole[:, term.index]
+    return distortion_slope(term.law_of(MeasurementLaw), term.values, filled(whole))[: len(whole)]
 
 
 def _by_load(
     term: Term, motion: Motion, width: Sequence[float], load: Load
 ) -> tuple[np.ndarray, np.ndarray]:
     """Slope of a law's torque by the load and by the static load, (T,) each."""
+    if isinstance(term.law, MeasurementLaw):
+        return _bent(term, load), np.zeros(len(load.full))
     values = np.array([term.values[p.name] for p in term.law.linear])
 
     def slope(name: str) -> np.ndarray:

@@ -19,8 +19,6 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
-from jaxswarm.effects.measurement import shifted
-from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
@@ -63,13 +61,7 @@ def assemble(
     """
     low = motion.decimator.apply if decimate else np.asarray
     body = body_along(robot, terms, motion, pi, rigid)
-    load = body.load() if uses_load(terms) else None
-    if distorted(terms):
-        values = [
-            np.array([t.values.get(n, 0.0) for n in t.linear_names(motion.joints)]) for t in terms
-        ]
-        assert load is not None  # whatever distorts a torque asks for the load
-        load = load._replace(whole=true_torque(terms, values, body, width, load))
+    load = reported_load(terms, body, width, motion.joints) if uses_load(terms) else None
     if decimate and not of_kind(terms, MeasurementLaw):
         parts = [body.low]
     else:
@@ -79,6 +71,17 @@ def assemble(
             block = _block(terms, term, body, width, load, low)
             parts.append(block if term.acts_in(log) else np.zeros_like(block))
     return np.concatenate(parts, axis=2)
+
+
+def reported_load(
+    terms: tuple[Term, ...], body: Body, width: Sequence[float], joints: tuple[str, ...]
+) -> Load:
+    """The load along a log, with the torque that drives report where a term distorts it."""
+    load = body.load()
+    if distorted(terms):
+        values = [np.array([t.values.get(n, 0.0) for n in t.linear_names(joints)]) for t in terms]
+        load = load._replace(whole=true_torque(terms, values, body, width, load))
+    return load
 
 
 def distorted(terms: tuple[Term, ...]) -> bool:
@@ -225,14 +228,6 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
 def lateness(terms: tuple[Term, ...]) -> float:
     """Time [s] by which the terms say the clock of the torque lags."""
     return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
-
-
-def late(series: Sample[np.ndarray], seconds: float, motion: Motion) -> Sample[np.ndarray]:
-    """What a law sees, so much later: its torque is then what a late clock reports of it."""
-    if not seconds:
-        return series
-    later = (np.asarray(shifted(x, seconds, 1.0 / motion.rate)) for x in filled(series))
-    return Sample(*(x[: len(motion.t)] for x in later))
 
 
 def term_block(

@@ -106,8 +106,9 @@ def build_regression(
         low = motion.decimator
         bent = _slopes(robot, terms, motion, width, pi, rigid, k)
         if bent is not None:
-            columns[-1][:, :, : len(pi)] += bent
-            shift.append(bent @ pi)
+            columns[-1] += bent
+            known = [t.values.get(n, 0.0) for t in terms for n in t.linear_names(motion.joints)]
+            shift.append(bent @ np.concatenate([pi, known]))
         _check_finite(columns[-1], terms, motion)
         kept = low.kept(len(motion.t))
         torque.append(motion.low_torque)
@@ -151,7 +152,7 @@ def _slopes(
     rigid: Rigid | None,
     log: int,
 ) -> np.ndarray | None:
-    """What the torque of a log owes to the rigid parameters by way of lags and loads, (T', n, 10 n).
+    """What the torque of a log owes to the linear parameters by way of lags and loads, (T', n, p).
 
     None where no term of the model goes by either.
     """
@@ -160,7 +161,9 @@ def _slopes(
         true = true_motion(terms, motion)
         known = rigid if true is motion else None
         slopes = lag_slopes(tilted(robot, terms), terms, true, pi, known)
-        parts.append(motion.decimator.apply(report(terms, motion, slopes)))
+        rigid_part = motion.decimator.apply(report(terms, motion, slopes))
+        others = sum(len(t.columns(robot.joints)) for t in terms)
+        parts.append(np.pad(rigid_part, ((0, 0), (0, 0), (0, others))))
     if any(loaded(t) for t in terms):
         parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
     return sum(parts[1:], parts[0]) if parts else None
