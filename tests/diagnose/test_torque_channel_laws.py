@@ -39,6 +39,26 @@ def test_what_is_done_to_a_torque_is_named_with_its_values(truth):
     assert (after.fit.sigma < 0.85 * found.fit.sigma).any()
 
 
+@pytest.mark.parametrize(
+    ("truth", "share"),
+    [
+        (Term("torque_dead_band", 1, values={"d": 3.0}), 0.7),
+        (Term("torque_constant_saturation", 1, values={"c": 0.02}), 0.98),
+        (Term("torque_constant_saturation", 2, values={"c": 0.06}), 0.92),
+    ],
+    ids=["dead", "bent", "bent to half"],
+)
+def test_what_is_large_is_asked_and_fitted_with_the_torque_that_it_leaves(truth, share):
+    """With the torque of the model without them they took 0.47, 0.976 and 0.90; the last was not confirmed."""
+    found = fitted(elbow_log(truth))
+    (own,) = [s for s in ask(found, truth.effect) if s.candidate.term.place == truth.place]
+    ((name, value),) = truth.values.items()
+    assert own.share > share
+    assert own.coefficients[0] == pytest.approx(value, rel=0.05)
+    after = refit_with(found, own)
+    assert find_term(after, own.candidate.term).values[name] == pytest.approx(value, rel=0.05)
+
+
 def test_a_clean_torque_is_left_as_it_is():
     assert not passing(ask(fitted(elbow_log()), *LAWS))
 

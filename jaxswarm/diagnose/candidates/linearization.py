@@ -1,5 +1,6 @@
 """Where the model stands when the candidates are proposed."""
 
+from copy import copy
 from functools import cached_property
 
 import jax
@@ -12,11 +13,11 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.body import body_along, tilted
+from jaxswarm.identify.forward.body import Body, body_along, tilted
 from jaxswarm.identify.forward.columns import columns_along, joint_series, partner_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
-from jaxswarm.identify.forward.model import linear_values
+from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 from jaxswarm.identify.forward.torque_along import torque_along
 from jaxswarm.robot.logged import rigid_columns
@@ -38,19 +39,34 @@ class Linearization:
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = tilted(model.robot, model.terms)
-        self.loads, self.outputs, self.moved, self.true = [], [], [], []
         self.own_slopes: dict[tuple[int, int], np.ndarray] = {}
         self.slopes: dict[tuple[int, int], list[np.ndarray]] = {}
+        bodies = self._see(model)
+        self.moved = [body.moved for body in bodies]
+        self.true = [body.motion for body in bodies]
+
+    def _see(self, model: Model) -> list[Body]:
+        """Take the loads and the torque of a model on every log; its bodies there."""
+        pi = np.asarray(model.robot.parameters).ravel()
         self.series: dict[tuple, Sample] = {}
-        for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
+        self.loads, self.outputs, bodies = [], [], []
+        for k, (motion, rigid) in enumerate(
+            zip(self.found.motions, self.found.rigids, strict=True)
+        ):
             own = model.during(k)
-            body = body_along(model.robot, model.terms, motion, self.pi, rigid)
+            body = body_along(model.robot, model.terms, motion, pi, rigid)
+            bodies.append(body)
             self.loads.append(body.load())
             self.outputs.append(
                 torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
             )
-            self.moved.append(body.moved)
-            self.true.append(body.motion)
+        return bodies
+
+    def changed_by(self, change: np.ndarray) -> "Linearization":
+        """The same with the loads and the torque of a model with its linear parameters changed, by (p,)."""
+        model, other = self.found.model, copy(self)
+        other._see(with_linear_values(model, linear_values(model) + change))
+        return other
 
     def carried(self, k: int) -> np.ndarray:
         """Rigid columns (T, n, 10) of the last link along a log, in the model's gravity and motion."""

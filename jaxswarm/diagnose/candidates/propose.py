@@ -18,6 +18,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.contact import external_candidate
 from jaxswarm.diagnose.candidates.hardening import extended_candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.own_load import with_own_load
 from jaxswarm.diagnose.candidates.refine import refined
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.candidates.tone import tonal_candidate
@@ -60,8 +61,30 @@ def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> 
         placed = replace(term, values=best[0][0])
         columns = tuple(own for _, own in best)
         done[term] = Candidate(placed, columns, len(term.law.parameters))
-    made = (done[t] for t in terms)
-    return [one for one in made if one is not None]
+    made = (one for one in (done[t] for t in terms) if one is not None)
+    return [_loaded(lin, one) if _goes_by_load(one.term) else one for one in made]
+
+
+def _goes_by_load(term: Term) -> bool:
+    return term.law.uses_load and isinstance(term.law, TorqueLaw | MeasurementLaw)
+
+
+def _loaded(lin: Linearization, one: Candidate) -> Candidate:
+    """A law that goes by the load of its joint, on every fold with the load that it has beside it."""
+    term, least = one.term, lin.memory.least
+
+    def made(k: int, at: Linearization) -> np.ndarray:
+        if not term.law.searched:
+            found = propose(term.law, at, term)
+            assert found is not None  # a law of the load has columns on any
+            return found.columns[k]
+        return refined(at, term, lin.crossfit.folds[k], term.values, least)[1]
+
+    pairs = enumerate(zip(lin.crossfit.folds, one.columns, strict=True))
+    columns = (
+        with_own_load(lin, fold, term.index, own, partial(made, k)) for k, (fold, own) in pairs
+    )
+    return replace(one, columns=tuple(columns))
 
 
 def _goes_apart(lin: Linearization, term: Term) -> bool:

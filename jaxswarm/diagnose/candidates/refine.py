@@ -42,7 +42,7 @@ def refined(
     moving = [p for p in term.law.nonlinear if p.fitted]
     columns = lin.law(replace(term, values=values))
     total = float((fold.residual[fold.train, term.index] ** 2).sum())
-    left, _ = _left(fold, columns, term.index)
+    left, _ = left_by(fold, columns, term.index)
     if not moving or left > (1.0 - least) * total:
         return values, columns
     found = [_descend(lin, term, fold, start, moving) for start in _starts(values, moving)]
@@ -64,7 +64,7 @@ def _descend(
 ) -> tuple[float, dict[str, float], np.ndarray]:
     """What is left of the joint's training rows in the valley of the values, the values there, the columns."""
     columns = lin.law(replace(term, values=values))
-    left, linear = _left(fold, columns, term.index)
+    left, linear = left_by(fold, columns, term.index)
     for _ in range(_STEPS):
         here = np.array([p.encode(values[p.name]) for p in moving])
         slopes = []
@@ -74,11 +74,11 @@ def _descend(
             moved = lin.law(replace(term, values={**values, **_at(moving, aside)}))
             slopes.append((moved - columns) @ linear / (aside[k] - here[k]))
         wide = np.concatenate([columns, np.stack(slopes, axis=2)], axis=2)
-        step = np.clip(_left(fold, wide, term.index)[1][columns.shape[2] :], -_LONGEST, _LONGEST)
+        step = np.clip(left_by(fold, wide, term.index)[1][columns.shape[2] :], -_LONGEST, _LONGEST)
         for part in (1.0, 0.5, 0.25):
             there = {**values, **_at(moving, np.clip(here + part * step, 0.0, 1.0))}
             other = lin.law(replace(term, values=there))
-            found, coefficients = _left(fold, other, term.index)
+            found, coefficients = left_by(fold, other, term.index)
             if found < left and (coefficients[0] > 0.0 or not term.law.positive):
                 break
         else:
@@ -94,7 +94,7 @@ def _at(moving, position: np.ndarray) -> dict[str, float]:
     return {p.name: float(p.decode(x)) for p, x in zip(moving, position, strict=True)}
 
 
-def _left(fold: Fold, columns: np.ndarray, joint: int) -> tuple[float, np.ndarray]:
+def left_by(fold: Fold, columns: np.ndarray, joint: int) -> tuple[float, np.ndarray]:
     """What the joint's training rows are left with, and the coefficients (k,) of the columns."""
     free = fold.free_rows(columns[:, joint], joint)[fold.train]
     target = fold.residual[fold.train, joint]

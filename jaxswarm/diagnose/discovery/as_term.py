@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.candidates.own_load import with_own_load
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.sums import Sum, free_columns, linear, polished
 from jaxswarm.effects.dimensions import TORQUE, over, parse_unit, unit_of, unit_text
@@ -59,11 +61,17 @@ def validity(problem: Joint, formula: Sum) -> tuple[tuple[str, float, float], ..
 
 def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
     """A formula as a candidate of the selection: on every half with the constants found there."""
-    crossfit = problem.lin.crossfit
-    term = as_term(problem, formula)
-    columns = [problem.lin.law(term)]
-    for half in crossfit.halves:
-        own = polished(problem, formula, half)
-        columns.append(problem.lin.law(replace(term, values={**term.values, **own.values})))
-    size = len(term.found_formula.parameters)
-    return Candidate(term, tuple(np.nan_to_num(c) for c in columns), size), term
+    lin, term = problem.lin, as_term(problem, formula)
+    columns = []
+    for fold in lin.crossfit.folds:
+        own = formula if fold is lin.crossfit.whole else polished(problem, formula, fold)
+        placed = replace(term, values={**term.values, **own.values})
+
+        def made(at: Linearization, placed: Term = placed) -> np.ndarray:
+            return np.nan_to_num(at.law(placed))
+
+        said = made(lin)
+        if term.law.uses_load:
+            said = with_own_load(lin, fold, problem.joint, said, made)
+        columns.append(said)
+    return Candidate(term, tuple(columns), len(term.found_formula.parameters)), term

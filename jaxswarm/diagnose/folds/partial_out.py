@@ -66,7 +66,8 @@ class Fold:
 
     def trained_on(self, rows: np.ndarray) -> "Fold":
         """The same model fitted to other rows, (T,), at the same weights."""
-        return _fold(self.project, self.residual, rows, self.project.shape[2])
+        own = _fold(self.project, self.residual, rows, self.project.shape[2])
+        return replace(own, solve=self.solve @ own.solve)
 
     def with_columns(self, columns: np.ndarray, known: bool = False) -> "Fold":
         """The same rows fitted by a model that has further weighted columns (T, n, k).

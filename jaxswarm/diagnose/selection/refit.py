@@ -185,10 +185,14 @@ def fit_from(
 
 
 def _with_start(chosen: Score) -> Term:
-    """The term with a first-order start of what its linearization found, away from the bounds."""
+    """The term with a first-order start of what its linearization found, away from the bounds.
+
+    Of a law that goes by the load the linear values too: the load that goes with them is known from the first
+    step on. Without them a drive that bent a torque to half its size was fitted at 3.7 times the noise.
+    """
     term = chosen.candidate.term
     law, values = term.law, dict(term.values)
-    moving = {p.name: p for p in law.free(values)}
+    moving = {p.name: p for p in (*law.free(values), *(law.linear if law.uses_load else ()))}
     for name, change in zip(law.candidate_names(()), chosen.coefficients, strict=False):
         if name in moving:
             p, neutral = moving[name], law.neutral()[name]
