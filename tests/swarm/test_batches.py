@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.swarm import Space, around, batches, cma_es, minimize_runs, pso
-from jaxswarm.swarm.optimizers.counting import FEW, ascending, order, place
+from jaxswarm.swarm.optimizers.counting import FEW, TIED, ascending, order, place
 
 SPACE = Space.vector([-5.0] * 3, [5.0] * 3)
 KEYS = jax.random.split(jax.random.key(4), 12)
@@ -71,3 +71,21 @@ def test_counting_orders_as_a_sort(n):
         np.testing.assert_array_equal(both[0][at], np.arange(n))
         np.testing.assert_array_equal(both[1][np.argsort(first, kind="stable")], np.arange(n))
     np.testing.assert_array_equal(place(jnp.zeros(n).at[0].set(-0.0)), np.arange(n))
+
+
+@pytest.mark.parametrize("ties", [2, TIED // 3, TIED])
+def test_a_few_rows_that_share_a_place_are_put_apart_among_themselves(ties):
+    """In float32 two of a thousand values are often equal, and each time all were sorted by all keys."""
+    draw = np.random.default_rng(ties)
+    first, second = draw.permutation(1000.0 + np.arange(1000)), draw.integers(0, 2, 1000) + 0.0
+    rows = draw.choice(1000, 3 * ties, replace=False)
+    first[rows] = first[
+        rows[np.arange(3 * ties) // 3]
+    ]  # threes of equal numbers, up to 3 TIED rows
+    first, second = jnp.asarray(first, jnp.float32), jnp.asarray(second, jnp.float32)
+    wanted = np.argsort(np.lexsort((second, first)))
+    np.testing.assert_array_equal(place(first, second), wanted)
+    both = jax.vmap(place)(jnp.stack([first, second]), jnp.stack([second, first]))
+    np.testing.assert_array_equal(both[0], wanted)
+    np.testing.assert_array_equal(both[1], np.argsort(np.lexsort((first, second))))
+    np.testing.assert_array_equal(place(first), np.argsort(np.argsort(first, kind="stable")))
