@@ -12,7 +12,7 @@ from jaxswarm.diagnose.candidates.backlash import _curves, _Point
 from jaxswarm.diagnose.candidates.journal import fingerprint
 from jaxswarm.diagnose.candidates.lattice import BATCH, lattice_of
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.search import _survey, _Task, searching
+from jaxswarm.diagnose.candidates.search import _late, _survey, _Task, searching
 from jaxswarm.diagnose.candidates.whole_model import body_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -22,7 +22,7 @@ from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.columns import joint_series, term_columns
-from jaxswarm.identify.forward.measuring_chain import assemble, late
+from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.logs.motion import Filtering, prepare
 
@@ -102,7 +102,7 @@ def test_a_search_sees_a_late_torque_as_late(lin):
     told = (lin.law(term) / lin.crossfit.weight[:, :, None])[:, 1, 0]
 
     def apart(delay):
-        series = late(joint_series(motion, width, lin.loads[0], 1), delay, motion)
+        series = _late(joint_series(motion, width, lin.loads[0], 1), delay, motion)
         nonlinear = {p.name: term.values[p.name] for p in term.law.nonlinear}
         own = motion.decimator.apply(np.asarray(law_columns(term.law, nonlinear, series)))[:, 0]
         scale = own @ told / (own @ own)
