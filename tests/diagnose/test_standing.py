@@ -11,6 +11,7 @@ from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation.standing import held_note, held_shares, leave_out, standing
+from jaxswarm.identify.report.console import rest_lines
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
 
@@ -94,3 +95,13 @@ def test_rest_of_another_log_decides_nothing():
     assert len(before) == len(moving) and not moving.all()
     assert np.sqrt((before**2).mean()) < 0.5
     assert np.sqrt((after**2).mean()) < 0.5
+
+
+def test_an_error_that_is_that_of_rest_is_told_so():
+    """As on a measured arm: 1.47 N m, of which motion has 0.15."""
+    of = {"rms": [2.3, 1.47], "rms_moving": [1.7, 0.15], "rms_standing": [None, 1.9]}
+    (line,) = rest_lines({"test.npz": of}, ("joint1", "joint6"), ("N m", "N m"))
+    assert line.startswith("test.npz: ") and "joint6 (1.9 N m at rest, 0.15 in motion)" in line
+    assert "joint1" not in line
+    alike = {"rms": [0.15], "rms_moving": [0.15], "rms_standing": [0.16]}
+    assert rest_lines({"test.npz": alike}, ("joint6",), ("N m",)) == []

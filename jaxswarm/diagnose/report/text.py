@@ -8,7 +8,7 @@ from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
 from jaxswarm.diagnose.report.remains import left_of, look_at
 from jaxswarm.effects import REGISTRY
-from jaxswarm.identify.report.console import clock_lines, event_lines, unscored_lines
+from jaxswarm.identify.report.console import clock_lines, event_lines, rest_lines, unscored_lines
 
 # A joint below so many times its noise is told to be left alone.
 _DONE = 2.0
@@ -241,4 +241,5 @@ def log_notes(result: dict) -> list[str]:
     if not told:
         told = {note: None for log in result.get("logs", ()) for note in log["notes"]}
     scored = {entry["on"]: entry["after"] for entry in result["error"].get("validation") or []}
-    return [*told, *unscored_lines(scored), *event_lines(scored), *clock_lines(result)]
+    rest = rest_lines(scored, result["joints"], result["torque_units"]) if scored else []
+    return [*told, *unscored_lines(scored), *event_lines(scored), *rest, *clock_lines(result)]

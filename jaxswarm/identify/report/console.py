@@ -1,6 +1,6 @@
 """The result of ``identify`` as tables on a terminal."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -12,6 +12,8 @@ from jaxswarm.identify.report.summary import SOUND
 
 # Parameters named in a sentence; the others are in the table.
 _MOST_NAMED = 6
+# An error this many times that in motion is mostly that of rest: by half of its square.
+_REST_COUNTS = 2.0**0.5
 
 
 def print_identification(report: dict, out: Path) -> None:
@@ -60,6 +62,7 @@ def remarks(report: dict) -> list[str]:
         *clock_lines(report),
         *unscored_lines(error_rows(report)),
         *([held_note(report["held_at_rest"])] if report.get("held_at_rest") else []),
+        *rest_lines(error_rows(report), report["joints"], report["torque_units"]),
         *consistency_lines(report),
         *estimator_lines(report),
     ]
@@ -83,6 +86,28 @@ def event_lines(errors: Mapping[str, dict]) -> list[str]:
         "what happened then, such as a push."
         for name, span in spans.items()
     ]
+
+
+def rest_lines(
+    errors: Mapping[str, dict], joints: Sequence[str], units: Sequence[str]
+) -> list[str]:
+    """Joints whose error on a log is that of rest, by the logs' names: what they leave there, and in motion."""
+    told = []
+    for name, e in errors.items():
+        apart = (e.get(key) or [None] * len(joints) for key in ("rms_moving", "rms_standing"))
+        rows = zip(joints, units, e["rms"], *apart, strict=True)
+        known = [(*row, rest) for *row, rest in rows if row[-1] and rest]
+        parts = [
+            f"{joint} ({rest:.3g} {unit} at rest, {moving:.3g} in motion)"
+            for joint, unit, rms, moving, rest in known
+            if rms > _REST_COUNTS * moving and rest > rms
+        ]
+        if parts:
+            told.append(
+                f"{name}: most of the error of {', '.join(parts)} is that of rest, where dry friction can hold "
+                "a joint at any torque."
+            )
+    return told
 
 
 def clock_lines(report: dict) -> list[str]:
