@@ -1,9 +1,11 @@
 """Of formulas that fit alike the one is told that describes the log shortest once all is refitted."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from planted import declared_fit, log_with
 
 from jaxswarm.diagnose.discovery import joint_search, refitted
 from jaxswarm.diagnose.discovery.front import Point
@@ -83,3 +85,18 @@ def test_it_has_to_prove_itself_as_the_first_did(monkeypatch, proved):
     given = (None, None, None, sine, [sine, hinge], 10, ())
     told = joint_search._refitted(*given, first)
     assert told == ((hinge, second) if proved else (sine, first))
+
+
+def test_a_law_is_searched_again_with_the_load_of_the_model_that_it_led_to():
+    found, crossfit = declared_fit(log_with())
+    pi = 1.3 * np.asarray(found.model.robot.parameters)
+    heavier = replace(found.model, robot=found.model.robot.replace(parameters=pi))
+    now = SimpleNamespace(final=found, crossfit=crossfit)
+    own, other = (
+        joint_search.problem_of(now, 1, None, [], seen)
+        for seen in (None, replace(found, model=heavier))
+    )
+    for load in ("load", "static_load"):
+        np.testing.assert_allclose(other.data[load], 1.3 * own.data[load], rtol=1e-6)
+    np.testing.assert_allclose(other.lin.loads[0].full, 1.3 * own.lin.loads[0].full, rtol=1e-6)
+    np.testing.assert_array_equal(other.data["dq"], own.data["dq"])

@@ -26,12 +26,12 @@ from jaxswarm.diagnose.discovery.seen_again import (
     alike_in_form,
     bare_of,
     shapes_of,
-    with_loads_of,
 )
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
 # Formulas of one joint that are put to the proof.
@@ -90,7 +90,7 @@ def _search(
     final, j = diagnosis.final, left.joint
     ranked: list[tuple[Joint, Point]] = []
     for partner, wanted in variables:
-        problem = _problem(diagnosis, j, partner, wanted)
+        problem = problem_of(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
         points, count = candidates(problem, pieces, label, seed)
         tried += count
@@ -124,13 +124,26 @@ def _search(
     return NoFormula(j, tried, ranked[0][1] if ranked else None, why)
 
 
-def _problem(diagnosis: Diagnosis, joint: int, partner: int | None, wanted: list[str]) -> Joint:
-    """A joint with a partner, whose rows are left out if it lacks something as well."""
+def problem_of(
+    diagnosis: Diagnosis,
+    joint: int,
+    partner: int | None,
+    wanted: list[str],
+    seen: Estimate | None = None,
+) -> Joint:
+    """A joint with a partner, whose rows are left out if it lacks something as well.
+
+    ``seen``: the model whose loads all laws on the joint go by; None: the present one.
+    """
     final, both = diagnosis.final, diagnosis.crossfit
-    if partner is None or remainders(final)[partner].near:
-        return joint_problem(Linearization(final, both), joint, partner, wanted)
-    lin = Linearization(final, without_joint(both, partner))
-    return replace(joint_problem(lin, joint, partner, wanted), both=both)
+    rows = both
+    if partner is not None and not remainders(final)[partner].near:
+        rows = without_joint(both, partner)
+    lin = Linearization(final, rows)
+    if seen is not None:
+        lin.loads = Linearization(seen, lin.crossfit).loads
+    problem = joint_problem(lin, joint, partner, wanted)
+    return problem if rows is both else replace(problem, both=both)
 
 
 def _seen_again(
@@ -151,8 +164,7 @@ def _seen_again(
     term, _, after = outcome
     bare = bare_of(diagnosis, after, find_term(after, term))
     wanted = [name for name in ("t", "temperature") if name in problem.data]
-    own = _problem(bare, left.joint, problem.other, wanted)
-    with_loads_of(own, after)
+    own = problem_of(bare, left.joint, problem.other, wanted, after)
     label = regions(bare.final)
     assert label is not None  # it was when the formula was found
     # Of a law that leaves more than noise, what was next to it may come nearer in the model that it led to.

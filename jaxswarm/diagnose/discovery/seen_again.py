@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.discovery.front import Point, point, ranked, region_folds, strict
 from jaxswarm.diagnose.discovery.grammar import programs, skeleton
 from jaxswarm.diagnose.discovery.nearby import nearby
@@ -33,11 +32,6 @@ def bare_of(diagnosis: Diagnosis, after: Estimate, term: Term) -> Diagnosis:
     terms, width = without(term, after.model.terms), after.model.width
     rest = fit_from(after, start, terms, width, refine_width=False)
     return replace(diagnosis, final=rest, crossfit=cross_fit(rest))
-
-
-def with_loads_of(problem: Joint, after: Estimate) -> None:
-    """Let all laws on a joint see the loads of a model that holds the law."""
-    problem.lin.loads = Linearization(after, problem.lin.crossfit).loads
 
 
 def shapes_of(
