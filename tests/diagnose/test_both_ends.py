@@ -10,9 +10,9 @@ from test_other_end import ENDS
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import accepted
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import both_ends

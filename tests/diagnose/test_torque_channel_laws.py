@@ -6,6 +6,8 @@ import pytest
 from elbow import ask, elbow_log, fitted, passing
 from scipy import signal
 
+from jaxswarm.diagnose.decision.competing import accepted
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
@@ -85,3 +87,14 @@ def test_a_filter_takes_the_place_of_the_delay_it_was_taken_for():
     (lag,) = [t for t in both.model.terms if t.joint is None]
     assert lag.effect == "torque_lag"
     assert lag.values["tc"] == pytest.approx(0.02, rel=0.05)
+
+
+def test_what_extends_an_addition_is_asked_with_its_like_alone():
+    """That a delay is missing was proven; that it is a filter needs no proof against all other laws again."""
+    found = fitted(elbow_log(Term("torque_lag", values={"tc": 0.02, "seconds": 0.0})))
+    delayed = refit_with(found, passing(ask(found, "time_delay"))[0])
+    scores = ask(delayed, "torque_lag", "joint_spring")
+    hardly = [replace(s, p_value=0.5 * Rules().significance) for s in scores]
+    (lag,) = accepted(hardly, Rules(), [Term("time_delay")])
+    assert lag.candidate.term.effect == "torque_lag"
+    assert not accepted(hardly, Rules())

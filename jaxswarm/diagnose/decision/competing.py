@@ -4,12 +4,35 @@ References: Q. H. Vuong, Econometrica 57 (1989) for the comparison of rivals; D.
 Econometrics J. 5 (2002) for doing it under autocorrelation.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import AS_GOOD, OVERLAP, SPECIAL_CASE, Rules
-from jaxswarm.diagnose.decision.score import Score, coefficients, score
+from jaxswarm.diagnose.decision.score import Score, coefficients, passes, score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.effects.term import Term
+
+
+def accepted(scores: Sequence[Score], rules: Rules, added: Sequence[Term] = ()) -> list[Score]:
+    """Those that pass; what happens once only if nothing that lasts passes and explains more.
+
+    A law that extends one that was ``added`` is asked with its like alone. That something is missing is proven;
+    whether it is more than was added is another question, with as many chances as there are such laws. A filter
+    of 17 ms told as a delay took 0.36 more off a joint at p = 0.003, and 24 standard errors once fitted.
+    """
+    places = {t.place for t in added}
+
+    def further(s: Score) -> bool:
+        term = s.candidate.term
+        return any((name, term.joint, term.other) in places for name in term.law.extends)
+
+    count = sum(map(further, scores))
+    passed = [s for s in scores if passes(s, count if further(s) else len(scores), rules)]
+    lasting = [s.gain for s in passed if not s.candidate.term.law.recurring]
+    most = max(lasting, default=0.0)
+    return [s for s in passed if not s.candidate.term.law.recurring or s.gain >= most]
 
 
 def difference(one: Score, other: Score) -> float:

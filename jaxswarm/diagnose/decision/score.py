@@ -236,11 +236,3 @@ def passes(item: Score, asked: int, rules: Rules) -> bool:
         and item.over_noise >= rules.over_noise
         and item.over_torque >= rules.over_torque
     )
-
-
-def accepted(scores: Sequence[Score], rules: Rules) -> list[Score]:
-    """Those that pass; what happens once only if nothing that lasts passes and explains more."""
-    passed = [s for s in scores if passes(s, len(scores), rules)]
-    lasting = [s.gain for s in passed if not s.candidate.term.law.recurring]
-    most = max(lasting, default=0.0)
-    return [s for s in passed if not s.candidate.term.law.recurring or s.gain >= most]

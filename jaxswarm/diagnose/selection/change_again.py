@@ -11,9 +11,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.competing import accepted, choose
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import accepted
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.change_apply import (
     Picked,

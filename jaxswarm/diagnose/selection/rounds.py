@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Score, accepted
+from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Spent
 from jaxswarm.diagnose.selection.state import Search
@@ -68,7 +69,8 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
         signed = partial(question.signed, search)
         search.scores = score_terms(lin, eligible, search.seed, signed)
         search.asked = search.asked or len(search.scores)
-        passed = accepted(search.scores, search.rules)
+        added = [step.added for step in search.steps if not step.removed]
+        passed = accepted(search.scores, search.rules, added)
         if number > most:
             search.ended = bool(passed)
             return
