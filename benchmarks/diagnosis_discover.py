@@ -26,8 +26,10 @@ on one a sine was told by the load of a model that lacked the law. Pairs are sea
 forms that fit alike are refitted: of the 24 laws among the cases 430 to 458, from which nothing was learned,
 the right class on 21 and the unseen error within 1.5 times on 20 (the rival on none; the 10 up to 441 without
 the refits). Left are sums of a large law by the load (435, 442): a model that lacks it has another load, in
-which the true sum looks worse than others, though with it all refitted the model is at its noise. A search
-took 8 s of one core in the median, 67 at most.
+which the true sum looks worse than others, though with it all refitted the model is at its noise. Searched
+again with the load of the model that the best formulas lead to, up to four times, they end no nearer to the
+right class. A search took 8 s of one core in the median, 67 at most. On the 30 clean logs among the cases 509
+to 654 nothing was added.
 """
 
 import json

@@ -6,12 +6,18 @@ data did not tell apart, and nothing else. A log on which no size within bounds 
 Measured at four times so far, of 18 effects: position_dependent_friction (seed 7000) and friction_change (7100)
 1 of 1 each; 2 of 2 each maxwell_slip, dwell_friction (on motion with rests), lugre_friction,
 gravity_compensator, cable_coupling, periodic_force, gear_coupling_error; 1 of 1 encoder_eccentricity;
-base_compliance 1 of 1, with a torque_ripple beside it; dead_zone_spring 4 of 4, and at two times, and 3 of 4 at
-the ratio itself (the other undecided with a cubic_spring); 3 of 4 each cubic_spring (the other told as
-joint_spring, undecided with it, which explains 99.5 % of it), torque_dead_band (as torque_offset, undecided
-with it: the joint's torque never goes below zero, where they are the same) and torque_lag (as time_delay:
-beside one it takes 17 % of what is left, of 20 that are asked); torque_constant_saturation 3 of 3. On the two
-logs each of encoder_offset and link_geometry no size within bounds shows as much.
+dead_zone_spring 4 of 4, and at two times, and 3 of 4 at the ratio itself (the other undecided with a
+cubic_spring); cubic_spring 3 of 4, and 2 of the 4 from 7510 (the others told as joint_spring, undecided with
+it, which explains 99 % of it). On the two logs each of encoder_offset and link_geometry no size within bounds
+shows as much.
+
+Of the eight logs each from 10 on, of which those up to 13 were looked at: torque_dead_band 8 (before laws were
+asked with their own load 3 of the first 4; one of the logs from 0 on is told as torque_offset, undecided with
+it: the joint's torque never goes below zero, where they are the same); torque_constant_saturation all 6 that
+show as much, and 8203, where a false asymmetric_friction was; base_compliance all 6, none with another law
+beside it (before the fit knew what it owes to the arm's parameters all of the first 3 had one or two).
+torque_lag 5 of the 6 from 8410 (before it was asked with its like alone 2 of the first 4): on the other one it
+takes 0.28 times the noise off a joint, of 0.3 that are asked.
 """
 
 import json
