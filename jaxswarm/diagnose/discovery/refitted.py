@@ -58,7 +58,8 @@ def shorter_refitted(
 def _length(fitted: Estimate, point: Point, first: Estimate) -> float:
     """Bits of a formula and of what the model with it leaves, in independent samples of the first model."""
     regression = first.regression
-    used = np.ones_like(regression.moving) if regression.used is None else regression.used
+    shape = first.fit.residual.shape
+    used = np.ones(shape, bool) if regression.used is None else regression.used
     rows = used.any(axis=1)
     samples = rows.sum() / correlation_length(first.fit.residual[rows], regression.log[rows])
     constants = len(point.formula.constants) + len(point.formula.pieces)
