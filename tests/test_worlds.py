@@ -14,6 +14,7 @@ from benchmarks.worlds.along import declared_torque, effect_torques, view
 from benchmarks.worlds.arm import mjcf, pin_model, toml, urdf
 from benchmarks.worlds.bodies import across, askew, carried, loaded
 from benchmarks.worlds.control import Control
+from benchmarks.worlds.edit import edit_oracle, edited_effect, without
 from benchmarks.worlds.families import draw_arm, joint_scales
 from benchmarks.worlds.files import write_world
 from benchmarks.worlds.intervals import true_values
@@ -24,6 +25,7 @@ from benchmarks.worlds.plan import CLEAN, ROUND, plan
 from benchmarks.worlds.reading import said
 from benchmarks.worlds.record import measured_torque
 from benchmarks.worlds.rigid import Absorber, declared_columns, inverse_dynamics, rms
+from benchmarks.worlds.score import _load as read_logs
 from benchmarks.worlds.simulate import simulate
 from benchmarks.worlds.strength import Ground, size_effect, thin
 from benchmarks.worlds.world import make_world
@@ -324,3 +326,20 @@ def test_true_dry_friction_is_all_there_is_on_the_joint():
     world = SimpleNamespace(arm=SimpleNamespace(coulomb=np.array([0.0, 2.5])))
     effect = Effect("coulomb_friction", 1, params={"fc": 0.5})
     assert true_values(effect, world) == {"fc": 3.0}
+
+
+def test_the_oracle_of_the_edit_test_loses_the_effect_and_keeps_the_rest(tmp_path):
+    """What is left without a faint effect is a small part of it: its numbers were fitted beside the arm's."""
+    world = make_world(5)
+    write_world(world, tmp_path)
+    logs = {name: read_logs(tmp_path, name) for name in ("train", "edit_ptp")}
+    joint = edited_effect(world).joint
+    effect = rms(np.load(tmp_path / "test_ptp.npz")["tau_effect"])[joint]
+    assert 0.0 < edit_oracle(world, logs)[joint] < 0.25 * effect
+
+
+def test_deleting_friction_that_differs_by_direction_leaves_what_was_declared():
+    values = {"fc_pos": 3.0, "fc_neg": 2.0, "b_pos": 1.5, "b_neg": 1.0}
+    left = without({"effect": "asymmetric_friction", "values": values})
+    assert left["values"] == {"fc_pos": 2.0, "fc_neg": 2.0, "b_pos": 1.0, "b_neg": 1.0}
+    assert without({"effect": "joint_spring", "values": {"k": 1.0}}) is None

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from benchmarks.worlds.arm import Arm
-from benchmarks.worlds.laws import LAWS, STRUCTURAL, Effect
+from benchmarks.worlds.laws import LAWS, STRUCTURAL, Effect, torque_of
 from benchmarks.worlds.memory import along
 from benchmarks.worlds.record import measured_torque
 from benchmarks.worlds.rigid import inverse_dynamics
@@ -22,6 +22,14 @@ def view(arm: Arm, run: Run, effect: Effect) -> SimpleNamespace:
     if law.memory:
         s.state = along(law, effect.params, run.t, run.dq[:, effect.joint])
     return s
+
+
+def law_torque(arm: Arm, run, effect: Effect) -> np.ndarray:
+    """Torque that the law of an effect states along a motion, (T, n)."""
+    torque = np.zeros_like(run.tau)
+    for joint, (dry, rest) in torque_of(effect, view(arm, run, effect)).items():
+        torque[:, joint] = dry * np.tanh(run.dq[:, joint] / arm.width[joint]) + rest
+    return torque
 
 
 def effect_torques(arm: Arm, run: Run, effects: tuple[Effect, ...]) -> np.ndarray:

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import signal
 
-from benchmarks.worlds.along import effect_torques, view
+from benchmarks.worlds.along import effect_torques, law_torque
 from benchmarks.worlds.arm import GRAVITY, Arm
 from benchmarks.worlds.bodies import askew, carried, loaded
 from benchmarks.worlds.families import joint_scales
-from benchmarks.worlds.laws import EVENTS, LAWS, Effect, scaled, torque_of
+from benchmarks.worlds.laws import EVENTS, LAWS, Effect, scaled
 from benchmarks.worlds.plain import Plain, best_cutoff, prepare
 from benchmarks.worlds.reading import said
 from benchmarks.worlds.record import measured_torque
@@ -177,8 +177,7 @@ def _change(effect: Effect, ground: Ground) -> np.ndarray | None:
     elif effect.kind == "backlash":
         return None
     else:
-        for joint, (dry, rest) in torque_of(effect, view(arm, run, effect)).items():
-            change[:, joint] = dry * np.tanh(run.dq[:, joint] / arm.width[joint]) + rest
+        return law_torque(arm, run, effect)
     return change
 
 

@@ -96,7 +96,7 @@ def summary(rows: list[dict]) -> list[str]:
     few = [r for r in rows if category(r) in _FEW]
     outside = [r for r in good if category(r) == "outside law, visible"]
     hits = [i["hit"] for r in good if outcome(r) == "right" for i in r["intervals"]]
-    edits = [r["edit"]["passed"] for r in good if r.get("edit")]
+    edits = [r["edit"] for r in good if r.get("edit")]
     told = sum(outcome(r) == "right" for r in outside)
     facts = [
         ("crashes", len(rows) - len(good), len(rows)),
@@ -109,11 +109,16 @@ def summary(rows: list[dict]) -> list[str]:
         ("outside law told on its joint, no false name", told, len(outside)),
         ("parameters within their 95 % interval", sum(hits), len(hits)),
         ("verdict agrees with the noise floor", sum(r["consistent"] for r in good), len(good)),
-        ("edit test passed", sum(edits), len(edits)),
+        ("edit test passed", sum(e["passed"] for e in edits), len(edits)),
+        ("the same, all that the term holds deleted, no oracle", _strict(edits), len(edits)),
     ]
     lines = ["| quantity | rate, 95 % interval |", "|---|---|"]
     lines += [f"| {name} | {wilson(hit, total)} |" for name, hit, total in facts]
     return lines + _unseen(good)
+
+
+def _strict(edits: list[dict]) -> int:
+    return sum(e.get("strict", e["passed"]) for e in edits)
 
 
 _FEW = ("1 effects, 1 visible", "2 effects, 2 visible")
