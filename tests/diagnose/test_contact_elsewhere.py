@@ -64,5 +64,6 @@ def test_it_is_told_and_not_scored(fits):
     after = errors.of(fits[1])
     assert after["rms"][0] < 0.03 and len(after["events"]) == 1
     assert UnseenErrors([motion(7)], *fits).of(fits[1])["events"] == []
-    (note,) = log_notes({"findings": (), "logs": (), "error": {"validation": errors.validation}})
+    result = {"joints": ("joint1",), "torque_units": ("N m",), "findings": (), "logs": ()}
+    (note,) = log_notes({**result, "error": {"validation": errors.validation}})
     assert "is not scored" in note and " s " in note

@@ -13,6 +13,7 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
+from jaxswarm.diagnose.selection.instead import leaves_less
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again, reconsider
@@ -216,7 +217,24 @@ def test_a_law_of_more_numbers_is_taken_where_it_leaves_less_once_all_is_fitted(
     scores = score_terms(Linearization(before, crossfit), asked, 0)
     spring, cable = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
     current = refit_with(before, spring)
-    found = reconsider_module._fuller(spring, [cable], before, current, ())
+    found = leaves_less(spring, [cable], before, current, (), True)
+    assert (found and found[0].candidate.term.effect) == named
+    assert leaves_less(spring, [cable], before, current, (), False) is None
+
+
+@pytest.mark.parametrize(
+    ("hidden", "named"), [("joint_spring", None), ("cubic_spring", "cubic_spring")]
+)
+def test_of_two_laws_of_as_many_numbers_the_one_that_leaves_less_is_taken_near_the_noise_too(
+    hidden, named
+):
+    values = {"joint_spring": {"k": 8.0, "tau0": 2.0}, "cubic_spring": {"k3": 30.0, "q0": 0.1}}
+    before, crossfit = declared_fit(log_with(Term(hidden, 1, values=values[hidden])))
+    asked = [Term("joint_spring", 1), Term("cubic_spring", 1)]
+    scores = score_terms(Linearization(before, crossfit), asked, 0)
+    spring, cubic = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
+    current = refit(before, (*before.model.terms, asked[0]))
+    found = leaves_less(spring, [cubic], before, current, (), False)
     assert (found and found[0].candidate.term.effect) == named
 
 

@@ -11,15 +11,15 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.competing import choose, is_special_case, plainness
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.rules import LOUD, NEAR, PRICE, Rules
+from jaxswarm.diagnose.decision.rules import LOUD, NEAR, Rules
 from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.instead import leaves_less, replacement, simpler
 from jaxswarm.diagnose.selection.pair import pair
-from jaxswarm.diagnose.selection.plainer import cost, does_as_well, plainer
-from jaxswarm.diagnose.selection.refit import refit, refit_with
-from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.plainer import plainer
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
 from jaxswarm.diagnose.selection.tenable import is_certain
 from jaxswarm.effects.alike import without
@@ -128,10 +128,10 @@ def reconsider(
             continue
         chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == step.added.identity
-        picks = _simpler(chosen, passed) if same else [chosen]
-        instead = _replacement(picks, chosen, rest, current, other)
-        if instead is None and same and fuller:
-            instead = _fuller(chosen, near, rest, current, other)
+        picks = simpler(chosen, passed) if same else [chosen]
+        instead = replacement(picks, chosen, rest, current, other)
+        if instead is None and same:
+            instead = leaves_less(chosen, near, rest, current, other, fuller)
         if instead is None:
             if same:
                 done[place] = replace(step, rivals=tuple(near))
@@ -190,61 +190,3 @@ def _nobody_needs(step: Step, certain: bool, scores: Sequence[Score], rules: Rul
     """
     doubtful = step.added.law.everyday and not certain
     return doubtful or all(s.share < rules.share for s in scores)
-
-
-def _replacement(
-    picks: Sequence[Score],
-    chosen: Score,
-    rest: Estimate,
-    current: Estimate,
-    other: Sequence[Motion],
-) -> tuple[Score, Estimate] | None:
-    """The first pick that may stand in the current model's place, with its fit; None if none may.
-
-    The chosen law itself may leave about what the former one left on its joint; one that is simpler has
-    to do as well as the chosen one. Neither may raise the error of other motion.
-    """
-    for pick in picks:
-        after = refit_with(rest, pick)
-        if after is None:
-            continue
-        if pick is chosen:
-            fits = cost(after, pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
-        else:
-            fits = does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
-        if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
-            return pick, after
-    return None
-
-
-def _fuller(
-    chosen: Score,
-    near: Sequence[Score],
-    rest: Estimate,
-    current: Estimate,
-    other: Sequence[Motion],
-) -> tuple[Score, Estimate] | None:
-    """A law as good as the chosen one on its joint that, all fitted, leaves less by more than its numbers cost.
-
-    A cable between two joints and a spring explain the same of one of them; what the cable does to the other
-    shows only when the first is explained.
-    """
-    for pick in (s for s in near if s.candidate.size > chosen.candidate.size):
-        after = refit_with(rest, pick)
-        if after is None or does_as_well(
-            current, after, pick.candidate.size - chosen.candidate.size
-        ):
-            continue
-        if not other or left_elsewhere(after, current, pick.joint, other) <= 1.0:
-            return pick, after
-    return None
-
-
-def _simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
-    """Those that are plainer, the plainest first.
-
-    While a law is tried the others stay as they were fitted without it, and one with a free exponent
-    makes up for that. Fitted all together, the simpler law may do: a spring was told as a cubic one.
-    """
-    fewer = [s for s in passed if plainness(s) < plainness(chosen)]
-    return sorted(fewer, key=lambda s: (plainness(s), -s.gain))

@@ -1,0 +1,73 @@
+"""Which of the laws that came near each other is told, once each is fitted with all that was added."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.competing import plainness
+from jaxswarm.diagnose.decision.rules import PRICE
+from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.selection.plainer import cost, does_as_well
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
+
+
+def replacement(
+    picks: Sequence[Score],
+    chosen: Score,
+    rest: Estimate,
+    current: Estimate,
+    other: Sequence[Motion],
+) -> tuple[Score, Estimate] | None:
+    """The first pick that may stand in the current model's place, with its fit; None if none may.
+
+    The chosen law itself may leave about what the former one left on its joint; one that is simpler has
+    to do as well as the chosen one. Neither may raise the error of other motion.
+    """
+    for pick in picks:
+        after = refit_with(rest, pick)
+        if after is None:
+            continue
+        if pick is chosen:
+            fits = cost(after, pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
+        else:
+            fits = does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
+        if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
+            return pick, after
+    return None
+
+
+def leaves_less(
+    chosen: Score,
+    near: Sequence[Score],
+    rest: Estimate,
+    current: Estimate,
+    other: Sequence[Motion],
+    more: bool,
+) -> tuple[Score, Estimate] | None:
+    """A law as good as the chosen one on its joint that, all fitted, leaves less by more than its numbers cost.
+
+    A cable between two joints and a spring explain the same of one of them; what the cable does to the other
+    shows only when the first is explained. Of a soft joint and a soft base, of two numbers each, the plainer by
+    form was told and left a tenth more. ``more``: whether laws of more numbers are asked.
+    """
+    size, most = chosen.candidate.size, np.inf if more else chosen.candidate.size
+    for pick in (s for s in near if size <= s.candidate.size <= most):
+        after = refit_with(rest, pick)
+        if after is None or does_as_well(current, after, pick.candidate.size - size):
+            continue
+        if not other or left_elsewhere(after, current, pick.joint, other) <= 1.0:
+            return pick, after
+    return None
+
+
+def simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:
+    """Those that are plainer, the plainest first.
+
+    While a law is tried the others stay as they were fitted without it, and one with a free exponent
+    makes up for that. Fitted all together, the simpler law may do: a spring was told as a cubic one.
+    """
+    fewer = [s for s in passed if plainness(s) < plainness(chosen)]
+    return sorted(fewer, key=lambda s: (plainness(s), -s.gain))
