@@ -8,6 +8,7 @@ import pytest
 from planted import BAND, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation.standing import held_note, held_shares, leave_out, standing
@@ -105,3 +106,15 @@ def test_an_error_that_is_that_of_rest_is_told_so():
     assert "joint1" not in line
     alike = {"rms": [0.15], "rms_moving": [0.15], "rms_standing": [0.16]}
     assert rest_lines({"test.npz": alike}, ("joint6",), ("N m",)) == []
+
+
+def test_a_joint_that_hardly_moves_is_held_by_any_torque_within_its_friction():
+    """No event is told by less than what holds it; where it moves, by no more than before."""
+    found = with_motion_noise(fitted(log_with()))
+    motion = found.motions[0]
+    doubt = event_doubt(found)[:, 1]
+    speed = np.abs(motion.dq[motion.decimator.kept(len(motion.t)), 1])
+    fc = next(t.values["fc"] for t in found.model.terms if t.place[:2] == ("coulomb_friction", 1))
+    slow, fast = doubt[speed < found.model.width[1]], doubt[speed > 0.3 * speed.max()]
+    assert slow.max() > 0.15 * fc > 0.0 and slow.mean() > 3.0 * np.median(fast)
+    assert np.median(fast) < 0.05 * fc

@@ -22,7 +22,7 @@ import scipy
 
 from jaxswarm.diagnose.folds.steady import steady_power
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
@@ -118,7 +118,7 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
             model_noise=np.sqrt(_drawn_power(m, drawn)),
             steady_noise=np.sqrt(_steady_power(m, left, drawn)),
             sharp_noise=_sharp_noise(m, left),
-            step_noise=_step_noise(m, left),
+            step_noise=np.hypot(_step_noise(m, left), _stick_noise(found.model, m)),
         )
         for m in found.motions
         for left, drawn in [(m.tau - model_torque(found.model, m), _drawn(found, m, seed))]
@@ -145,6 +145,18 @@ def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
         return doubt
     across = motion.decimator.apply(motion.bridged.astype(float)[:, None])[:, 0] > _ACROSS
     return np.where(across[:, None], _UNKNOWN * np.abs(left).max(axis=0), doubt)
+
+
+def _stick_noise(model: Model, motion: Motion) -> np.ndarray:
+    """Standard deviation (T', n) of what holds a joint that hardly moves: any torque within its friction.
+
+    A joint with true stiction stops for a tenth of a second while its drive winds up: what holds it then was
+    told as a push.
+    """
+    own = replace(model, terms=tuple(t for t in model.terms if t.law.uses_direction), smooth=())
+    width = np.asarray(model.width)
+    up, down = (model_torque(own, replace(motion, dq=motion.dq + s * width)) for s in (1.0, -1.0))
+    return np.abs(motion.decimator.apply(0.5 * (up - down)))
 
 
 def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:

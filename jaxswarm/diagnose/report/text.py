@@ -226,7 +226,9 @@ def _done(result: dict) -> list[str]:
     if result["error"]["after"] is None:
         return []
     floor, after = result["error"]["noise_floor"]["rms"], result["error"]["after"]["rms"]
-    times = [rms / low for rms, low in zip(after, floor, strict=True)]
+    fitted = result.get("residual_over_noise") or [0.0] * len(after)
+    rows = zip(after, floor, fitted, strict=True)
+    times = [max(rms / low, over) for rms, low, over in rows]  # of both: a fitted log may hold more
     near = [joint for joint, x in zip(result["joints"], times, strict=True) if x < _DONE]
     if not near:
         return []
