@@ -1,4 +1,4 @@
-"""What pushes a joint to and fro looks late at its one frequency, a torque that is late at all of them."""
+"""What pushes a joint looks late at one frequency, what sticks at rest alone, a late torque always."""
 
 from dataclasses import replace
 
@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify.checks.check_log import against_robot
+from jaxswarm.identify.checks.late import _IN_MOTION
+from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_columns import strongest_line
+from jaxswarm.identify.checks.samples import samples_of
 from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -57,3 +60,25 @@ def test_the_strongest_line_of_a_log_with_a_gap(hertz):
     t = 0.02 * np.delete(np.arange(1000), np.s_[300:450])
     noise = np.random.default_rng(0).normal(size=len(t))
     assert abs(strongest_line(t, np.sin(2 * np.pi * hertz * t + 1.0) + noise) - hertz) < 0.02
+
+
+def rough_of(arm, log):
+    """The rough model of a log, and the spread that its residuals are weighed by."""
+    model = Rough(arm, samples_of(prepare_segments(log, Filtering())[1]))
+    return model, model.as_logged()[1]
+
+
+def test_a_torque_that_runs_ahead_where_its_joint_sticks_alone_is_early_at_rest_alone(arm):
+    log = synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), rate=RATE, duration=20.0)
+    speed = np.gradient(log.q[:, JOINT], log.t)
+    stuck = np.abs(speed) < 0.02 * np.sqrt(np.mean(speed**2))
+    tau = log.tau.copy()
+    tau[stuck, JOINT] += 0.4 * np.gradient(tau[:, JOINT], log.t)[stuck]
+    for given, least, most in (
+        (replace(log, tau=tau), -np.inf, _IN_MOTION),
+        (late(log, JOINT), 0.9, 1.1),
+    ):
+        model, sigma = rough_of(arm, given)
+        whole = model.lateness(sigma).seconds[JOINT]
+        moving = model.lateness_in_motion(sigma, JOINT).seconds[JOINT]
+        assert abs(whole) > 1e-3 and least < moving / whole < most

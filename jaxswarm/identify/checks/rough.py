@@ -26,6 +26,8 @@ _CHANCE = 6.0
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
 # rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
 _VISCOUS, _DRY = 0, 1
+# A joint that moves by less than this part of its RMS speed may stick.
+_STUCK = 0.03
 # Parts of a log whose torques may each be late by something else: halves and thirds of them are wholes, too.
 _PARTS = 6
 
@@ -66,10 +68,17 @@ class Rough:
         robot: Kinematics.
         samples: The motion, and the torques as logged.
         wave: A line that delays are asked beside; None: none.
+        moving: A joint of which rows in which it hardly moves are left out; None: none.
     """
 
-    def __init__(self, robot: Robot, samples: Samples, wave: Wave | None = None):
-        self.samples, self._robot = samples, robot
+    def __init__(
+        self,
+        robot: Robot,
+        samples: Samples,
+        wave: Wave | None = None,
+        moving: int | None = None,
+    ):
+        self.samples, self._robot, self._moving = samples, robot, moving
         self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
         self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
         self._columns = columns_of(robot, samples, self.speed, wave)
@@ -88,7 +97,11 @@ class Rough:
         part = _PARTS * np.arange(self._rows) // self._rows
         rates = samples.tau_rate[:, joint, None] * (part[:, None] == np.arange(_PARTS))
         memory = columns.memory[:, joint]
-        return np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
+        block = np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
+        if joint == self._moving:
+            speed = samples.rows(lambda part: samples.dq[part, joint, None, None])[:, 0, 0]
+            block[np.abs(speed) < _STUCK * self.speed[joint]] = 0.0
+        return block
 
     @property
     def rows_per_parameter(self) -> float:
@@ -172,6 +185,15 @@ class Rough:
         weights = np.linalg.lstsq(factor / scale, left, rcond=None)[0] / scale
         hertz = strongest_line(self.samples.t, self._block(joint) @ weights)
         return Rough(self._robot, self.samples, Wave(joint, hertz)).lateness(sigma)
+
+    def lateness_in_motion(self, sigma: np.ndarray, joint: int) -> Lateness:
+        """The same, without the rows in which a joint hardly moves.
+
+        Args:
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+            joint: That joint, from 0.
+        """
+        return Rough(self._robot, self.samples, moving=joint).lateness(sigma)
 
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""
