@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.identify.checks.lateness import Lateness, late_by
-from jaxswarm.identify.checks.rough_columns import Wave, columns_of, strongest_line
+from jaxswarm.identify.checks.rough_columns import Wave, columns_of, slow_rows, strongest_line
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.estimation.factors import narrow_factor
 from jaxswarm.robot.model import Robot
@@ -26,8 +26,6 @@ _CHANCE = 6.0
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
 # rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
 _VISCOUS, _DRY = 0, 1
-# A joint that moves by less than this part of its RMS speed may stick.
-_STUCK = 0.03
 # Parts of a log whose torques may each be late by something else: halves and thirds of them are wholes, too.
 _PARTS = 6
 
@@ -99,8 +97,7 @@ class Rough:
         memory = columns.memory[:, joint]
         block = np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
         if joint == self._moving:
-            speed = samples.rows(lambda part: samples.dq[part, joint, None, None])[:, 0, 0]
-            block[np.abs(speed) < _STUCK * self.speed[joint]] = 0.0
+            block[slow_rows(samples, joint, self.speed[joint])] = 0.0
         return block
 
     @property
@@ -187,12 +184,7 @@ class Rough:
         return Rough(self._robot, self.samples, Wave(joint, hertz)).lateness(sigma)
 
     def lateness_in_motion(self, sigma: np.ndarray, joint: int) -> Lateness:
-        """The same, without the rows in which a joint hardly moves.
-
-        Args:
-            sigma: Standard deviation of every joint's residual [N m or N], (n,).
-            joint: That joint, from 0.
-        """
+        """The same by the ``sigma`` of above, without the rows in which a joint hardly moves."""
         return Rough(self._robot, self.samples, moving=joint).lateness(sigma)
 
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

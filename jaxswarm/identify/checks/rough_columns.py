@@ -12,6 +12,8 @@ from jaxswarm.robot.model import Robot
 # Width of the smooth sign as a part of the RMS speed: between the sharpest and the widest of real joints; and
 # those beside it of a fine model, which follow any of them and a friction that falls with speed.
 _WIDTH, _FINE_WIDTHS = 0.03, (0.003, 0.01, 0.3)
+# A joint that moves by less than this part of its RMS speed may stick.
+_STUCK = 0.03
 # Frequencies that are tried, as parts of what a log's length tells apart; and how many at a time.
 _STEP, _AT_ONCE = 0.2, 256
 # A line has this part of a period in the log at least: what is slower is a drift.
@@ -72,6 +74,12 @@ def columns_of(robot: Robot, samples: Samples, speed: np.ndarray, wave: Wave | N
         line[:, wave.joint] = _sine_and_cosine(samples.t, np.array([wave.hertz]))[:, 0].T
         memory = np.concatenate([memory, line], axis=2)
     return Columns(samples.rows(rigid_of), samples.rows(laws_of), memory, len(widths))
+
+
+def slow_rows(samples: Samples, joint: int, speed: float) -> np.ndarray:
+    """Whether a joint of an RMS speed hardly moves on the rows, (R,): there it may stick."""
+    own = samples.rows(lambda part: samples.dq[part, joint, None, None])[:, 0, 0]
+    return np.abs(own) < _STUCK * speed
 
 
 def strongest_line(t: np.ndarray, values: np.ndarray) -> float:
