@@ -14,7 +14,7 @@ from benchmarks.worlds.along import declared_torque, effect_torques, view
 from benchmarks.worlds.arm import mjcf, pin_model, toml, urdf
 from benchmarks.worlds.bodies import across, askew, carried, loaded
 from benchmarks.worlds.control import Control
-from benchmarks.worlds.edit import edit_oracle, edited_effect, without
+from benchmarks.worlds.edit import edit_oracle, without
 from benchmarks.worlds.families import draw_arm, joint_scales
 from benchmarks.worlds.files import write_world
 from benchmarks.worlds.intervals import true_values
@@ -333,7 +333,7 @@ def test_the_oracle_of_the_edit_test_loses_the_effect_and_keeps_the_rest(tmp_pat
     world = make_world(5)
     write_world(world, tmp_path)
     logs = {name: read_logs(tmp_path, name) for name in ("train", "edit_ptp")}
-    joint = edited_effect(world).joint
+    joint = world.edited.joint
     effect = rms(np.load(tmp_path / "test_ptp.npz")["tau_effect"])[joint]
     assert 0.0 < edit_oracle(world, logs)[joint] < 0.25 * effect
 

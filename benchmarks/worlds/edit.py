@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.worlds import plain
 from benchmarks.worlds.along import law_torque
-from benchmarks.worlds.laws import LAWS, Effect
+from benchmarks.worlds.laws import LAWS
 from benchmarks.worlds.rigid import rms
 from benchmarks.worlds.world import World
 
@@ -22,12 +22,6 @@ from benchmarks.worlds.world import World
 EDIT = 1.5
 # Step of a parameter by which a column is differenced, in its own size.
 _STEP = 1e-3
-
-
-def edited_effect(world: World) -> Effect | None:
-    """The one that is deleted: the last that is there in a test run."""
-    present = world.present("test_ptp")
-    return present[-1] if present else None
 
 
 def without(term: dict) -> dict | None:
@@ -74,7 +68,7 @@ def _slopes(world: World, log: plain.Prepared) -> np.ndarray:
 
     Of a structure, which is no law of the motion, by its size.
     """
-    edited = edited_effect(world)
+    edited = world.edited
     assert edited is not None
     if LAWS[edited.kind].torque is None:
         others = [law_torque(world.arm, log, e) for e in world.effects if e is not edited]

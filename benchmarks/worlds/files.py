@@ -54,17 +54,17 @@ def write_world(world: World, folder: Path) -> dict:
 
 def write_edit(world: World, folder: Path) -> str | None:
     """The point-to-point test without the last effect; its label, or None where there is no such run."""
-    present = world.present("test_ptp")
-    if not present:
+    edited = world.edited
+    if edited is None:
         return None
-    kept = present[:-1]
+    kept = tuple(e for e in world.present("test_ptp") if e is not edited)
     try:
         run = world.run("test_ptp", kept)
     except DivergedError:
         return None
     log, hidden = world.log("test_ptp", run, kept)
     np.savez_compressed(folder / "edit_ptp.npz", **log, **hidden)
-    return label(present[-1])
+    return label(edited)
 
 
 def label(effect: Effect) -> str:

@@ -61,6 +61,11 @@ class World:
         """The effects in a run: a contact or a load happens in the training run alone."""
         return tuple(e for e in self.effects if name == "train" or e.kind not in EVENTS)
 
+    @property
+    def edited(self) -> Effect | None:
+        """The effect that the edit test deletes: the last that is there in a test run."""
+        return next(reversed(self.present("test_ptp")), None)
+
     def run(self, name: str, effects: tuple[Effect, ...] | None = None) -> Run:
         """A run of one of the motions, with these effects in place of all."""
         effects = self.present(name) if effects is None else effects

@@ -29,7 +29,7 @@ from jaxswarm.effects.formula_file import law_file, law_name
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.weak import resting_joints
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import held_note, held_shares
+from jaxswarm.identify.estimation.standing import held_lines, held_shares
 from jaxswarm.identify.forward.model import Model, model_text
 from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import units
@@ -114,8 +114,7 @@ def conclude(
     laws = search.found if search else ()
     result = to_result(outcome_of(diagnosis, left, unseen, laws), search=search)
     result["physical_consistency"] = consistency_told(diagnosis.final)
-    shares = held_shares(diagnosis.final.motions)
-    result["reasons"] += [held_note(shares)] if shares else []
+    result["reasons"] += held_lines(held_shares(diagnosis.final.motions))
     return result, left
 
 

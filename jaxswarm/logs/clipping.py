@@ -12,6 +12,7 @@ import numpy as np
 
 from jaxswarm.logs.filtering import white_noise
 from jaxswarm.logs.quality import longest_run, quantum
+from jaxswarm.logs.runs import runs
 
 # Share of the range within which values are the same, and width of the bins beside the limit.
 _SAME, _BIN = 1e-9, 1e-3
@@ -73,16 +74,10 @@ def _longest_by_chance(count: int, step: float, noise: float) -> float:
     return max(np.log(count / _CHANCE) / -np.log(max(alike, 1e-9)), _LONGEST)
 
 
-def _runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and past-the-last of every run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return edges[::2], edges[1::2]
-
-
 def _moved(at_top: np.ndarray, moving: np.ndarray) -> np.ndarray:
     """The stays at the top during most of which the joint moves: it may turn around in one."""
     kept = at_top.copy()
-    for start, end in zip(*_runs(at_top), strict=True):
+    for start, end in zip(*runs(at_top), strict=True):
         kept[start:end] = 2 * moving[start:end].sum() > end - start
     return kept
 
@@ -105,7 +100,7 @@ def _stays(signal: np.ndarray, at_top: np.ndarray, width: float) -> bool:
 
 def _lost(signal: np.ndarray, at_top: np.ndarray) -> float:
     """The most that a parabola through both sides of a stay at the top rises beyond it."""
-    starts, ends = _runs(at_top)
+    starts, ends = runs(at_top)
     width = ends - starts
     beside = np.maximum(width // 2, 1)
     before, after = starts - beside, ends - 1 + beside

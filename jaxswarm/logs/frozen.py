@@ -7,6 +7,7 @@ from jaxswarm.logs.filtering import white_noise
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.log import Log, take
 from jaxswarm.logs.quality import longest_run, quantum, slowest_motion, velocity
+from jaxswarm.logs.runs import runs
 from jaxswarm.logs.sampling import usual_period
 
 STUCK, SATURATION = "stuck", "saturation"
@@ -37,7 +38,7 @@ def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
         if top == 0.0:
             continue
         coarse = _QUANTA * quantum(log.q[:, j])
-        for start, end in zip(*_standing(steps), strict=True):
+        for start, end in zip(*runs(steps == 0), strict=True):
             if end - start < least:
                 continue
             before = np.abs(steps[max(start - _BEFORE, 0) : start])
@@ -46,12 +47,6 @@ def stuck_stretches(log: Log) -> list[tuple[int, int, int]]:
             if entry > max(_FAST * top, coarse) or jump > max(_JUMP * top, coarse):
                 found.append((j, int(start), int(end) + 1))
     return found
-
-
-def _standing(steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and past-the-last of every run of steps (T,) that are zero."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], (steps == 0).astype(int), [0]])))
-    return edges[::2], edges[1::2]
 
 
 def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
@@ -64,7 +59,7 @@ def dead_torque_stretches(log: Log) -> list[tuple[int, int, int]]:
     found = []
     least = max(int(round(_LONG_TORQUE / usual_period(log.t))), 4)
     for j, torque in enumerate(log.tau.T):
-        starts, ends = _standing(np.diff(torque))
+        starts, ends = runs(np.diff(torque) == 0)
         lengths = ends - starts
         if len(lengths) == 0 or lengths.max() < least:
             continue

@@ -67,7 +67,8 @@ class Motion:
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
         steady_noise: What is as strong at all times just above the torque cutoff, and not made by the doubt
             of the motion, below it [N m or N], (n,); None: not known yet.
-        step_noise: What the times of jumps, unknown between samples, make of the residual, likewise.
+        step_noise: What the times of jumps, unknown between samples, and joints that stick make of the
+            residual, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
         held: Whether a joint stands on a decimated row, held by dry friction at a torque that no law tells,
             (T', n); None: not known yet.

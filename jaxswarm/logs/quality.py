@@ -8,6 +8,7 @@ gives third differences of :math:`\sqrt{20}\,\sigma`.
 import numpy as np
 
 from jaxswarm.logs.filtering import white_noise
+from jaxswarm.logs.runs import runs
 from jaxswarm.logs.sampling import usual_period
 
 # Steps below these shares of the largest value are digits of the number format, not of a sensor.
@@ -116,8 +117,8 @@ def longest_run(mask: np.ndarray) -> int:
     >>> longest_run(np.array([True, False, True, True]))
     2
     """
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return int(np.max(edges[1::2] - edges[::2])) if len(edges) else 0
+    starts, ends = runs(mask)
+    return int(np.max(ends - starts, initial=0))
 
 
 def held_share(*signals: np.ndarray) -> float:

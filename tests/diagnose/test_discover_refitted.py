@@ -28,8 +28,9 @@ def point_of(piece: Piece, error: float, bits: float) -> Point:
 
 
 def model_that_leaves(size: float) -> SimpleNamespace:
-    regression = SimpleNamespace(used=None, log=np.zeros(ROWS, int))
     residual = NOISE * np.array([size, 1.0])
+    used = np.ones(residual.shape, bool)
+    regression = SimpleNamespace(used_rows=used, log=np.zeros(ROWS, int))
     return SimpleNamespace(
         regression=regression,
         fit=SimpleNamespace(residual=residual),

@@ -11,7 +11,7 @@ from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
 from jaxswarm.identify import estimate, model_torque
-from jaxswarm.identify.estimation.standing import held_note, held_shares, leave_out, standing
+from jaxswarm.identify.estimation.standing import held_lines, held_shares, leave_out, standing
 from jaxswarm.identify.report.console import rest_lines
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
@@ -57,7 +57,8 @@ def test_rest_is_left_out_where_friction_holds_it_at_any_torque():
     assert found.regression.used[~rest].mean() > 0.7
     shares = held_shares(found.motions)
     assert set(shares) == {"joint1", "joint2"}
-    assert "joint2" in held_note(shares)
+    (line,) = held_lines(shares)
+    assert "joint2" in line
     # What is left is the noise's: with rest fitted it is several times as much.
     assert (found.fit.sigma < 0.4 * fitted(stopping(2.5), held=False).fit.sigma).all()
 

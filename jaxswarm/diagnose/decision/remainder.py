@@ -42,11 +42,10 @@ class Remainder:
 def remainders(found: Estimate) -> tuple[Remainder, ...]:
     """What a model leaves on every joint of the logs it was fitted to; rows it does not use left out."""
     regression, residual = found.regression, found.fit.residual
-    every = np.ones_like(regression.moving) if regression.used is None else regression.used
     standard = residual / row_noise(found)
     told = []
     for j in range(residual.shape[1]):
-        used = every[:, j]
+        used = regression.used_rows[:, j]
         over = np.where(used, standard[:, j], 0.0)
         size = float(np.sqrt((over**2).sum() / max(used.sum(), 1)))
         band = _band(found, np.where(used, residual[:, j], 0.0))

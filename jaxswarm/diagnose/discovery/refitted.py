@@ -58,12 +58,10 @@ def shorter_refitted(
 def _length(fitted: Estimate, point: Point, first: Estimate) -> float:
     """Bits of a formula and of what the model with it leaves, in independent samples of the first model."""
     regression = first.regression
-    shape = first.fit.residual.shape
-    used = np.ones(shape, bool) if regression.used is None else regression.used
+    used = regression.used_rows
     rows = used.any(axis=1)
     samples = rows.sum() / correlation_length(first.fit.residual[rows], regression.log[rows])
     constants = len(point.formula.constants) + len(point.formula.pieces)
-    left = np.log2(
-        (np.where(used, fitted.fit.residual, 0.0) ** 2).sum(axis=0) / used.sum(axis=0)
-    ).sum()
+    squares = np.where(used, fitted.fit.residual, 0.0) ** 2
+    left = np.log2(squares.sum(axis=0) / used.sum(axis=0)).sum()
     return float(point.bits + 0.5 * constants * np.log2(samples) + 0.5 * samples * left)

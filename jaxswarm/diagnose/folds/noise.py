@@ -70,7 +70,7 @@ def row_doubt(found: Estimate) -> np.ndarray:
 
 
 def event_doubt(found: Estimate) -> np.ndarray:
-    """The noise of every row (T', n) by which it counts for an event: with when, in a sample, torques jumped.
+    """The noise of every row (T', n) by which it counts for an event: with jumps, and what sticks.
 
     An event is a matter of few rows. A law shows on all of them, and an impact is what it has to explain.
     """

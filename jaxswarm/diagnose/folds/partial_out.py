@@ -145,8 +145,7 @@ def cross_fit(
     regression, solution = found.regression, found.fit
     doubt = doubt_of(found)
     weight = row_weight(found, doubt)
-    if regression.used is not None:
-        weight = weight * regression.used
+    weight = weight * regression.used_rows
     columns = regression.columns[:, :, solution.base.kept]
     size = columns.shape[2]
     if frozen:
@@ -164,7 +163,7 @@ def cross_fit(
     folds = (_fold(columns, torque, rows, count) for rows in (everything, odd, ~odd))
     # What the widths take up is no change of the base parameters.
     whole, first, second = (replace(fold, solve=fold.solve[:size]) for fold in folds)
-    rows = len(block) if regression.used is None else np.maximum(regression.used.sum(axis=0), 1)
+    rows = np.maximum(regression.used_rows.sum(axis=0), 1)
     torque_size = np.sqrt((regression.torque**2).sum(axis=0) / rows)
     halves = (first, second)
     noise = np.sqrt((doubt**2).mean(axis=0))

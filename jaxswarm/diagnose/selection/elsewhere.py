@@ -90,25 +90,17 @@ def _eventful(
 ) -> tuple[tuple[float, float], ...]:
     """The same from two residuals (T, n) at times (T,), but for what friction holds."""
     count = min(_BLOCKS, len(one))
-    squares = np.where(held, np.nan, np.minimum(one**2, two**2))
-    power = np.array([_mean(block) for block in np.array_split(squares, count)])
-    usual = np.array(
-        [np.median(x[~np.isnan(x)]) if not np.isnan(x).all() else np.nan for x in power.T]
-    )
-    eventful = np.any(power > EVENTFUL * usual, axis=1)
     parts = np.array_split(times, count)
+    squares = np.ma.array(np.minimum(one**2, two**2), mask=held)
+    power = np.ma.stack([block.mean(axis=0) for block in np.array_split(squares, count)])
+    usual = np.ma.median(power, axis=0)
+    eventful = np.any(np.ma.filled(power > EVENTFUL * usual, False), axis=1)
     found: list[tuple[float, float]] = []
     for number in np.flatnonzero(eventful):
         begin, end = float(parts[number][0]), float(parts[number][-1])
         joins = number > 0 and eventful[number - 1]
         found.append((found.pop()[0] if joins else begin, end))
     return tuple(found)
-
-
-def _mean(rows: np.ndarray) -> np.ndarray:
-    """Mean of what is known in rows (T, n); NaN where nothing is."""
-    known = (~np.isnan(rows)).sum(axis=0)
-    return np.where(known, np.nansum(rows, axis=0) / np.maximum(known, 1), np.nan)
 
 
 def compared(
@@ -164,7 +156,4 @@ def rms(x: np.ndarray) -> np.ndarray:
 
 def rows_of_both(before: Estimate, after: Estimate) -> np.ndarray:
     """Rows of every joint, (T, n), that both fits use."""
-    used = np.ones_like(before.regression.moving)
-    for one in (before, after):
-        used &= True if one.regression.used is None else one.regression.used
-    return used
+    return before.regression.used_rows & after.regression.used_rows

@@ -138,8 +138,10 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
         gained = (gain < rule.gain * model.strictness) & (steady >= rule.steady * model.strictness)
         clear |= agreed & beyond & gained & (logged.left < rule.leaves)
     for j in map(int, np.flatnonzero(clear)):
-        clear[j] = _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
-        clear[j] &= _apart_in_motion(model, sigma, j) / apart[j] >= _IN_MOTION
+        clear[j] = (
+            _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
+            and _apart_in_motion(model, sigma, j) / apart[j] >= _IN_MOTION
+        )
     return _Told(clear, apart, gain)
 
 

@@ -1,6 +1,7 @@
 """A rough model of a log: rigid body, and rotor, friction and spring of every joint, to try guesses on."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,17 +67,10 @@ class Rough:
         robot: Kinematics.
         samples: The motion, and the torques as logged.
         wave: A line that delays are asked beside; None: none.
-        moving: A joint of which rows in which it hardly moves are left out; None: none.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        samples: Samples,
-        wave: Wave | None = None,
-        moving: int | None = None,
-    ):
-        self.samples, self._robot, self._moving = samples, robot, moving
+    def __init__(self, robot: Robot, samples: Samples, wave: Wave | None = None):
+        self.samples, self._robot = samples, robot
         self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
         self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
         self._columns = columns_of(robot, samples, self.speed, wave)
@@ -84,8 +78,7 @@ class Rough:
         self._size, self._own, self._memory = self._columns.sizes
         self._rows = len(samples.tau)
         factors = [narrow_factor(self._block(j)) for j in range(samples.q.shape[1])]
-        most = max(map(len, factors))
-        self._factors = [np.pad(f, ((0, most - len(f)), (0, 0))) for f in factors]
+        self._factors = _of_one_length(factors)
 
     def _block(self, joint: int) -> np.ndarray:
         """What a joint's rows are fitted by, all torques, its torque's derivative by parts, and its memory."""
@@ -95,10 +88,7 @@ class Rough:
         part = _PARTS * np.arange(self._rows) // self._rows
         rates = samples.tau_rate[:, joint, None] * (part[:, None] == np.arange(_PARTS))
         memory = columns.memory[:, joint]
-        block = np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
-        if joint == self._moving:
-            block[slow_rows(samples, joint, self.speed[joint])] = 0.0
-        return block
+        return np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
 
     @property
     def rows_per_parameter(self) -> float:
@@ -185,7 +175,12 @@ class Rough:
 
     def lateness_in_motion(self, sigma: np.ndarray, joint: int) -> Lateness:
         """The same by the ``sigma`` of above, without the rows in which a joint hardly moves."""
-        return Rough(self._robot, self.samples, moving=joint).lateness(sigma)
+        block = self._block(joint)
+        block[slow_rows(self.samples, joint, self.speed[joint])] = 0.0
+        other, factors = copy(self), list(self._factors)
+        factors[joint] = narrow_factor(block)
+        other._factors = _of_one_length(factors)
+        return other.lateness(sigma)
 
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""
@@ -243,3 +238,9 @@ class Rough:
             (found,) = self.fit([mixture], sigma)
             sigma = np.maximum(found.left, 1e-6) * spread
         return found, sigma
+
+
+def _of_one_length(factors: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Factors with as many rows each, zeros below."""
+    most = max(map(len, factors))
+    return [np.pad(f, ((0, most - len(f)), (0, 0))) for f in factors]

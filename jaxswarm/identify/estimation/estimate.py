@@ -132,15 +132,13 @@ def _without_rest(
         return motions
     rest = standing(motions)
     found = np.zeros(robot.num_joints, bool)
-    asked = np.any([r.any(axis=0) for r in rest], axis=0)
-    if asked.any():
+    if any(r.any() for r in rest):
         trial = [replace(m, held=r) for m, r in zip(motions, rest, strict=True)]
         here = settle(Problem(robot, tuple(trial), tuple(rigids), False), Place(terms, width), pi)
-        theta = np.concatenate([here.pi, here.solution.theta[len(here.pi) :]])
         every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
-        left = every.target - every.columns @ theta
+        left = every.target - every.columns @ here.theta
         ends = np.cumsum([len(r) for r in rest])[:-1]
-        found = held(np.split(left, ends), rest) & asked
+        found = held(np.split(left, ends), rest)
     return leave_out(motions, rest, found)
 
 

@@ -46,6 +46,11 @@ class Settled:
     pi: np.ndarray
     residual: np.ndarray
 
+    @property
+    def theta(self) -> np.ndarray:
+        """All linear parameters (p,), the rigid ones as the columns were built with."""
+        return np.concatenate([self.pi, self.solution.theta[len(self.pi) :]])
+
 
 def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
     """Fit, and fit again where columns depend on the rigid parameters, until those stand still.
@@ -148,8 +153,7 @@ def widths_apart(
 ) -> tuple[np.ndarray, np.ndarray]:
     """How far single joints' widths would move from those they share, and the standard errors, (m,) each."""
     step = _step(problem, alone, here)
-    theta = np.concatenate([here.pi, here.solution.theta[len(here.pi) :]])
-    return step, standard_errors(problem, alone, here, theta)[1]
+    return step, standard_errors(problem, alone, here, here.theta)[1]
 
 
 def standard_errors(

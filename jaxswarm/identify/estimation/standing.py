@@ -15,6 +15,7 @@ import scipy
 
 from jaxswarm.identify.forward.metrics import moves_at
 from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.runs import runs
 
 # A joint stands where it does not move for so long [s]: at a reversal it does not move either.
 _REST = 0.25
@@ -38,8 +39,7 @@ def _at_rest(motion: Motion, top: np.ndarray) -> np.ndarray:
     long = max(1, round(_REST * motion.rate))
     rest = np.zeros_like(still)
     for joint, flags in enumerate(still.T):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-        for begin, end in edges.reshape(-1, 2):
+        for begin, end in zip(*runs(flags), strict=True):
             rest[begin:end, joint] = end - begin >= long
     return rest[kept]
 
@@ -88,10 +88,12 @@ def held_shares(motions: Sequence[Motion]) -> dict[str, float]:
     return {name: float(x) for name, x in zip(motions[0].joints, share, strict=True) if x > 0.0}
 
 
-def held_note(shares: Mapping[str, float]) -> str:
-    """What a reader has to know of joints that friction holds at rest."""
+def held_lines(shares: Mapping[str, float]) -> list[str]:
+    """What a reader has to know of joints that friction holds at rest, if there are any."""
+    if not shares:
+        return []
     told = ", ".join(f"{name} ({100 * x:.0f} % of the time)" for name, x in shares.items())
-    return (
+    return [
         f"At rest dry friction holds {told} at torques that no law tells: rest is not fitted there. It counts "
         "in the errors of other logs."
-    )
+    ]

@@ -149,5 +149,5 @@ def least_known(found: Estimate, names: Collection[str], block: np.ndarray) -> f
 def held_out_errors(found: Estimate, count: int = 5) -> dict:
     """Errors on held-out blocks of time, as :func:`torque_errors`."""
     regression, residual = found.regression, held_out_residual(found, count)
-    used = None if regression.used is None else regression.used
-    return torque_errors(regression.torque, regression.torque - residual, regression.moving, used)
+    torque, used = regression.torque, regression.used
+    return torque_errors(torque, torque - residual, regression.moving, used)

@@ -57,6 +57,11 @@ class Regression:
         """What ``columns @ theta`` has to meet, (T, n)."""
         return self.torque if self.shift is None else self.torque + self.shift
 
+    @property
+    def used_rows(self) -> np.ndarray:
+        """Whether a joint's row is used, (T, n), also where all are."""
+        return np.ones(self.torque.shape, bool) if self.used is None else self.used
+
     def rows(self, selected: np.ndarray) -> "Regression":
         """The same problem on the selected rows."""
         return Regression(

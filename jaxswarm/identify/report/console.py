@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from jaxswarm.identify.estimation.standing import held_note
+from jaxswarm.identify.estimation.standing import held_lines
 from jaxswarm.identify.forward.seen import swing_note
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.summary import SOUND
@@ -61,7 +61,7 @@ def remarks(report: dict) -> list[str]:
     return [
         *clock_lines(report),
         *unscored_lines(error_rows(report)),
-        *([held_note(report["held_at_rest"])] if report.get("held_at_rest") else []),
+        *held_lines(report.get("held_at_rest", {})),
         *rest_lines(error_rows(report), report["joints"], report["torque_units"]),
         *consistency_lines(report),
         *estimator_lines(report),
@@ -96,11 +96,10 @@ def rest_lines(
     for name, e in errors.items():
         apart = (e.get(key) or [None] * len(joints) for key in ("rms_moving", "rms_standing"))
         rows = zip(joints, units, e["rms"], *apart, strict=True)
-        known = [(*row, rest) for *row, rest in rows if row[-1] and rest]
         parts = [
             f"{joint} ({rest:.3g} {unit} at rest, {moving:.3g} in motion)"
-            for joint, unit, rms, moving, rest in known
-            if rms > _REST_COUNTS * moving and rest > rms
+            for joint, unit, rms, moving, rest in rows
+            if moving and rest and rest > rms > _REST_COUNTS * moving
         ]
         if parts:
             told.append(
