@@ -49,3 +49,19 @@ def test_the_power_law_replaces_the_viscous_term_it_cannot_stand_beside(concave)
     law = next(t for t in after.model.terms if t.effect == "nonlinear_viscous_friction")
     assert law.values["c"] > 0 and 0.2 < law.values["alpha"] < 1.0
     assert after.fit.sigma[0] < 0.5 * concave.fit.sigma[0]
+
+
+def test_the_viscous_term_comes_back_beside_a_power_law_that_needs_it():
+    """Fitted with both from afar the exponent runs past 1; without the viscous term it is 0.59."""
+    log = log_with(noise=replace(NOISE, torque=0.001), motion_seed=9)
+    speed = np.gradient(log.q[:, 0], log.t)
+    tau = log.tau.copy()
+    tau[:, 0] += 20.0 * np.sqrt(np.abs(speed)) * np.tanh(speed / 0.01)
+    motion = prepare(replace(log, tau=tau), BAND)
+    declared = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    after = refit_with(declared, power_law(declared))
+    rows = zip(after.model.terms, after.std_errors, strict=True)
+    own = {t.effect: (t.values, errors) for t, errors in rows if t.joint == 0}
+    law, errors = own["nonlinear_viscous_friction"]
+    assert abs(law["alpha"] - 0.5) < 4.0 * errors["alpha"] and errors["alpha"] < 0.01
+    assert abs(own["viscous_friction"][0]["b"] - 3.0) < 0.1
