@@ -84,7 +84,8 @@ def test_what_an_addition_alone_lets_the_log_predict_is_shown():
     assert survives(before, wrong, 1) is not None
 
 
-def test_a_law_beyond_doubt_may_cost_another_joint_a_little(fits):
+@pytest.mark.parametrize("added", [SPRING, Term("contact", values={"start": 2.0, "end": 3.0})])
+def test_a_law_beyond_doubt_or_an_event_may_cost_another_joint_a_little(fits, added):
     """A drag that took 99 % off 74 times the noise on another log was taken back for 1.3 times 2.2."""
     before, true, _, other = fits
 
@@ -93,7 +94,7 @@ def test_a_law_beyond_doubt_may_cost_another_joint_a_little(fits):
         model = replace(true.model, terms=(*true.model.terms, spring))
         final = replace(true, model=model)
         (one, two, *_), *_ = errors_elsewhere(before, final, [other])
-        return two[0] / one[0], harmful(before, [step(SPRING, before, final)], final, [other])
+        return two[0] / one[0], harmful(before, [step(added, before, final)], final, [other])
 
     little, told = harm(0.2)
     assert 1.1 < little < 1.45
