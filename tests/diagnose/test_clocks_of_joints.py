@@ -95,3 +95,20 @@ def test_further_columns_that_are_known_take_no_more_than_they_may(clean):
     assert np.sum(weak.residual**2) > 0.5 * before
     strong = replace(fold, residual=0.5 * clocks[:, :, 0]).with_columns(clocks, known=True)
     assert np.sum(strong.residual**2) < 0.01 * np.sum((0.5 * clocks[:, :, 0]) ** 2)
+
+
+def test_rows_that_are_not_used_leave_no_edge_in_the_columns(clean):
+    """Torques of rows that are not used are zero, and no drive is late where they jump there."""
+    found, _ = declared_fit(clean)
+    whole = clock_slopes(found)
+    used = np.ones(found.regression.torque.shape, bool)
+    used[40:60, 0] = False
+    torque = np.where(used, found.regression.torque, 0.0)
+    residual = np.where(used, found.fit.residual, 0.0)
+    regression = replace(found.regression, torque=torque, used=used)
+    parted = clock_slopes(
+        replace(found, regression=regression, fit=replace(found.fit, residual=residual))
+    )
+    assert not parted[40:60, 0, 0].any()
+    assert np.abs(parted[:, 0, 0]).max() < 1.5 * np.abs(whole[:, 0, 0]).max()
+    np.testing.assert_array_equal(parted[:, 1, 1], whole[:, 1, 1])

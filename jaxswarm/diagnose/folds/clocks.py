@@ -28,8 +28,7 @@ def clock_slopes(found: Estimate) -> np.ndarray:
     whole = regression.torque - found.fit.residual
     apart = CLOCKS_APART * np.array([m.interval for m in found.motions])[regression.log]
     slopes = [
-        (apart[:, None] * change_by_time(torque, regression.t, regression.log))[:, :, None]
-        * np.eye(joints)
+        (apart[:, None] * change_by_time(torque, regression))[:, :, None] * np.eye(joints)
         for torque in (whole, weight)
     ]
     return np.concatenate(slopes, axis=2)

@@ -41,12 +41,7 @@ def clock_skew(found: Estimate) -> tuple[float, float]:
     """
     solution = found.fit
     regression, residual = _in_the_middle(found.regression, solution.residual)
-    torque = regression.torque - residual
-    if regression.used is not None:
-        torque = _bridged(torque, regression.used)
-    slope = -change_by_time(torque, regression.t, regression.log)
-    if regression.used is not None:
-        slope[~regression.used] = 0.0
+    slope = -change_by_time(regression.torque - residual, regression)
     if not slope.any():
         return 0.0, 0.0
     wide = replace(
@@ -146,11 +141,13 @@ def _bridged(torque: np.ndarray, used: np.ndarray) -> np.ndarray:
     return np.stack(lines, axis=1)
 
 
-def change_by_time(torque: np.ndarray, t: np.ndarray, log: np.ndarray) -> np.ndarray:
-    """Derivative by time of decimated torques (T, n), log by log."""
-    slope = np.zeros_like(torque)
-    for k in np.unique(log):
-        rows = log == k
+def change_by_time(torque: np.ndarray, regression: Regression) -> np.ndarray:
+    """Derivative by time of torques (T, n) on the rows of a regression, log by log; zero where unused."""
+    used, slope = regression.used, np.zeros_like(torque)
+    whole = torque if used is None else _bridged(torque, used)
+    for k in np.unique(regression.log):
+        rows = regression.log == k
         if rows.sum() > 2:
-            slope[rows] = scipy.interpolate.CubicSpline(t[rows], torque[rows])(t[rows], 1)
-    return slope
+            t = regression.t[rows]
+            slope[rows] = scipy.interpolate.CubicSpline(t, whole[rows])(t, 1)
+    return slope if used is None else np.where(used, slope, 0.0)
