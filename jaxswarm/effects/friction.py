@@ -104,7 +104,7 @@ register(
         parameters=(
             _coefficient("df", "N m", 1e4, 1.0, "static minus dry friction"),
             Parameter("vs", "rad/s", 0.005, 1.0, False, 0.1, "Stribeck velocity", "log"),
-            Parameter("delta", "1", 0.5, 3.0, False, 2.0, "shape exponent"),
+            Parameter("delta", "1", 0.5, 3.0, False, 2.0, "shape exponent", usual=True),
         ),
         summary="df exp(-|dq/vs|^delta) sign(dq), on top of Coulomb",
         reference="Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7)",

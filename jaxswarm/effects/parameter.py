@@ -48,6 +48,7 @@ class Parameter:
         hidden_by: Another parameter that leaves this one undetermined unless it is zero.
         shown_by: Linear parameters without each of which it does nothing: where one is not told from zero, the
             fit has put this one where noise is explained best, and no standard error tells how far that is off.
+        usual: Whether nearly all arms have its nominal value: it stays at that unless a log tells another.
         lies: ``"place"`` or ``"width"`` on the way of the joint: a search looks for it among the positions
             seen; None: anywhere between its bounds.
     """
@@ -64,6 +65,7 @@ class Parameter:
     neutral: float | None = None
     hidden_by: str = ""
     shown_by: tuple[str, ...] = ()
+    usual: bool = False
     lies: str | None = None
 
     def decode(self, u):

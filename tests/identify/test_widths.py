@@ -45,6 +45,23 @@ def test_widths_stay_where_a_fit_left_them(widths):
     np.testing.assert_allclose(again.model.width, first.model.width, rtol=0.01)
 
 
+def test_the_errors_of_friction_hold_the_doubt_of_a_width_that_is_held_where_it_came_to():
+    """A second pass finds no width apart from where it is and holds all: as if known, a third of it."""
+    widths = (0.1, 0.3)
+
+    def stribeck(q, dq, ddq):
+        curve = np.exp(-((dq / 0.3) ** 2)) * np.array([1.0, 0.0])
+        return friction(widths)(q, dq, ddq) + curve * np.tanh(dq / widths[0])
+
+    motion = make_motion(planar_arm(), stribeck, length=1500, noise=0.005)
+    terms = (*LAWS, Term("stribeck_friction", 0))
+    found = estimate(planar_arm(), terms, [motion])
+    known = estimate(planar_arm(), terms, [motion], width=found.model.width)
+    small, whole = (one.std_errors[-1]["df"] for one in (known, found))
+    assert whole > 2.0 * small
+    assert abs(found.model.terms[-1].values["df"] - 1.0) < 3.0 * whole
+
+
 def test_a_single_joint_apart_frees_those_that_are_known_well_enough():
     x, error = np.array([0.9, -0.5, 0.1, 0.6]), np.array([0.02, 0.03, 0.02, 1.5])
     assert apart(x, error).tolist() == [0, 1, 2]

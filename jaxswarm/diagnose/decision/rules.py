@@ -100,8 +100,8 @@ HOPELESS = 0.8
 # --- Whether a refit confirms a candidate --------------------------------------------------------------------
 # A linear coefficient beyond so many standard errors is certain: else it stands for something else.
 CERTAIN = 2.0
-# A law that takes this share off the squared error is needed, whatever the doubt of its coefficient: Stribeck
-# and Coulomb friction are told apart by few slow samples, their sum by all.
+# A law that takes this share off the squared error of its joint is needed, whatever the doubt of its
+# coefficient: Stribeck and Coulomb friction are told apart by few slow samples, their sum by all.
 NEEDED = 0.2
 # A law that is fitted in place of another keeps this part of the share it promised beside it: 1.05 of it on
 # measured strain-wave gears, where it is right, 0.8 where friction was Stribeck's and quadratic.

@@ -94,23 +94,28 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     if after is None:
         return None
     fall = 1.0 - cost(after) / cost(current)
-    if not _holds(after, term, fall) or unphysical_beside(after, term) - unphysical_beside(
-        current, term
-    ):
+    own = 1.0 - _own_cost(after, weight, chosen.joint) / _own_cost(current, weight, chosen.joint)
+    held = fall > 0.0 and _holds(after, term, own)
+    if not held or unphysical_beside(after, term) - unphysical_beside(current, term):
         return None
     within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
     return after if within >= WITHIN_BOUNDS * fall else None
 
 
+def _own_cost(found: Estimate, weight: np.ndarray, joint: int) -> float:
+    """Weighted squares that are left on one joint."""
+    return float(np.square(found.fit.residual * weight)[:, joint].sum())
+
+
 def _holds(after: Estimate, term: Term, fall: float) -> bool:
-    """Whether a fitted term can be, and is needed for the fall of the cost."""
+    """Whether a fitted term can be, and is needed for the fall of the squared error of its joint."""
     number = number_of(term, after.model.terms)
     fitted, errors = after.model.terms[number], after.std_errors[number]
     physical = can_be(fitted, errors)
     physical = physical and stands_for_itself(fitted, errors) and goes_beyond(fitted, errors)
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
-    return physical and fall > 0.0 and (is_certain(fitted, errors) or fall > NEEDED)
+    return physical and (is_certain(fitted, errors) or fall > NEEDED)
 
 
 def _within_own_bounds(after: Estimate, term: Term) -> Estimate:

@@ -6,14 +6,13 @@ import numpy as np
 
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
-    free_parameters,
     width_parameter,
 )
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
+    apart_from,
     newton,
     settle,
-    widths_apart,
 )
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
@@ -30,8 +29,11 @@ _PASSES, _SETTLED = 3, 0.02
 
 def choose_widths(
     problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
-) -> tuple[Settled, list[FreeParameter]]:
-    """The fit with the widths that its log tells, and what is free there.
+) -> tuple[Settled, list[FreeParameter], list[FreeParameter]]:
+    """The fit with the widths that its log tells, what is free there, and widths that are held but not known.
+
+    What leans on others is held where it has come to. As if it were known, the height of Stribeck's curve had
+    an error of 0.009 N m where it was 0.08 off.
 
     Args:
         problem: What stays the same.
@@ -39,31 +41,32 @@ def choose_widths(
         moving: What is free there.
         groups: Joints of a kind with directed friction.
     """
+    held: list[FreeParameter] = []
     for _ in range(_PASSES):
         before = here.place.width
-        here, moving = _chosen(problem, here, moving, groups)
+        here, moving, held = _chosen(problem, here, moving, groups)
         if not groups or np.abs(np.log(np.divide(here.place.width, before))).max() < _SETTLED:
             break
-    return here, moving
+    return here, moving, held
 
 
 def _chosen(
     problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
-) -> tuple[Settled, list[FreeParameter]]:
+) -> tuple[Settled, list[FreeParameter], list[FreeParameter]]:
     """The same, from what the log tells to first order about the widths of a fit."""
     own = _own_widths(problem, here, groups)
     freed = _freed(groups, own, here.place.width)
     rest = [tuple(j for j in group if j not in freed) for group in groups]
     split = [*(group for group in rest if group), *((j,) for j in sorted(freed))]
     if freed:
-        moving = free_parameters(
+        moving = problem.free(
             here.place.terms, free_widths(problem.motions, split, here.place.width)
         )
         here = newton(problem, moving, here)
         own = _own_widths(problem, here, groups)
     if own:
-        here, moving = _leaning(problem, here, moving, groups, split, freed, own)
-    return here, moving
+        return _leaning(problem, here, moving, groups, split, freed, own)
+    return here, moving, []
 
 
 def free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
@@ -77,17 +80,20 @@ def free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]
 
 
 def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own):
-    """The fit with widths that lean on each other, unless the log denies it; and what is free there."""
+    """The fit with widths that lean on each other, if the log allows it; what is free there, what is held."""
     told = told_by_the_others(groups, freed, here.place.width, own)
     known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
     if len(known) == len(split):
-        return here, moving
-    free = free_parameters(here.place.terms, free_widths(problem.motions, known, told))
+        return here, moving, []
+    free = problem.free(here.place.terms, free_widths(problem.motions, known, told))
     there = newton(problem, free, settle(problem, here.place._replace(width=told), here.pi))
     sigma = here.solution.sigma
     one, two = (weighted_cost(x.residual, sigma) for x in (here, there))
     denied = two > (1.0 + _HARDLY_TOLD / len(here.residual)) * one
-    return (here, moving) if denied else (there, free)
+    if denied:
+        return here, moving, []
+    leaning = [(j,) for group in split if group not in known for j in group]
+    return there, free, free_widths(problem.motions, leaning, told)
 
 
 def _own_widths(problem: Problem, here: Settled, groups) -> dict[int, tuple[float, float]]:
@@ -107,7 +113,7 @@ def _own_widths(problem: Problem, here: Settled, groups) -> dict[int, tuple[floa
     untold = {
         one.joints[0]: (float(np.log(here.place.width[one.joints[0]])), np.inf) for one in every
     }
-    change, doubt = widths_apart(problem, alone, here)
+    change, doubt = apart_from(problem, alone, here)
     scale = np.array([np.log(one.upper / one.lower) for one in alone])
     now = np.log([here.place.width[one.joints[0]] for one in alone])
     rows = zip(now + change * scale, doubt * scale, strict=True)

@@ -10,11 +10,7 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
 from jaxswarm.identify.estimation.events import with_event_torques
-from jaxswarm.identify.estimation.free_parameters import (
-    FreeParameter,
-    Place,
-    free_parameters,
-)
+from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
     newton,
@@ -26,6 +22,7 @@ from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
 from jaxswarm.identify.estimation.standing import held, leave_out, standing
 from jaxswarm.identify.estimation.usable import check_usable
+from jaxswarm.identify.estimation.usual import as_usual, told_apart, usual_shapes
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
@@ -109,14 +106,24 @@ def estimate(
     width = tuple(map(float, np.broadcast_to(width, robot.num_joints)))
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     motions = _without_rest(robot, terms, motions, rigids, width, pi)
-    problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
+    problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual_shapes(terms))
     groups = width_groups(robot, terms) if refine_width else []
-    moving = free_parameters(terms, free_widths(motions, alike(groups, width), width))
+    here, moving, held_widths = _fitted(problem, groups, Place(as_usual(terms), width), pi)
+    told = told_apart(problem, here, [*moving, *held_widths])
+    if told:
+        problem = replace(problem, usual=problem.usual - told)
+        here, moving, held_widths = _fitted(problem, groups, here.place, here.pi)
+    return _named(problem, here, moving, held_widths)
+
+
+def _fitted(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, pi: np.ndarray):
+    """The fit from a place, what is free there, and widths that are held but not known."""
+    widths = free_widths(problem.motions, alike(groups, place.width), place.width)
+    moving = problem.free(place.terms, widths)
     # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
-    here, moving = choose_widths(
-        problem, newton(problem, moving, settle(problem, Place(terms, width), pi)), moving, groups
+    return choose_widths(
+        problem, newton(problem, moving, settle(problem, place, pi)), moving, groups
     )
-    return _named(problem, here, moving, _finish(problem, here, moving))
 
 
 def _without_rest(
@@ -157,12 +164,13 @@ def untold(term: Term, errors: dict[str, float]) -> list[str]:
 
 
 def _named(
-    problem: Problem, here: Settled, moving: list[FreeParameter], found: Estimate
+    problem: Problem, here: Settled, moving: list[FreeParameter], held_widths: list[FreeParameter]
 ) -> Estimate:
     """The estimate in which a part of a law that is there alone goes by the name of the first one.
 
     Either part could stand for it, and where the search began would decide what is told of it.
     """
+    found = _finish(problem, here, moving, held_widths)
     alone = [_exchange(*own) for own in zip(found.model.terms, found.std_errors, strict=True)]
     if not any(alone):
         return found
@@ -171,7 +179,7 @@ def _named(
         for t, change in zip(found.model.terms, alone, strict=True)
     )
     there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.pi))
-    return _finish(problem, there, moving)
+    return _finish(problem, there, moving, held_widths)
 
 
 def _exchange(term: Term, errors: dict[str, float]) -> Callable | None:
@@ -188,7 +196,9 @@ def _uncertainty(solution: Fit) -> Uncertainty:
     return Uncertainty(tuple(base.names[k] for k in base.kept), solution.covariance)
 
 
-def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Estimate:
+def _finish(
+    problem: Problem, here: Settled, moving: list[FreeParameter], held_widths: list[FreeParameter]
+) -> Estimate:
     """The estimate with values and standard errors by name."""
     robot, theta = problem.robot, here.solution.theta
     first, solution = problem.motions[0], with_doubt(here.solution, here.regression)
@@ -209,16 +219,18 @@ def _finish(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Est
         uncertainty=_uncertainty(solution),
     )
     placed = replace(here, place=Place(terms, here.place.width))
-    columns, positions = standard_errors(problem, moving, placed, linear_values(model))
+    doubted = [*moving, *held_widths]
+    columns, positions = standard_errors(problem, doubted, placed, linear_values(model))
     errors = [
         dict(zip(names, map(float, own), strict=True))
         for names, own in zip(named, np.split(columns, split)[1:], strict=False)
     ]
-    for free, error in zip(moving, positions, strict=True):
+    for free, error in zip(doubted, positions, strict=True):
         if free.term is not None:
             slope = free.parameter.slope(terms[free.term].values[free.name])
             errors[free.term][free.name] = float(error * slope)
     for term, own in zip(terms, errors, strict=True):
+        own.update({p.name: np.nan for p in term.law.free(term.values) if p.name not in own})
         pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
         if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))

@@ -148,12 +148,15 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     return np.clip(step[-len(moving) :], -0.2, 0.2)
 
 
-def widths_apart(
-    problem: Problem, alone: list[FreeParameter], here: Settled
+def apart_from(
+    problem: Problem, held: list[FreeParameter], here: Settled
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How far single joints' widths would move from those they share, and the standard errors, (m,) each."""
-    step = _step(problem, alone, here)
-    return step, standard_errors(problem, alone, here, here.theta)[1]
+    """How far parameters would move from where they are held, and the standard errors, (m,) each.
+
+    Positions both, such as those of single joints' widths from the one that they share.
+    """
+    step = _step(problem, held, here)
+    return step, standard_errors(problem, held, here, here.theta)[1]
 
 
 def standard_errors(

@@ -1,12 +1,13 @@
 """What stays the same while a model is fitted: robot, logs and bounds."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term, parameter_bounds
-from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
+from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, free_parameters
 from jaxswarm.identify.estimation.least_squares import Solved, solved
 from jaxswarm.identify.estimation.link_inertia import link_inertias
 from jaxswarm.identify.forward.body import moves_links
@@ -22,6 +23,7 @@ class Problem:
     """What stays the same while a model is fitted.
 
     Attributes:
+        usual: Nonlinear parameters that stay at their usual values, by the number of their term and their name.
         inertias: Rows of :func:`link_inertias` by the terms' identities: every fit asks for the same.
     """
 
@@ -29,7 +31,15 @@ class Problem:
     motions: tuple[Motion, ...]
     rigids: tuple[Rigid, ...]
     bounded: bool
+    usual: frozenset[tuple[int | None, str]] = frozenset()
     inertias: dict = field(default_factory=dict, repr=False, compare=False)
+
+    def free(
+        self, terms: tuple[Term, ...], widths: Sequence[FreeParameter] = ()
+    ) -> list[FreeParameter]:
+        """All that may move beside the linear parameters, with the widths that are free."""
+        every = free_parameters(terms, widths)
+        return [one for one in every if (one.term, one.name) not in self.usual]
 
     def build(self, place: Place, pi) -> Regression:
         """The rows at a place."""

@@ -1,0 +1,38 @@
+"""The exponent of Stribeck's curve stays at the usual one unless a log tells another."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from small_problems import make_motion, planar_arm
+
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+
+PLAIN = [Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2)]
+WIDTH = 0.05
+
+
+@cache
+def fitted(delta: float, noise: float):
+    """Values and errors of the curve of the first joint, 1.5 N m high at rest and gone beyond 0.4 rad/s."""
+
+    def friction(q, dq, ddq):
+        curve = 1.5 * np.exp(-((np.abs(dq) / 0.4) ** delta)) * np.array([1.0, 0.0])
+        return (2.0 + curve) * np.tanh(dq / WIDTH) + 0.5 * dq
+
+    motion = make_motion(planar_arm(), friction, length=1500, noise=noise)
+    found = estimate(planar_arm(), (*PLAIN, Term("stribeck_friction", 0)), [motion], width=WIDTH)
+    return found.model.terms[-1].values, found.std_errors[-1]
+
+
+def test_where_the_log_does_not_tell_another_it_is_the_usual_one_and_has_no_error():
+    values, errors = fitted(2.0, 0.5)
+    assert values["delta"] == 2.0 and np.isnan(errors["delta"])
+    assert abs(values["df"] - 1.5) < 3.0 * errors["df"] and errors["df"] < 0.3
+
+
+@pytest.mark.parametrize("delta", [0.8, 1.2])
+def test_where_the_log_tells_another_it_is_that_one(delta):
+    values, errors = fitted(delta, 0.02)
+    assert abs(values["delta"] - delta) < 4.0 * errors["delta"] < 0.4
