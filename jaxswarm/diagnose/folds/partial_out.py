@@ -182,7 +182,7 @@ def width_slopes(found: Estimate) -> np.ndarray:
     problem = Problem(model.robot, motions, found.rigids, False)
     moving = [
         width_parameter((j,), width_range(motions, group))
-        for group in width_groups(model.robot, model.terms)
+        for group in width_groups(model.robot, model.terms, motions)
         for j in group
     ]
     moving = [one for one in moving if one.lower < model.width[one.joints[0]] < one.upper]

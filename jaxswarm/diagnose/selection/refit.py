@@ -167,6 +167,7 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
         current.motions,
         current.rigids,
         _rigid(after),
+        after.model.width,
     )
     if np.abs(np.log(np.divide(width, after.model.width))).max() < _NEAR:
         return after

@@ -34,6 +34,7 @@ class Search:
         skews: Clock skews that were allowed for.
         everyday: Whether what every drive has was asked already.
         settled: Whether every choice was made again already.
+        sticking: Joints whose rows are left out where friction holds them for a moment.
         withdrawn, refused: As :class:`Diagnosis` tells them.
     """
 
@@ -58,6 +59,7 @@ class Search:
     skews: list[float] = field(default_factory=list)
     everyday: bool = False
     settled: bool = False
+    sticking: set[int] = field(default_factory=set)
     withdrawn: tuple[Term, ...] = ()
     refused: list[tuple[Term, str]] = field(default_factory=list)
 

@@ -33,6 +33,7 @@ from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
+from jaxswarm.diagnose.selection.sticking import leave_out_sticks, settle_signs
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
@@ -84,16 +85,17 @@ def diagnose(
         search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
         most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
         run_rounds(search, _LACKING, most)
-        while take_back(search):
+        while take_back(search) or leave_out_sticks(search):
             run_rounds(search, _LACKING, most)
-        if search.steps:
+        if search.steps or search.sticking:
             settle_clocks(search)
             fit_from_declared(search, alone)
+            settle_signs(search, alone)
             _hold_within_bounds(search)
         else:
             _as_identified(search, alone())
     return Diagnosis(
-        within_bounds(search.declared),
+        within_bounds(search.declared) if search.steps else search.current,
         search.current,
         tuple(search.steps),
         tuple(search.scores),

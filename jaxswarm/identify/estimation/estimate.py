@@ -107,7 +107,7 @@ def estimate(
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     motions = _without_rest(robot, terms, motions, rigids, width, pi)
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual_shapes(terms))
-    groups = width_groups(robot, terms) if refine_width else []
+    groups = width_groups(robot, terms, motions) if refine_width else []
     here, moving, held_widths = _fitted(problem, groups, Place(as_usual(terms), width), pi)
     told = told_apart(problem, here, [*moving, *held_widths])
     if told:

@@ -13,6 +13,7 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.least_squares import solved
+from jaxswarm.identify.estimation.standing import tells_sign
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import term_block
 from jaxswarm.identify.forward.regression import build_regression
@@ -37,9 +38,13 @@ def typical_speed(motions: Sequence[Motion]) -> np.ndarray:
     return np.maximum(speed, _STILL)
 
 
-def width_groups(robot: Robot, terms: Sequence[Term]) -> list[tuple[int, ...]]:
-    """Joints with directed friction, those of one kind together."""
-    directed = sorted({t.joint for t in terms if t.law.uses_direction and t.joint is not None})
+def width_groups(
+    robot: Robot, terms: Sequence[Term], motions: Sequence[Motion]
+) -> list[tuple[int, ...]]:
+    """Joints with directed friction whose width these logs tell, those of one kind together."""
+    told = tells_sign(motions)
+    joints = {t.joint for t in terms if t.law.uses_direction and t.joint is not None}
+    directed = sorted(j for j in joints if told[j])
     kinds = dict.fromkeys(robot.kinds[j] for j in directed)
     return [tuple(j for j in directed if robot.kinds[j] == kind) for kind in kinds]
 
@@ -70,6 +75,7 @@ def best_widths(
     motions: Sequence[Motion],
     rigids: Sequence[Rigid],
     pi: np.ndarray | None = None,
+    known: tuple[float, ...] | None = None,
 ) -> tuple[float, ...]:
     """The widths with the smallest residual, from sharp to a fifth of the speed, one per kind of joint.
 
@@ -77,18 +83,18 @@ def best_widths(
     too sharp, no slope tells that it is too wide.
 
     All groups take the same part of their median speed at a time: what a joint's sign leaves on the others
-    is little beside what it leaves on its own.
+    is little beside what it leaves on its own. Widths that the logs do not tell are those ``known``.
     """
     speed = typical_speed(motions)
-    groups = width_groups(robot, terms)
+    groups = width_groups(robot, terms, motions)
     scale = speed.copy()
     for group in groups:
         scale[list(group)] = np.median(speed[list(group)])
+    usual = tuple(map(float, _USUAL * scale if known is None else known))
     if not groups:
-        return tuple(map(float, _USUAL * scale))
+        return usual
     grid = np.concatenate([[_SHARP], np.geomspace(_FROM, _TO, _COUNT)])
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
-    usual = tuple(map(float, _USUAL * scale))
     regression = build_regression(robot, terms, motions, usual, pi, rigids)
     costs, sigma = [], None
     for part in grid:
@@ -109,7 +115,7 @@ def best_widths(
         solution = solved(regression, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         costs.append(((solution.residual / sigma) ** 2).sum(axis=0))
-    parts, cost = np.full(robot.num_joints, _USUAL), np.array(costs)
+    parts, cost = np.divide(usual, scale), np.array(costs)
     for group in groups:
         shared = cost[:, list(group)].sum(axis=1)
         parts[list(group)] = _best(grid, shared)
