@@ -46,6 +46,8 @@ def test_an_encoder_that_would_be_worse_than_any_is_refused():
     assert can_be_read(Term("gear_coupling_error", 2, 1, values={"c": 0.3}))
     assert not can_be_read(Term("gear_coupling_error", 2, 1, values={"c": 0.5}))
     assert not can_be_read(Term("encoder_offset", 1, values={"dq0": -0.5}))
+    assert can_be_read(Term("time_delay", None, values={"seconds": 0.02}))
+    assert not can_be_read(Term("time_delay", None, values={"seconds": 0.05}))
     assert can_be_read(Term("viscous_friction", 1, values={"b": 0.0}))
 
 
