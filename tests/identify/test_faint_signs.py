@@ -198,7 +198,7 @@ class Known:
     def lateness_beside_a_line(self, sigma, joint):
         return self.lateness(sigma)
 
-    def lateness_in_motion(self, sigma, joint):
+    def lateness_in_motion(self, sigma):
         return self.lateness(sigma)
 
 
@@ -318,7 +318,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
     )
     rough.lateness_in_parts = lambda sigma, parts: [rough.lateness(sigma)] * parts
     rough.lateness_beside_a_line = lambda sigma, joint: rough.lateness(sigma)
-    rough.lateness_in_motion = rough.lateness_beside_a_line
+    rough.lateness_in_motion = lambda sigma: rough.lateness_beside_a_line(sigma, 0)
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
     assert late_torque(robot, rough, rough, INTERVAL) is None
 
@@ -329,6 +329,7 @@ def test_the_other_joint_of_two_is_the_clock():
     late = Lateness(np.array([0.002, 0.0135]), np.array([0.0, -0.25]))
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
     pair.lateness_in_parts = lambda sigma, parts: [late] * parts
-    pair.lateness_beside_a_line = pair.lateness_in_motion = lambda sigma, joint: late
+    pair.lateness_beside_a_line = lambda sigma, joint: late
+    pair.lateness_in_motion = lambda sigma: late
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair, INTERVAL)
     assert found is not None and "b is 12 ms late" in found.what

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.checks.check_log import against_robot
-from jaxswarm.identify.checks.late import _IN_MOTION
+from jaxswarm.identify.checks.late import _IN_MOTION, _apart, _apart_in_motion
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_columns import strongest_line
-from jaxswarm.identify.checks.samples import samples_of
+from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.synthetic import Noise, fourier_motion, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -68,17 +69,44 @@ def rough_of(arm, log):
     return model, model.as_logged()[1]
 
 
+def winding_up(joints, share=0.02):
+    """A clean log whose torques of some joints run 0.4 s ahead where they hardly move."""
+
+    def of(arm):
+        log = synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), rate=RATE, duration=20.0)
+        speed = np.gradient(log.q, log.t, axis=0)
+        stuck = np.abs(speed) < share * np.sqrt(np.mean(speed**2, axis=0))
+        stuck &= np.isin(np.arange(arm.num_joints), joints)
+        return log, np.where(stuck, log.tau + 0.4 * np.gradient(log.tau, log.t, axis=0), log.tau)
+
+    return of
+
+
 def test_a_torque_that_runs_ahead_where_its_joint_sticks_alone_is_early_at_rest_alone(arm):
-    log = synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), rate=RATE, duration=20.0)
-    speed = np.gradient(log.q[:, JOINT], log.t)
-    stuck = np.abs(speed) < 0.02 * np.sqrt(np.mean(speed**2))
-    tau = log.tau.copy()
-    tau[stuck, JOINT] += 0.4 * np.gradient(tau[:, JOINT], log.t)[stuck]
+    log, tau = winding_up([JOINT])(arm)
     for given, least, most in (
         (replace(log, tau=tau), -np.inf, _IN_MOTION),
         (late(log, JOINT), 0.9, 1.1),
     ):
         model, sigma = rough_of(arm, given)
         whole = model.lateness(sigma).seconds[JOINT]
-        moving = model.lateness_in_motion(sigma, JOINT).seconds[JOINT]
+        moving = model.lateness_in_motion(sigma).seconds[JOINT]
         assert abs(whole) > 1e-3 and least < moving / whole < most
+
+
+def test_a_joint_that_moves_is_not_late_against_others_that_stick(arm):
+    others = [j for j in range(arm.num_joints) if j != JOINT]
+    log, tau = winding_up(others, 0.15)(arm)
+    model, sigma = rough_of(arm, replace(log, tau=tau))
+    whole, moving = _apart(model.lateness(sigma))[JOINT], _apart_in_motion(model, sigma)[JOINT]
+    assert whole > 5e-3 and abs(moving) < 0.2 * whole
+
+
+def test_a_fine_model_knows_of_drag(arm):
+    """What an undeclared one left on its joint made the torque of the other joint of an arm look late."""
+    left = []
+    for hidden in ((), (Term("quadratic_drag", 5, values={"c": 5.0}),)):
+        log = synthetic_log(arm, hidden, 3, noise=Noise(2e-5, 0.05), rate=RATE, duration=20.0)
+        fine = Rough(arm, fine_samples(prepare_segments(log, Filtering())[1]))
+        left.append(fine.as_logged()[0].left[5] * fine.spread[5])
+    assert left[1] < 1.3 * left[0]

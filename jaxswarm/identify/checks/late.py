@@ -140,7 +140,7 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
     for j in map(int, np.flatnonzero(clear)):
         clear[j] = (
             _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
-            and _apart_in_motion(model, sigma, j) / apart[j] >= _IN_MOTION
+            and _apart_in_motion(model, sigma)[j] / apart[j] >= _IN_MOTION
         )
     return _Told(clear, apart, gain)
 
@@ -169,9 +169,12 @@ def _apart_beside_a_line(model: Rough, sigma: np.ndarray, joint: int) -> float:
     return float(_apart(model.lateness_beside_a_line(sigma, joint))[joint])
 
 
-def _apart_in_motion(model: Rough, sigma: np.ndarray, joint: int) -> float:
-    """By how much a joint is late against the others [s], where rows in which it may stick are not asked."""
-    return float(_apart(model.lateness_in_motion(sigma, joint))[joint])
+def _apart_in_motion(model: Rough, sigma: np.ndarray) -> np.ndarray:
+    """By how much joints are late against the others [s], (n,), without the rows in which one may stick.
+
+    Nor those of the others: one that moves was told as late against three that stick.
+    """
+    return _apart(model.lateness_in_motion(sigma))
 
 
 def _in_each_half(rough: Rough, sigma: np.ndarray, apart: np.ndarray) -> np.ndarray:

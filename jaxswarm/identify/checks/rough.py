@@ -173,12 +173,14 @@ class Rough:
         hertz = strongest_line(self.samples.t, self._block(joint) @ weights)
         return Rough(self._robot, self.samples, Wave(joint, hertz)).lateness(sigma)
 
-    def lateness_in_motion(self, sigma: np.ndarray, joint: int) -> Lateness:
-        """The same by the ``sigma`` of above, without the rows in which a joint hardly moves."""
-        block = self._block(joint)
-        block[slow_rows(self.samples, joint, self.speed[joint])] = 0.0
-        other, factors = copy(self), list(self._factors)
-        factors[joint] = narrow_factor(block)
+    def lateness_in_motion(self, sigma: np.ndarray) -> Lateness:
+        """The same by the ``sigma`` of above, without the rows of every joint in which it hardly moves."""
+        factors = []
+        for joint, speed in enumerate(self.speed):
+            block = self._block(joint)
+            block[slow_rows(self.samples, joint, speed)] = 0.0
+            factors.append(narrow_factor(block))
+        other = copy(self)
         other._factors = _of_one_length(factors)
         return other.lateness(sigma)
 
