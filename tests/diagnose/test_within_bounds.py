@@ -1,5 +1,7 @@
 """Values that chance alone drives beyond physics are held; those the log insists on are not."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
@@ -8,7 +10,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.tenable import can_be, goes_beyond
+from jaxswarm.diagnose.selection.tenable import can_be, goes_beyond, unphysical_beside
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -128,3 +130,27 @@ def test_no_law_may_drive_friction_of_its_joint_below_zero(level, possible):
 def test_a_law_is_certain_in_what_those_it_contains_have_not(effect, values, there):
     """A constant torque was told as a cable from another joint, with a second log's consent."""
     assert goes_beyond(Term(effect, 1, values=values), dict.fromkeys(values, 0.1)) is there
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "refused"),
+    [
+        (0.2, -0.5, True),
+        (0.2, -0.3, False),  # by chance
+        (-1.6, 0.3, False),
+        (-1.6, -1.9, False),  # by chance
+        (-1.6, -4.1, True),
+    ],
+)
+def test_no_law_drives_friction_further_below_zero(before, after, refused):
+    """Viscous friction of -1.6 went to -4.1 beside a quadratic drag: the joint's friction fell with speed."""
+
+    def fit(b, *added):
+        terms = (Term("viscous_friction", 1, values={"b": b}), *added)
+        return SimpleNamespace(
+            model=SimpleNamespace(terms=terms),
+            std_errors=tuple(dict.fromkeys(t.values, 0.1) for t in terms),
+        )
+
+    drag = Term("quadratic_drag", 1, values={"c": 17.0})
+    assert unphysical_beside(fit(before), fit(after, drag), drag) is refused

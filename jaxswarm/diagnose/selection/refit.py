@@ -96,7 +96,7 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     fall = 1.0 - cost(after) / cost(current)
     own = 1.0 - _own_cost(after, weight, chosen.joint) / _own_cost(current, weight, chosen.joint)
     held = fall > 0.0 and _holds(after, term, own)
-    if not held or unphysical_beside(after, term) - unphysical_beside(current, term):
+    if not held or unphysical_beside(current, after, term):
         return None
     within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
     return after if within >= WITHIN_BOUNDS * fall else None

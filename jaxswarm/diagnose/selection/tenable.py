@@ -68,16 +68,28 @@ def can_be_read(term: Term) -> bool:
     return all(p.lower < term.values[p.name] < p.upper for p in law.parameters)
 
 
-def unphysical_beside(found: Estimate, term: Term) -> set[tuple]:
-    """The other terms of a term's joint that the log wants beyond their physical bounds, whatever chance.
+def unphysical_beside(before: Estimate, after: Estimate, term: Term) -> bool:
+    """Whether a law drives another one of its joint beyond its physical bounds, or further beyond, whatever chance.
 
-    An eddy brake was told as Stribeck friction beside a Coulomb level of -38 N: a bent curve, no law.
+    An eddy brake was told as Stribeck friction beside a Coulomb level of -38 N: a bent curve, no law. What the
+    log wanted beyond its bounds before goes further where it moves by more than its doubt was then: viscous
+    friction of -1.6 was driven to -4.1 by a quadratic drag, which gave 7 N m on motion ten times as fast, where
+    Stribeck friction left less and brought it back.
     """
+    former = _room_beside(before, term)
+    for key, (room, doubt) in _room_beside(after, term).items():
+        was, known = former.get(key, (0.0, 0.0))
+        if room < (was - known if was < -known else -doubt):
+            return True
+    return False
+
+
+def _room_beside(found: Estimate, term: Term) -> dict[tuple, tuple[float, float]]:
+    """What the other terms of a term's joint have above their lower bounds, and what of it may be chance."""
     rows = zip(found.model.terms, found.std_errors, strict=True)
     return {
-        t.identity
+        (t.identity, p.name): (t.values[p.name] - p.lower, BEYOND_CHANCE * errors[p.name])
         for t, errors in rows
-        if t.joint == term.joint
-        and t.place != term.place
-        and any(t.values[p.name] - p.lower < -BEYOND_CHANCE * errors[p.name] for p in t.law.linear)
+        if t.joint == term.joint and t.place != term.place
+        for p in t.law.linear
     }

@@ -158,7 +158,7 @@ def _may_stand(current: Estimate, after: Estimate, term: Term, search: Search) -
     known = with_errors(term, after)
     assert known is not None  # the fit that it is of has it
     physical = can_be(*known) and is_certain(*known) and goes_beyond(*known)
-    if not physical or unphysical_beside(after, term) - unphysical_beside(current, term):
+    if not physical or unphysical_beside(current, after, term):
         return False
     bent = imitates(term, after.model.terms, after.motions)
     return not bent and one_place(after, term, search.rules, search.seed) is None
