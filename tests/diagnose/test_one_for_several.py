@@ -24,20 +24,24 @@ SPRING = Term("joint_spring", 1, values={"k": 12.0, "tau0": 1.0})
 DRAG = Term("quadratic_drag", 2, values={"c": 1.0})
 
 
-def ended(truth, joint_law):
-    """A search that has added a law of a joint, as if no other one had been proven."""
-    found = with_motion_noise(fitted(elbow_log(truth)), 0)
-    first = max(ask(found, joint_law), key=lambda s: s.share)
-    after = refit(found, (*found.model.terms, first.candidate.term))
-    added = find_term(after, first.candidate.term)
-    search = Search(after, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
-    search.steps = [Step(added, first, (), (), found, after, ())]
+def ended(truths, *joint_laws):
+    """A search that has added laws of a joint, as if no other one had been proven."""
+    found = with_motion_noise(fitted(elbow_log(*truths)), 0)
+    joint = truths[0].joint
+    search = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    for law in joint_laws:
+        before = search.current
+        asked = [s for s in ask(before, law) if s.candidate.term.joint == joint or joint is None]
+        score = max(asked, key=lambda s: s.share)
+        search.current = refit(before, (*before.model.terms, score.candidate.term))
+        added = find_term(search.current, score.candidate.term)
+        search.steps.append(Step(added, score, (), (), before, search.current, ()))
     return search
 
 
 @pytest.mark.parametrize("joint_law", ["torque_offset", "torque_ripple"])
 def test_a_load_takes_the_place_of_what_was_told_of_a_joint(joint_law):
-    search = ended(LOAD, joint_law)
+    search = ended([LOAD], joint_law)
     told = search.steps[0].added
     assert told.effect == joint_law
     assert one_for_several(search)
@@ -49,7 +53,7 @@ def test_a_load_takes_the_place_of_what_was_told_of_a_joint(joint_law):
 
 
 def test_what_every_drive_has_stays():
-    search = ended(LOAD, "torque_offset")
+    search = ended([LOAD], "torque_offset")
     (step,) = search.steps
     friction = replace(step, added=search.current.model.terms[0])
     assert friction.added.law.everyday
@@ -61,7 +65,7 @@ def test_what_every_drive_has_stays():
 
 
 def test_a_zero_that_is_off_takes_the_place_of_an_offset():
-    search = ended(Term("encoder_offset", 1, values={"dq0": 0.2}), "torque_offset")
+    search = ended([Term("encoder_offset", 1, values={"dq0": 0.2})], "torque_offset")
     assert one_for_several(search)
     (step,) = search.steps
     assert step.added.place == ("encoder_offset", 1, None)
@@ -70,12 +74,28 @@ def test_a_zero_that_is_off_takes_the_place_of_an_offset():
 
 @pytest.mark.parametrize("truth", [SPRING, DRAG], ids=lambda t: t.effect)
 def test_a_law_of_a_joint_that_is_right_stays(truth):
-    search = ended(truth, truth.effect)
+    search = ended([truth], truth.effect)
     assert not one_for_several(search)
     assert search.steps[0].added.effect == truth.effect
 
 
 def test_a_law_of_a_joint_that_is_wrong_stays_where_none_of_the_arm_explains_more():
-    search = ended(SPRING, "torque_ripple")
+    search = ended([SPRING], "torque_ripple")
     assert not one_for_several(search)
     assert search.steps[0].added.effect == "torque_ripple"
+
+
+def test_a_law_takes_the_place_of_two_on_its_joint():
+    """A drive gain was told as a saturation and a cable, each proven more easily."""
+    search = ended([SPRING], "gravity_compensator", "quadratic_drag")
+    assert one_for_several(search)
+    (step,) = search.steps
+    assert step.added.place == ("joint_spring", 1, None) and len(search.withdrawn) == 2
+    assert step.added.values["k"] == pytest.approx(12.0, rel=0.02)
+
+
+def test_two_laws_of_a_joint_that_are_right_stay():
+    drag = Term("quadratic_drag", 1, values={"c": 1.0})
+    search = ended([SPRING, drag], "joint_spring", "quadratic_drag")
+    assert [s.added.joint for s in search.steps] == [1, 1]
+    assert not one_for_several(search)

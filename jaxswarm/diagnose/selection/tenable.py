@@ -69,7 +69,7 @@ def can_be_read(term: Term) -> bool:
 
 
 def unphysical_beside(before: Estimate, after: Estimate, term: Term) -> bool:
-    """Whether a law drives another one of its joint beyond its physical bounds, or further beyond, whatever chance.
+    """Whether a law drives another one of its joint beyond its physical bounds, or further, whatever chance.
 
     An eddy brake was told as Stribeck friction beside a Coulomb level of -38 N: a bent curve, no law. What the
     log wanted beyond its bounds before goes further where it moves by more than its doubt was then: viscous
