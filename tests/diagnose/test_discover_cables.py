@@ -81,7 +81,7 @@ def test_a_joint_is_searched_without_the_rows_of_a_partner_that_is_far_from_its_
     found, crossfit = declared_fit(sprung())
     asked = []
 
-    def none(problem, pieces, label, seed):
+    def none(problem, pieces, label, seed, terms):
         asked.append(problem.lin.crossfit.weight.any(axis=0).tolist())
         return [], 0
 

@@ -22,6 +22,7 @@ from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.effects.parameter import Parameter
 
+open_joints = importlib.import_module("jaxswarm.diagnose.discovery.open_joints")
 discovery = importlib.import_module("jaxswarm.diagnose.discovery.discover")
 
 
@@ -187,3 +188,26 @@ def test_a_formula_is_searched_again_beside_those_found_after_it(monkeypatch, be
     _, search = discovery.discover(diagnosis)
     assert again == order
     assert sorted(one.added.joint for one in search.found) == [1, 2]
+
+
+@pytest.mark.parametrize(
+    ("over_noise", "share", "law", "asked"),
+    [
+        (1.7, 0.28, False, [Open(1, ("dq",), 0.28)]),
+        (1.1, 0.28, False, []),
+        (1.1, 0.37, True, [Open(1, ("dq",), 0.37, named=True)]),
+        (0.9, 0.37, True, []),
+        (1.7, 0.9, True, [Open(1, ("dq",), 0.9)]),
+    ],
+)
+def test_structure_near_the_noise_is_searched(monkeypatch, over_noise, share, law, asked):
+    """A law near standstill showed 1.7 times the noise on one log, and 3.5 times on another."""
+
+    def structure(final, crossfit, seed, joints):
+        return [SimpleNamespace(joint=j, depends_on=("dq",), share=share) for j in joints]
+
+    left = [Remainder(j, x, (), (0.0, 0.0)) for j, x in enumerate((0.9, over_noise, 0.9))]
+    kept = [SimpleNamespace(added=SimpleNamespace(joint=1))] if law else []
+    monkeypatch.setattr(open_joints, "find_unexplained", structure)
+    monkeypatch.setattr(open_joints, "remainders", lambda final: left)
+    assert open_joints.unlawful(SimpleNamespace(final=None, crossfit=None, kept=kept), 0) == asked

@@ -87,6 +87,11 @@ def test_a_term_stays_only_where_the_refitted_model_needs_it(monkeypatch, needed
     assert len(proved) == (2 if needed else 1)
 
 
+def found_formula(terms):
+    formula = SimpleNamespace(pieces=(None,) * terms)
+    return SimpleNamespace(after=None, tried=5, chosen=SimpleNamespace(formula=formula))
+
+
 @pytest.mark.parametrize(
     ("depends_on", "found_alone", "asked"),
     [
@@ -108,7 +113,7 @@ def test_neighbors_are_asked_where_what_was_named_leads_to_nothing(
         alone = variables[0][0] is None and found_alone
         return hit if alone else NoFormula(1, 5, None, "nothing")
 
-    hit = SimpleNamespace(after=None, tried=5)
+    hit = found_formula(1)
     monkeypatch.setattr(joint_search, "Discovery", SimpleNamespace)
     monkeypatch.setattr(joint_search, "_search", search)
     monkeypatch.setattr(joint_search, "remainders", lambda fit: [SimpleNamespace(near=True)] * 3)
@@ -116,3 +121,27 @@ def test_neighbors_are_asked_where_what_was_named_leads_to_nothing(
     outcome = joint_search.search_joint(diagnosis, Open(1, depends_on, 0.5), (), 0)
     assert partners == asked
     assert (outcome is hit) == found_alone
+
+
+@pytest.mark.parametrize(
+    ("bits", "with_partner"), [({1: 90.0, 2: 120.0}, True), ({1: 130.0, 2: 120.0}, False)]
+)
+def test_two_terms_of_one_joint_are_asked_as_one_law_of_two_joints(monkeypatch, bits, with_partner):
+    """dq^2 abs(load) cos(q_other) was told as two terms of one joint, a sixth above the noise."""
+    alone, both = found_formula(2), found_formula(1)
+    asked = []
+
+    def search(diagnosis, left, variables, label, other, seed, tried=0, terms=3):
+        asked.append((variables[0][0], terms))
+        return alone if variables[0][0] is None else both
+
+    monkeypatch.setattr(joint_search, "Discovery", SimpleNamespace)
+    monkeypatch.setattr(joint_search, "_search", search)
+    monkeypatch.setattr(joint_search, "clearly_better", lambda *args: False)
+    monkeypatch.setattr(
+        joint_search, "description", lambda after, point, first: bits[len(point.formula.pieces)]
+    )
+    monkeypatch.setattr(joint_search, "remainders", lambda fit: [SimpleNamespace(near=True)] * 3)
+    outcome = joint_search.search_joint(SimpleNamespace(final=fit()[0]), Open(1, (), 0.5), (), 0)
+    assert asked == [(None, 3), (0, 1)]
+    assert outcome is (both if with_partner else alone)

@@ -24,7 +24,7 @@ from jaxswarm.diagnose.discovery.term_more import explained, one_more
 
 # Terms of a sum at most, sums that get one more, and formulas beside those of the front whose constants are
 # learned without the region on which they are scored.
-_TERMS, _LEADS, _STRICT = 3, 2, 10
+MOST_TERMS, _LEADS, _STRICT = 3, 2, 10
 # A term more is looked for while the joint is not near its noise, and while the last one took this share of the
 # squared error that was left before it.
 _WORTH = 0.1
@@ -33,7 +33,11 @@ _EXCHANGES = 2
 
 
 def candidates(
-    problem: Joint, pieces: Sequence[Piece], label: np.ndarray, seed: int = 0
+    problem: Joint,
+    pieces: Sequence[Piece],
+    label: np.ndarray,
+    seed: int = 0,
+    terms: int = MOST_TERMS,
 ) -> tuple[list[Point], int]:
     """The best formulas with their errors on other motion, the best first, and how many programs were tried.
 
@@ -42,6 +46,7 @@ def candidates(
         pieces: Programs of the grammar.
         label: Region of every row.
         seed: Of the swarms.
+        terms: Terms of a sum at most.
     """
     crossfit = problem.lin.crossfit
     log = problem.lin.found.regression.log
@@ -49,7 +54,7 @@ def candidates(
     points: list[Point] = []
     tried = 0
     leads: Sequence[Sum | None] = [None]
-    for size in range(1, _TERMS + 1):
+    for size in range(1, terms + 1):
         found: list[Point] = []
         if leads == [None]:
             strung, count = cables(problem, folds)
@@ -75,7 +80,7 @@ def candidates(
                 break
         new = {id(p.formula) for p in points if len(p.formula.pieces) == size}
         leads = [p.formula for p in points if id(p.formula) in new][:_LEADS]
-    if points and not explained(problem, points[0]):
+    if points and terms > 1 and not explained(problem, points[0]):
         found, count = nearby(problem, pieces, points, folds, seed)
         points, tried = ranked([*points, *found], log), tried + count
     kept = {id(p): p for p in [*points[:_STRICT], *front(points)]}
@@ -94,7 +99,7 @@ def _exchanged(
     tried = 0
     for _ in range(_EXCHANGES):
         # One term has nothing beside it; more than are added one by one were found together.
-        if not 2 <= len(best.formula.pieces) <= _TERMS or explained(problem, best):
+        if not 2 <= len(best.formula.pieces) <= MOST_TERMS or explained(problem, best):
             break
         found: list[Point] = []
         for k in range(len(best.formula.pieces)):

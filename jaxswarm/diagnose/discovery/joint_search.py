@@ -8,7 +8,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import LOUD
-from jaxswarm.diagnose.discovery.candidates import candidates
+from jaxswarm.diagnose.discovery.candidates import MOST_TERMS, candidates
 from jaxswarm.diagnose.discovery.front import Point, front
 from jaxswarm.diagnose.discovery.grammar import programs
 from jaxswarm.diagnose.discovery.open_joints import Open
@@ -20,7 +20,7 @@ from jaxswarm.diagnose.discovery.partner import (
 )
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.proof import Proved, clearly_better, needed, prove
-from jaxswarm.diagnose.discovery.refitted import shorter_refitted
+from jaxswarm.diagnose.discovery.refitted import description, shorter_refitted
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.seen_again import (
     alike_in_form,
@@ -66,15 +66,28 @@ def search_joint(
     named = named_partners(j, left.depends_on, final.model.robot.joints)
     outcome = _search(diagnosis, left, named, label, other, seed)
     beside = neighbors(j, named, final.model.robot.num_joints)
-    near = isinstance(outcome, Discovery) and remainders(outcome.after)[j].near
-    if left.named or near or not beside:
+    if left.named or not beside:
         return outcome
-    again = _search(diagnosis, left, beside, label, other, seed, outcome.tried)
+    most = MOST_TERMS
+    if isinstance(outcome, Discovery) and remainders(outcome.after)[j].near:
+        if len(outcome.chosen.formula.pieces) == 1:
+            return outcome
+        most = 1
+    again = _search(diagnosis, left, beside, label, other, seed, outcome.tried, most)
     if isinstance(again, NoFormula):
         return replace(outcome, tried=again.tried)
     if isinstance(outcome, NoFormula) or clearly_better(outcome.after, again.after, j, other):
         return again
-    return outcome
+    return again if most == 1 and _shorter(again, outcome) else outcome
+
+
+def _shorter(one: Discovery, other: Discovery) -> bool:
+    """Whether a formula and what it leaves are described in fewer bits than another one, all refitted.
+
+    Of dq^2 abs(load) cos(q_other) two terms without the partner left a sixth more than the noise.
+    """
+    lengths = [description(d.after, d.chosen, other.after) for d in (one, other)]
+    return lengths[0] < lengths[1]
 
 
 def _search(
@@ -85,6 +98,7 @@ def _search(
     other: Sequence[Motion],
     seed: int,
     tried: int = 0,
+    terms: int = MOST_TERMS,
 ) -> Discovery | NoFormula:
     """Search one joint with each of the given partners and further fields, after ``tried`` programs."""
     final, j = diagnosis.final, left.joint
@@ -92,7 +106,7 @@ def _search(
     for partner, wanted in variables:
         problem = problem_of(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
-        points, count = candidates(problem, pieces, label, seed)
+        points, count = candidates(problem, pieces, label, seed, terms)
         tried += count
         ranked += [(problem, one) for one in points]
     ranked.sort(key=lambda pair: pair[1].length)

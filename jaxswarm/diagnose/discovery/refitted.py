@@ -44,18 +44,18 @@ def shorter_refitted(
         if all(abs(point.error / p.error - 1.0) > _SAME for p in told) and len(told) <= _REFITTED:
             told.append(point)
     kept = without(term, after.model.terms)
-    lengths = {id(one): _length(after, one, after)}
+    lengths = {id(one): description(after, one, after)}
     for point in told[1:]:
         try:
             fitted = refit(after, (*kept, as_term(problem, point.formula)))
         except Diverged:
             continue
-        lengths[id(point)] = _length(fitted, point, after)
+        lengths[id(point)] = description(fitted, point, after)
     better = [p for p in told if lengths.get(id(p), np.inf) < lengths[id(one)]]
     return sorted(better, key=lambda p: lengths[id(p)])
 
 
-def _length(fitted: Estimate, point: Point, first: Estimate) -> float:
+def description(fitted: Estimate, point: Point, first: Estimate) -> float:
     """Bits of a formula and of what the model with it leaves, in independent samples of the first model."""
     regression = first.regression
     used = regression.used_rows
