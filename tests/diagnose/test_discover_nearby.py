@@ -19,6 +19,7 @@ from jaxswarm.diagnose.discovery.seen_again import alike_in_form, shapes_of
 from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.diagnose.discovery.term_more import believed
 from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.effects.postfix import evaluate
 
 BRAKE, CAM = Piece(("q", "sin", "dq", "*")), Piece(("q_other", "cos", "ddq", "*"))
 BENT_BRAKE, BENT_CAM = Piece(("q", "cube", "dq", "*")), Piece(("q_other", "abs", "ddq", "*"))
@@ -74,6 +75,25 @@ def test_what_explodes_is_believed_only_where_it_explains_everything(noise):
     assert not tame(problem, wild.formula)
     assert believed(problem, wild) is (noise == 0.0)
     assert any(one.formula.pieces == (WILD,) for one in found) is (noise == 0.0)
+
+
+@pytest.mark.parametrize(("of_left", "there"), [(1.0, True), (0.5, False)])
+def test_noise_is_no_part_of_what_an_exploding_law_leaves(of_left, there):
+    """dq^5 load0^2 on a joint at five times its noise left the noise, and was refused for that."""
+    law, rng = WILD.program, np.random.default_rng(0)
+
+    def torque(x):
+        said = evaluate(law, x, np)
+        return said + 0.25 * np.std(said) * rng.normal(size=said.shape)
+
+    problem, folds = lacking(torque)
+    wild = point(problem, Sum((WILD,), {}), folds)
+    weight, crossfit = problem.lin.crossfit.weight[:, 1], problem.lin.crossfit
+    left = np.sqrt(np.mean((wild.left / weight) ** 2))
+    noise = np.where(np.arange(2) == 1, of_left * left, crossfit.noise[:2])
+    problem.lin.crossfit = replace(crossfit, noise=noise)
+    assert wild.error > 0.02
+    assert believed(problem, wild) is there
 
 
 def test_a_law_is_told_in_the_shortest_shape_that_says_as_much(monkeypatch):

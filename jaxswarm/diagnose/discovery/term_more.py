@@ -16,8 +16,9 @@ _TRIED = 30
 # What is left within this share of the squared error, a twentieth of the torque, is the doubt of the motion
 # that a law is computed from: on a drag of two joints it was 0.0019, and two terms of no meaning fitted it.
 _DOUBT = 0.0025
-# Share of the squared error that what explodes behind its range may leave where it was not fitted: with
-# q^2 dq^3 abs(q_o - c) among two terms it was 0.003, and 0.09 with the best of those that do not.
+# Share of the squared error that what explodes behind its range may leave beyond the noise where it was not
+# fitted: with q^2 dq^3 abs(q_o - c) among two terms it was 0.003, and 0.09 with the best of those that do not.
+# Of a joint at 5 times its noise the noise is 0.04: dq^5 load0^2 left 0.05, the best of those that do not 0.09.
 _SURELY = 0.02
 # Multiple of the noise below which a residual on other motion is not searched for more.
 _NEAR = 1.5
@@ -59,17 +60,20 @@ def believed(problem: Joint, one: Point) -> bool:
 
     A law may explode after all, as a product of high powers of three variables does.
     """
-    return tame(problem, one.formula) or (one.error < _SURELY and explained(problem, one))
+    if tame(problem, one.formula):
+        return True
+    of_noise = min(1.0, _over_noise(problem, one) ** -2)
+    return one.error * (1.0 - of_noise) < _SURELY and explained(problem, one)
 
 
 def explained(problem: Joint, best: Point) -> bool:
     """Whether nothing that is surely torque is left."""
-    return best.error < _DOUBT or _near_noise(problem, best)
+    return best.error < _DOUBT or _over_noise(problem, best) < _NEAR
 
 
-def _near_noise(problem: Joint, best: Point) -> bool:
-    """Whether nothing is left to be explained."""
+def _over_noise(problem: Joint, best: Point) -> float:
+    """RMS of what is left on other motion over the noise."""
     crossfit, j = problem.lin.crossfit, problem.joint
     weight = np.maximum(crossfit.weight[:, j], 1e-300)
     left = np.sqrt(np.mean((best.left / weight) ** 2))
-    return bool(left < _NEAR * crossfit.noise[j])
+    return float(max(left, 1e-300) / crossfit.noise[j])
