@@ -20,8 +20,9 @@ from jaxswarm.identify.checks.guesses import (
 )
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.lateness import Lateness
-from jaxswarm.identify.checks.rough import Rough, Tried
+from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import fine_samples, samples_of
+from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -201,6 +202,9 @@ class Known:
     def lateness_in_motion(self, sigma):
         return self.lateness(sigma)
 
+    def lateness_without_friction(self, sigma, joint):
+        return self.lateness(sigma)
+
 
 # A model that has nothing to tell, and one of too few rows to be asked.
 NOTHING = Known(0.02, 0.0, 0.0)
@@ -319,6 +323,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
     rough.lateness_in_parts = lambda sigma, parts: [rough.lateness(sigma)] * parts
     rough.lateness_beside_a_line = lambda sigma, joint: rough.lateness(sigma)
     rough.lateness_in_motion = lambda sigma: rough.lateness_beside_a_line(sigma, 0)
+    rough.lateness_without_friction = rough.lateness_beside_a_line
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
     assert late_torque(robot, rough, rough, INTERVAL) is None
 
@@ -331,5 +336,6 @@ def test_the_other_joint_of_two_is_the_clock():
     pair.lateness_in_parts = lambda sigma, parts: [late] * parts
     pair.lateness_beside_a_line = lambda sigma, joint: late
     pair.lateness_in_motion = lambda sigma: late
+    pair.lateness_without_friction = pair.lateness_beside_a_line
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair, INTERVAL)
     assert found is not None and "b is 12 ms late" in found.what

@@ -7,7 +7,12 @@ import pytest
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.checks.check_log import against_robot
-from jaxswarm.identify.checks.late import _IN_MOTION, _apart, _apart_in_motion
+from jaxswarm.identify.checks.late import (
+    _IN_MOTION,
+    _WITHOUT_FRICTION,
+    _apart,
+    _apart_in_motion,
+)
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_columns import strongest_line
 from jaxswarm.identify.checks.samples import fine_samples, samples_of
@@ -110,3 +115,22 @@ def test_a_fine_model_knows_of_drag(arm):
         fine = Rough(arm, fine_samples(prepare_segments(log, Filtering())[1]))
         left.append(fine.as_logged()[0].left[5] * fine.spread[5])
     assert left[1] < 1.3 * left[0]
+
+
+@pytest.mark.parametrize("friction_too", [True, False])
+def test_a_torque_is_late_in_its_friction_too(arm, friction_too):
+    """Friction that grows with the load leaves what follows the rest of a torque alone."""
+    quiet = {"noise": Noise(2e-5, 0.05), "rate": RATE}
+    terms = tuple(
+        Term(effect, JOINT, values={name: value})
+        for effect, name, value in (("coulomb_friction", "fc", 8.0), ("viscous_friction", "b", 8.0))
+    )
+    free, log = (synthetic_log(arm, some, 3, **quiet) for some in ((), terms))
+    shift = -0.02 * np.gradient((log if friction_too else free).tau[:, JOINT], log.t)
+    tau = log.tau + shift[:, None] * (np.arange(arm.num_joints) == JOINT)
+    given = replace(log, tau=tau)
+    model, sigma = rough_of(arm, given)
+    with_it, without = model.lateness(sigma), model.lateness_without_friction(sigma, JOINT)
+    part = without.gain[JOINT] / with_it.gain[JOINT]
+    assert part < 1.0 if friction_too else part > _WITHOUT_FRICTION
+    assert told(arm, given) == (["late_torque"] if friction_too else [])

@@ -5,7 +5,7 @@ import pytest
 
 from jaxswarm.identify.checks.channels import _believed
 from jaxswarm.identify.checks.guesses import Guess
-from jaxswarm.identify.checks.rough import Tried
+from jaxswarm.identify.checks.sound import Tried
 
 LEFT = np.array([0.005, 0.034, 0.108, 0.731])
 BRAKING = np.array([0.07, 0.2, 0.2, 0.0])

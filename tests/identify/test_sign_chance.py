@@ -9,9 +9,9 @@ import pytest
 from jaxswarm.identify.checks.channels import _believed, wrong_channels
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
-from jaxswarm.identify.checks.rough import Rough, Tried
+from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, samples_of
-from jaxswarm.identify.checks.sound import is_sound
+from jaxswarm.identify.checks.sound import Tried, is_sound
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments

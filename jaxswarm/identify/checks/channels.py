@@ -22,9 +22,9 @@ from jaxswarm.identify.checks.guesses import (
     torque_guesses,
     torque_scale_guesses,
 )
-from jaxswarm.identify.checks.rough import Rough, Tried
+from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
-from jaxswarm.identify.checks.sound import NONE, UNRELATED, is_sound
+from jaxswarm.identify.checks.sound import NONE, UNRELATED, Tried, is_sound
 from jaxswarm.identify.checks.zeros import zero_guesses
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot

@@ -9,8 +9,8 @@ scale; a reading that was taken once for twice is right at twice and at no other
 import numpy as np
 
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO, Guess
-from jaxswarm.identify.checks.rough import Rough, Tried
-from jaxswarm.identify.checks.sound import is_sound
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.sound import Tried, is_sound
 from jaxswarm.robot.model import Robot
 
 # Gain in a rough model, as a sum of logarithms, below which nothing shows.

@@ -72,6 +72,11 @@ _BESIDE_A_LINE = 0.5
 # its drive winds up, which looks early. Of 49 torques made 20 ms late 0.83 to 1.16 is left; of four on joints
 # that stick 0.33 to 0.55.
 _IN_MOTION = 0.7
+# Without the derivative of the joint's friction hardly more is gained than with it: a reading is late in all
+# that it reads. Friction that grows with the load leaves what follows the rest of the torque, and looked 22 ms
+# early: 1.38 times as much is gained without, in a rough model 1.13 times. Of 341 torques made 20 ms late or
+# early, on 22 logs, that were told, it is 0.99 at most, 0.4 usually; on a joint without friction 1.01.
+_WITHOUT_FRICTION = 1.05
 # A fine model tells this part of it at least, where there is one: of play that looked 13 ms early in a rough
 # one, by a tenth of what that left, it knows nothing.
 _IN_THE_FINE = 0.5
@@ -141,6 +146,7 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
         clear[j] = (
             _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
             and _apart_in_motion(model, sigma)[j] / apart[j] >= _IN_MOTION
+            and _left_without_friction(model, sigma, j, found) < _WITHOUT_FRICTION
         )
     return _Told(clear, apart, gain)
 
@@ -175,6 +181,11 @@ def _apart_in_motion(model: Rough, sigma: np.ndarray) -> np.ndarray:
     Nor those of the others: one that moves was told as late against three that stick.
     """
     return _apart(model.lateness_in_motion(sigma))
+
+
+def _left_without_friction(model: Rough, sigma: np.ndarray, joint: int, found: Lateness) -> float:
+    """Part of what a joint gains by its delay that is gained where its friction is none."""
+    return float(model.lateness_without_friction(sigma, joint).gain[joint] / found.gain[joint])
 
 
 def _in_each_half(rough: Rough, sigma: np.ndarray, apart: np.ndarray) -> np.ndarray:

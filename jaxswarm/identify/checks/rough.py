@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -10,6 +10,7 @@ import scipy
 from jaxswarm.identify.checks.lateness import Lateness, late_by
 from jaxswarm.identify.checks.rough_columns import Wave, columns_of, slow_rows, strongest_line
 from jaxswarm.identify.checks.samples import Samples
+from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.identify.estimation.factors import narrow_factor
 from jaxswarm.robot.model import Robot
 
@@ -29,30 +30,6 @@ _CHANCE = 6.0
 _VISCOUS, _DRY = 0, 1
 # Parts of a log whose torques may each be late by something else: halves and thirds of them are wholes, too.
 _PARTS = 6
-
-
-@dataclass(frozen=True)
-class Tried:
-    """What a fit with other signs or channels leaves.
-
-    Attributes:
-        left: RMS of the residual, freed of what chance fits, over the torque's standard deviation, (n,).
-        braking: Friction at the usual speed over the torque's standard deviation, (n,); a joint below zero
-            would be driven by its friction. Zero where chance makes as much.
-    """
-
-    left: np.ndarray
-    braking: np.ndarray
-
-    @property
-    def size(self) -> float:
-        """Geometric mean over the joints of what is left: no joint of large torque hides the others."""
-        return float(np.exp(np.mean(np.log(np.maximum(self.left, 1e-9)))))
-
-    @property
-    def power(self) -> float:
-        """Sum of the logarithms of what is left."""
-        return float(np.sum(np.log(np.maximum(self.left, 1e-9))))
 
 
 class Rough:
@@ -183,6 +160,25 @@ class Rough:
         other = copy(self)
         other._factors = _of_one_length(factors)
         return other.lateness(sigma)
+
+    def lateness_without_friction(self, sigma: np.ndarray, joint: int) -> Lateness:
+        """The same, where the derivative of a joint's friction is left out of its torque's.
+
+        Args:
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+            joint: That joint, from 0.
+        """
+        joints, (u, inverse) = len(self._factors), self._solved(sigma)
+        torque = self._size + self._own * joints
+        right = [
+            f[:, torque + j] / s for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True))
+        ]
+        own = (inverse @ (u.T @ np.concatenate(right)))[self._size + self._own * joint :]
+        of_friction = slice(_VISCOUS, _DRY + self._dry)
+        friction = self._columns.own[:, joint, of_friction] @ own[of_friction]
+        rate = self.samples.tau_rate.copy()
+        rate[:, joint] -= self.samples.derivative(friction)
+        return Rough(self._robot, replace(self.samples, tau_rate=rate)).lateness(sigma)
 
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""

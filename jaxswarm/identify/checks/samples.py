@@ -12,6 +12,8 @@ from jaxswarm.logs.motion import Motion
 _MOST_ROWS = 1000
 # Of a long log so many stretches, evenly spread, are taken whole: a low-pass needs what lies between its rows.
 _STRETCHES = 6
+# Rows that are so many usual steps apart are of two stretches.
+_GAP = 1.5
 # Samples whose columns pass the low-pass at a time.
 _BLOCK = 4096
 
@@ -45,6 +47,14 @@ class Samples:
         if not self.parts:
             return columns(slice(None))
         return np.concatenate([low.apply(columns(part)) for part, low in self._blocks()])
+
+    def derivative(self, values: np.ndarray) -> np.ndarray:
+        """Derivative by time of what is told of every row, (R,); not across gaps."""
+        steps = np.diff(self.t)
+        usual = np.median(steps)
+        ends = np.flatnonzero((steps <= 0.0) | (steps > _GAP * usual)) + 1
+        parts = zip(np.split(values, ends), np.split(self.t, ends), strict=True)
+        return np.concatenate([np.gradient(x, t) if len(x) > 1 else 0.0 * x for x, t in parts])
 
     def _blocks(self) -> Iterator[tuple[slice, Decimator]]:
         for part, low in self.parts:

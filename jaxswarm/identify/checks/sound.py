@@ -1,7 +1,10 @@
-"""Whether what a guess leaves is that of an arm: friction brakes, and the torques are explained."""
+"""What a guess leaves, and whether that is an arm's: friction brakes, and the torques are explained."""
+
+from dataclasses import dataclass
+
+import numpy as np
 
 from jaxswarm.identify.checks.guesses import Guess
-from jaxswarm.identify.checks.rough import Tried
 
 # Friction of a guess that drives by less than this share of the torque is none.
 NONE = 0.05
@@ -11,6 +14,30 @@ UNRELATED = 0.5
 # A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
 # badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
 _SCALE_LEAVES = 0.15
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What a fit with other signs or channels leaves.
+
+    Attributes:
+        left: RMS of the residual, freed of what chance fits, over the torque's standard deviation, (n,).
+        braking: Friction at the usual speed over the torque's standard deviation, (n,); a joint below zero
+            would be driven by its friction. Zero where chance makes as much.
+    """
+
+    left: np.ndarray
+    braking: np.ndarray
+
+    @property
+    def size(self) -> float:
+        """Geometric mean over the joints of what is left: no joint of large torque hides the others."""
+        return float(np.exp(np.mean(np.log(np.maximum(self.left, 1e-9)))))
+
+    @property
+    def power(self) -> float:
+        """Sum of the logarithms of what is left."""
+        return float(np.sum(np.log(np.maximum(self.left, 1e-9))))
 
 
 def is_sound(guess: Guess, found: Tried) -> bool:
