@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jaxswarm.identify.checks.channels import _believed
+from jaxswarm.identify.checks.channels import _believed, wrong_channels
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.faint import clear_gain, is_worth
 from jaxswarm.identify.checks.guesses import (
@@ -64,6 +64,17 @@ def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, che
     assert clear_gain(arm, fine, guess) > 0.0
     assert clear_gain(arm, fine, guess.nearby(1.4)) == 0.0
     assert clear_gain(arm, fine, guess.nearby(0.7)) == 0.0
+
+
+@pytest.mark.parametrize("check", HALF_AS_LARGE)
+def test_a_scale_that_a_rough_model_takes_for_wrong_a_fine_one_has_to_confirm(arm, log, check):
+    """Of a play on a move from point to point a rough model alone made half a position."""
+    rough = Rough(arm, samples_of(motions(HALF_AS_LARGE[check](log))))
+    spoiled, sound = (
+        Rough(arm, fine_samples(motions(x))) for x in (HALF_AS_LARGE[check](log), log)
+    )
+    assert wrong_channels(arm, rough, lambda: spoiled).check == check
+    assert wrong_channels(arm, rough, lambda: sound) is None
 
 
 @pytest.mark.parametrize("check", HALF_AS_LARGE)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.identify.checks.faint import clear_gain, is_worth
+from jaxswarm.identify.checks.faint import clear_gain, is_denied, is_worth
 from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
     Guess,
@@ -112,6 +112,9 @@ def wrong_channels(
         (g, t)
         for g, t in tried
         if is_sound(g, t) and _believed(g, t, logged, much) and _is_valley(g, t, tried, much)
+    ]
+    believed = [
+        (g, t) for g, t in believed if not is_denied(robot, fine(), g, logged.power - t.power)
     ]
     faint = [one for one in tried if is_worth(one[0], logged.power - one[1].power)]
     gains = [clear_gain(robot, fine(), g) for g, _ in faint]
