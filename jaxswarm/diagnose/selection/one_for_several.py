@@ -26,6 +26,7 @@ from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, step_between
 from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -64,10 +65,14 @@ def _one_of_a_joint(search: Search) -> bool:
     current, other = search.current, search.other
     places = [step.added.joint for step in search.steps if _lasts(step)]
     for joint in [j for j in dict.fromkeys(places) if j is not None and places.count(j) > 1]:
-        steps = [s for s in search.steps if _lasts(s) and s.added.joint == joint]
-        rest = [s for s in search.steps if s not in steps]
-        gone = {s.added.identity for s in steps}
-        kept = tuple(t for t in current.model.terms if t.identity not in gone)
+        own = [_lasts(s) and s.added.joint == joint for s in search.steps]
+        steps, rest = (
+            [s for s, there in zip(search.steps, own, strict=True) if there is asked]
+            for asked in (True, False)
+        )
+        kept = current.model.terms
+        for step in steps:
+            kept = without(step.added, kept) if has(step.added, kept) else kept
         before = refit(current, kept)
         numbers = sum(s.score.candidate.size for s in steps)
         for score in _asked_alone(search, before, joint):
