@@ -17,14 +17,15 @@ from jaxswarm.logs.motion import Motion
 def replacement(
     picks: Sequence[Score],
     chosen: Score,
+    size: int,
     rest: Estimate,
     current: Estimate,
     other: Sequence[Motion],
 ) -> tuple[Score, Estimate] | None:
     """The first pick that may stand in the current model's place, with its fit; None if none may.
 
-    The chosen law itself may leave about what the former one left on its joint; one that is simpler has
-    to do as well as the chosen one. Neither may raise the error of other motion.
+    The chosen law itself may leave about what the former one, of ``size`` numbers, left on its joint; one that
+    is simpler than that has to do as well. Neither may raise the error of other motion.
     """
     for pick in picks:
         after = refit_with(rest, pick)
@@ -33,7 +34,7 @@ def replacement(
         if pick is chosen:
             fits = cost(after, pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
         else:
-            fits = does_as_well(after, current, chosen.candidate.size - pick.candidate.size)
+            fits = does_as_well(after, current, size - pick.candidate.size)
         if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
             return pick, after
     return None

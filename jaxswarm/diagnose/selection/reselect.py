@@ -21,8 +21,9 @@ from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.plainer import plainer
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
-from jaxswarm.diagnose.selection.tenable import is_certain
+from jaxswarm.diagnose.selection.tenable import goes_beyond, is_certain
 from jaxswarm.effects.alike import without
+from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -76,6 +77,19 @@ def _doubtful(steps: Sequence[Step], current: Estimate) -> bool:
     return any(not is_certain(*one) for one in known if one is not None)
 
 
+def _said_by_less(added: Term, errors: dict[str, float]) -> list[Term]:
+    """The laws that an added one contains, where it is no longer certain in what these have not.
+
+    It was when it was added: beside a drive whose gain was 6 % off, a spring explained half of what a cable
+    did, and came not near it. Once the gain was there, the cable was a spring and 0.01 +- 0.03 N m/rad from
+    the other joint.
+    """
+    if goes_beyond(added, errors):
+        return []
+    terms = [Term(name, added.joint) for name in added.law.contains]
+    return [t for t in terms if not t.law.everyday]
+
+
 def _perhaps_simpler(steps: Sequence[Step]) -> bool:
     """Whether a competitor of something added is plainer."""
     return any(plainness(s) < plainness(step.score) for step in steps for s in step.near)
@@ -104,10 +118,10 @@ def reconsider(
     done, changed = list(steps), False
     freed: set[int | None] = set()
     for step in steps:
-        rivals = competitors(step)
         known = with_errors(step.added, current)
         if step.removed or known is None:
             continue
+        rivals = [*competitors(step), *_said_by_less(*known)]
         certain = is_certain(*known)
         if not rivals and certain:
             continue
@@ -128,8 +142,8 @@ def reconsider(
             continue
         chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == step.added.identity
-        picks = simpler(chosen, passed) if same else [chosen]
-        instead = replacement(picks, chosen, rest, current, other)
+        picks = _picks(step, chosen, passed)
+        instead = replacement(picks, chosen, step.score.candidate.size, rest, current, other)
         if instead is None and same:
             instead = leaves_less(chosen, near, rest, current, other, fuller)
         if instead is None:
@@ -141,6 +155,14 @@ def reconsider(
         changed = True
     done, current = _alone(done, freed, current, rules, seed, other)
     return (chain(done) if changed else done), current, changed
+
+
+def _picks(step: Step, chosen: Score, passed: Sequence[Score]) -> list[Score]:
+    """What may come in a law's place: the chosen one if it is another, then those that are plainer than it."""
+    plain = simpler(step.score, passed)
+    if chosen.candidate.term.identity == step.added.identity:
+        return plain
+    return [chosen, *(s for s in plain if s is not chosen)]
 
 
 def _alone(
