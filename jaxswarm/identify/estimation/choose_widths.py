@@ -26,6 +26,10 @@ _HARDLY_TOLD = 4.0
 # world by 8 %, and with it the error of point-to-point motion by 16 %.
 _PASSES, _SETTLED = 3, 0.02
 
+# Parts of the way to where widths lean. On a world two hardly told ones were denied the whole way, shared a
+# width of a half of theirs instead, and the error of another motion at rest was 2.6 times as large.
+_PARTS_OF_THE_WAY = (1.0, 0.5)
+
 
 def choose_widths(
     problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
@@ -85,15 +89,19 @@ def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own)
     known = [g for g in split if all(told[j] == here.place.width[j] for j in g)]
     if len(known) == len(split):
         return here, moving, []
-    free = problem.free(here.place.terms, free_widths(problem.motions, known, told))
-    there = newton(problem, free, settle(problem, here.place._replace(width=told), here.pi))
     sigma = here.solution.sigma
-    one, two = (weighted_cost(x.residual, sigma) for x in (here, there))
-    denied = two > (1.0 + _HARDLY_TOLD / len(here.residual)) * one
-    if denied:
-        return here, moving, []
-    leaning = [(j,) for group in split if group not in known for j in group]
-    return there, free, free_widths(problem.motions, leaning, told)
+    one = weighted_cost(here.residual, sigma)
+    # What a joint tells is told to first order, and may lead too far. Of a cost that grows with the square of
+    # the way, what is denied the whole is denied every part of it.
+    for part in _PARTS_OF_THE_WAY:
+        leant = tuple(a * (b / a) ** part for a, b in zip(here.place.width, told, strict=True))
+        free = problem.free(here.place.terms, free_widths(problem.motions, known, leant))
+        there = newton(problem, free, settle(problem, here.place._replace(width=leant), here.pi))
+        two = weighted_cost(there.residual, sigma)
+        if two <= (1.0 + part**2 * _HARDLY_TOLD / len(here.residual)) * one:
+            leaning = [(j,) for group in split if group not in known for j in group]
+            return there, free, free_widths(problem.motions, leaning, leant)
+    return here, moving, []
 
 
 def _own_widths(problem: Problem, here: Settled, groups) -> dict[int, tuple[float, float]]:
