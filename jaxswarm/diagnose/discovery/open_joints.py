@@ -31,7 +31,8 @@ def unlawful(diagnosis: Diagnosis, seed: int) -> list[Open]:
     1.7 times the noise, and another one 3 to 20 times.
     """
     final = diagnosis.final
-    over = {r.joint: r.over_noise for r in remainders(final)}
+    remains = remainders(final)
+    over = {r.joint: r.over_noise for r in remains}
     added = {shows_on(step) for step in diagnosis.kept}
     asked = [j for j, x in over.items() if x > MATERIAL]
     told = []
@@ -42,5 +43,5 @@ def unlawful(diagnosis: Diagnosis, seed: int) -> list[Open]:
             told.append(Open(u.joint, u.depends_on, u.share, named))
     told.sort(key=lambda one: (one.named, -one.share))
     known = {one.joint for one in told}
-    far = [r for r in remainders(final) if not r.near and r.joint not in known]
+    far = [r for r in remains if not r.near and r.joint not in known]
     return told + [Open(r.joint, (), 0.0) for r in sorted(far, key=lambda r: -r.over_noise)]

@@ -26,7 +26,7 @@ from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, step_between
 from jaxswarm.diagnose.selection.survives import survives
-from jaxswarm.effects.alike import has, without
+from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -63,17 +63,12 @@ def _one_of_the_arm(search: Search) -> bool:
 def _one_of_a_joint(search: Search) -> bool:
     """Put one law of a joint in the place of several there, if it leaves as little; whether it did."""
     current, other = search.current, search.other
-    places = [step.added.joint for step in search.steps if _lasts(step)]
+    places = [step.added.joint if _lasts(step) else None for step in search.steps]
     for joint in [j for j in dict.fromkeys(places) if j is not None and places.count(j) > 1]:
-        own = [_lasts(s) and s.added.joint == joint for s in search.steps]
-        steps, rest = (
-            [s for s, there in zip(search.steps, own, strict=True) if there is asked]
-            for asked in (True, False)
-        )
-        kept = current.model.terms
-        for step in steps:
-            kept = without(step.added, kept) if has(step.added, kept) else kept
-        before = refit(current, kept)
+        placed = list(zip(search.steps, places, strict=True))
+        steps = [s for s, place in placed if place == joint]
+        rest = [s for s, place in placed if place != joint]
+        before = refit(current, lacking(current.model.terms, [s.added for s in steps]))
         numbers = sum(s.score.candidate.size for s in steps)
         for score in _asked_alone(search, before, joint):
             saved = numbers - score.candidate.size

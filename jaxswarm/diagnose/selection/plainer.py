@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import SAVED, Rules
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.partial_out import cross_fit, row_weight
-from jaxswarm.diagnose.selection.refit import refit, refit_with
+from jaxswarm.diagnose.selection.refit import left_on, refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.effects.alike import without
 from jaxswarm.effects.kinds import TorqueLaw
@@ -62,5 +60,4 @@ def does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:
 
 def cost(found: Estimate, joint: int | slice, weights: Estimate) -> float:
     """Squared error of a joint, or of several, in units of the noise; rare large residuals bounded."""
-    weight = row_weight(weights)
-    return float(np.square((found.fit.residual * weight)[:, joint]).sum())
+    return left_on(found, joint, row_weight(weights))

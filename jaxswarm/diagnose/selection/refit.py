@@ -49,14 +49,13 @@ def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
     """
     law, joint = chosen.candidate.term.law, chosen.joint
     after = _refit_without(current, chosen, law.contains)
-    if after is None and law.replaces:
-        after = _refit_without(current, chosen, law.contains + law.replaces)
-        if after is not None:
-            one, two = (float((e.fit.residual[:, joint] ** 2).sum()) for e in (current, after))
-            after = (
-                _put_back(current, after) if 1.0 - two / one >= IN_PLACE * chosen.share else None
-            )
-    return after
+    if after is not None or not law.replaces:
+        return after
+    after = _refit_without(current, chosen, law.contains + law.replaces)
+    if after is None:
+        return None
+    one, two = (float((e.fit.residual[:, joint] ** 2).sum()) for e in (current, after))
+    return _put_back(current, after) if 1.0 - two / one >= IN_PLACE * chosen.share else None
 
 
 def _put_back(current: Estimate, after: Estimate) -> Estimate:
@@ -94,7 +93,7 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     if after is None:
         return None
     fall = 1.0 - cost(after) / cost(current)
-    own = 1.0 - _own_cost(after, weight, chosen.joint) / _own_cost(current, weight, chosen.joint)
+    own = 1.0 - left_on(after, chosen.joint, weight) / left_on(current, chosen.joint, weight)
     held = fall > 0.0 and _holds(after, term, own)
     if not held or unphysical_beside(current, after, term):
         return None
@@ -102,8 +101,8 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     return after if within >= WITHIN_BOUNDS * fall else None
 
 
-def _own_cost(found: Estimate, weight: np.ndarray, joint: int) -> float:
-    """Weighted squares that are left on one joint."""
+def left_on(found: Estimate, joint: int | slice, weight: np.ndarray) -> float:
+    """Squared error of a joint, or of several, by the weights of the rows (T, n)."""
     return float(np.square(found.fit.residual * weight)[:, joint].sum())
 
 

@@ -21,12 +21,9 @@ from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import chain
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving, leave_out
+from jaxswarm.identify.estimation.standing import MOVES, hardly_moving, leave_out
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import Motion
-
-# A joint that moves in fewer rows than this share of all says nothing of its motion.
-_MOVES = 0.1
 
 
 def leave_out_sticks(search: Search) -> bool:
@@ -94,7 +91,7 @@ def _is_held(before: Estimate, after: Estimate) -> np.ndarray:
     size = np.sqrt((np.where(out, left, 0.0) ** 2).sum(axis=0) / np.maximum(out.sum(axis=0), 1))
     pairs = list(zip(remainders(before), remainders(after), strict=True))
     near = np.array([b.near and b.over_noise**2 < STICKS * a.over_noise**2 for a, b in pairs])
-    moves = after.regression.used_rows.mean(axis=0) >= _MOVES
+    moves = after.regression.used_rows.mean(axis=0) >= MOVES
     return near & moves & (size <= np.abs(friction).max(axis=0))
 
 

@@ -143,11 +143,11 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
         gained = (gain < rule.gain * model.strictness) & (steady >= rule.steady * model.strictness)
         clear |= agreed & beyond & gained & (logged.left < rule.leaves)
     for j in map(int, np.flatnonzero(clear)):
-        clear[j] = (
-            _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
-            and _apart_in_motion(model, sigma)[j] / apart[j] >= _IN_MOTION
-            and _left_without_friction(model, sigma, j, found) < _WITHOUT_FRICTION
-        )
+        clear[j] = _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
+    if clear.any():
+        clear[clear] = _apart_in_motion(model, sigma)[clear] / apart[clear] >= _IN_MOTION
+    for j in map(int, np.flatnonzero(clear)):
+        clear[j] = _left_without_friction(model, sigma, j, found) < _WITHOUT_FRICTION
     return _Told(clear, apart, gain)
 
 

@@ -4,10 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.identify.estimation.free_parameters import (
-    FreeParameter,
-    width_parameter,
-)
+from jaxswarm.identify.estimation.free_parameters import FreeParameter, width_parameter
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
     apart_from,

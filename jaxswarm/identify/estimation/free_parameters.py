@@ -91,9 +91,7 @@ def read(place: Place, moving: list[FreeParameter]) -> np.ndarray:
     )
 
 
-def write(
-    place: Place, moving: list[FreeParameter], position: Sequence[float] | np.ndarray
-) -> Place:
+def write(place: Place, moving: list[FreeParameter], position: np.ndarray) -> Place:
     """The place with its free parameters at the given positions."""
     changed, width = [dict(t.values) for t in place.terms], list(place.width)
     for free, u in zip(moving, position, strict=True):

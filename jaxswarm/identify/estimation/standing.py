@@ -7,7 +7,7 @@ other motion rose from 450 to 740 N m. Where the smooth sign of a model does tel
 simulations, rest says as much as motion and stays.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,39 +27,48 @@ _HELD = 2.5
 # fit: logs are moved by parts of a sample after rows were left out.
 _UNTOLD = 0.02
 # A joint that moves in fewer rows than this share of all says nothing of its motion.
-_MOVES = 0.1
+MOVES = 0.1
 
 
 def standing(motions: Sequence[Motion]) -> list[np.ndarray]:
     """Whether each joint stands on the decimated rows of every log, (T', n) each."""
-    top = np.max([np.abs(m.dq).max(axis=0) for m in motions], axis=0)
-    return [_at_rest(m, top) for m in motions]
+    return _decimated(motions, map(_for_long, motions, _still(motions)))
 
 
 def hardly_moving(motions: Sequence[Motion]) -> list[np.ndarray]:
     """The same where it is for a moment only, as where it starts, stops, sticks or reverses."""
-    top = np.max([np.abs(m.dq).max(axis=0) for m in motions], axis=0)
-    return [_at_rest(m, top, 0.0) for m in motions]
+    return _decimated(motions, _still(motions))
 
 
 def tells_sign(motions: Sequence[Motion]) -> np.ndarray:
     """Whether some of the rows in which a joint hardly moves are fitted, (n,): they tell its sign's width."""
-    left = []
-    for motion, rows in zip(motions, hardly_moving(motions), strict=True):
-        left.append(rows if motion.held is None else rows & ~motion.held)
-    here, asked = (np.concatenate(x).mean(axis=0) for x in (left, hardly_moving(motions)))
+    slow = hardly_moving(motions)
+    fitted = [
+        rows if m.held is None else rows & ~m.held for m, rows in zip(motions, slow, strict=True)
+    ]
+    here, asked = (np.concatenate(x).mean(axis=0) for x in (fitted, slow))
     return here > _UNTOLD * asked
 
 
-def _at_rest(motion: Motion, top: np.ndarray, least: float = _REST) -> np.ndarray:
-    kept = motion.decimator.kept(len(motion.t))
-    still = ~moves_at(motion.dq, top)
-    long = max(1, round(least * motion.rate))
+def _still(motions: Sequence[Motion]) -> list[np.ndarray]:
+    """Whether each joint hardly moves on the samples of every log, (T, n) each, by its top speed in all."""
+    top = np.max([np.abs(m.dq).max(axis=0) for m in motions], axis=0)
+    return [~moves_at(m.dq, top) for m in motions]
+
+
+def _for_long(motion: Motion, still: np.ndarray) -> np.ndarray:
+    """The samples (T, n) in which a joint hardly moves for so long that it stands."""
+    long = max(1, round(_REST * motion.rate))
     rest = np.zeros_like(still)
     for joint, flags in enumerate(still.T):
         for begin, end in zip(*runs(flags), strict=True):
             rest[begin:end, joint] = end - begin >= long
-    return rest[kept]
+    return rest
+
+
+def _decimated(motions: Sequence[Motion], flags: Iterable[np.ndarray]) -> list[np.ndarray]:
+    """The decimated rows of what is told of every log's samples."""
+    return [f[m.decimator.kept(len(m.t))] for m, f in zip(motions, flags, strict=True)]
 
 
 def held(left: Sequence[np.ndarray], rest: Sequence[np.ndarray]) -> np.ndarray:
@@ -78,7 +87,7 @@ def held(left: Sequence[np.ndarray], rest: Sequence[np.ndarray]) -> np.ndarray:
     error, still = np.concatenate(left), np.concatenate(rest)
     told = []
     for e, s in zip(error.T, still.T, strict=True):
-        known = s.any() and (~s).mean() >= _MOVES
+        known = s.any() and (~s).mean() >= MOVES
         told.append(known and np.median(np.abs(e[s])) > _HELD * np.sqrt(np.mean(e[~s] ** 2)))
     return np.array(told, dtype=bool)
 

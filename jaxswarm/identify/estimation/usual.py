@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.free_parameters import FreeParameter
+from jaxswarm.identify.estimation.free_parameters import FreeParameter, free_parameters
 from jaxswarm.identify.estimation.gauss_newton import Settled, apart_from
 from jaxswarm.identify.estimation.problem import Problem
 
@@ -44,7 +44,7 @@ def told_apart(
     """
     if not problem.usual:
         return frozenset()
-    every = replace(problem, usual=frozenset()).free(here.place.terms)
+    every = free_parameters(here.place.terms)
     asked = [one for one in every if (one.term, one.name) in problem.usual]
     step, error = apart_from(problem, [*asked, *doubted], here)
     told = np.abs(step) > _TOLD_APART * error
