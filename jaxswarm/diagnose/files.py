@@ -9,7 +9,7 @@ import numpy as np
 from jaxswarm.identify.run import described, findings, read_motions
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
-from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.logs.segments import prepare_all
 from jaxswarm.provenance import provenance
 from jaxswarm.robot.model import Robot
 
@@ -37,7 +37,7 @@ class ReadLogs:
 
     def prepared_like(self, filtering: Filtering) -> list[Motion]:
         """The stretches to score on, prepared as the model asks for."""
-        return [part for log in self.scored for part in prepare_segments(log, filtering)[1]]
+        return prepare_all(self.scored, filtering)
 
     def told(self, options: dict, *further: Path) -> dict:
         """What a result says of its origin: the logs, what is wrong with them, digests and options.

@@ -29,7 +29,8 @@ def lost_samples(log: Log) -> list[Finding]:
     """Whether the motion jumps by whole samples at steady time, in all joints at once."""
     if len(log.t) < _LEAST_STEPS:
         return []
-    noise = np.array([_noise(np.diff(q) / np.diff(log.t)) for q in log.q.T])
+    step = np.diff(log.t)
+    noise = np.array([_noise(np.diff(q) / step) for q in log.q.T])
     width = 2 * _SIDE + 1
     size, along = np.empty((2, len(log.t) - width))
     for start in range(0, len(size), _ROWS):  # a median copies all its windows
@@ -43,7 +44,9 @@ def lost_samples(log: Log) -> list[Finding]:
     if clear.sum() < _LEAST_STEPS:
         return []
     factor = along[clear] / size[clear]
-    doubled, repeated = np.mean(factor > _DOUBLE), np.mean(factor < _REPEATED)
+    # Stamps that jitter about even samples halve steps of time, and with it double speeds, not distances.
+    far = factor * np.minimum(step[_SIDE:-_SIDE][clear] / np.median(step), 1.0)
+    doubled, repeated = np.mean(far > _DOUBLE), np.mean(factor < _REPEATED)
     if doubled < _LEAST_SHARE or doubled < _MORE * repeated:
         return []
     what = (

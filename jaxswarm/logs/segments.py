@@ -4,6 +4,7 @@ Between the samples on either side of a gap nothing is known; a spline across it
 Samples whose stamps came in bursts hold no more than their mean at their mean time.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -121,6 +122,11 @@ def prepare_segments(log: Log, filtering: Filtering | None = None) -> tuple[Log,
         shown = ", ".join(dropped[:3]) + (f" and {len(dropped) - 3} more" * (len(dropped) > 3))
         notes.append(f"Left out, too short to filter between two gaps: {shown}.")
     return replace(log, notes=(*log.notes, *notes)), motions
+
+
+def prepare_all(logs: Sequence[Log], filtering: Filtering) -> list[Motion]:
+    """The stretches of several checked logs, all with the same cutoffs."""
+    return [part for log in logs for part in prepare_segments(log, filtering)[1]]
 
 
 def unfiltered(part: Log, like: Motion, start: float) -> Motion:

@@ -19,8 +19,10 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak, resting_joints
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.errors import error_table
-from jaxswarm.identify.run import findings, refuse_resting_joints, refuse_undeclarable
-from jaxswarm.logs.motion import Filtering
+from jaxswarm.identify.run import described, findings, refuse_resting_joints, refuse_undeclarable
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.motion import Filtering, Motion
+from jaxswarm.logs.segments import prepare_all
 from jaxswarm.robot import Robot
 from jaxswarm.tasks.identification import Fitted, prepared
 from jaxswarm.tasks.inputs import Logs, as_model, as_robot, in_double, refuse_shared
@@ -52,10 +54,9 @@ def diagnose(
         declare: What is known to be there: ``none`` (default) or ``name[@joint[:partner]],...``.
         model: A model identified before, in place of ``declare``: find what changed since.
         validation: Further logs, to score on.
-        rules: Thresholds of the decision; with ``declare`` only.
+        rules: Thresholds of the decision; like the cutoffs with ``declare`` only.
         seed: Seed of the searches.
-        motion_cutoff, torque_cutoff: Low-pass of the positions, and of torque and model [Hz]; None: found
-            from the data; with ``declare`` only.
+        motion_cutoff, torque_cutoff: Low-pass [Hz] of positions, and of torque and model; None: from the data.
         accept: Findings about the logs in spite of which they are fitted, by name.
         budget: Time [s] after which no further round of the search begins; None: no limit.
         discover: Whether to search a formula for what no law explains; with ``declare`` only.
@@ -73,32 +74,47 @@ def diagnose(
         return _against(logs, as_model(model), validation, seed, limit, progress, accept)
     terms = parse_terms(declare or "none", robot.joints)
     refuse_undeclarable(terms)
-    band = Filtering(motion_cutoff, torque_cutoff)
-    read, motions = prepared(logs, robot, band, terms, accept)
+    read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms, accept)
+    scored, other = _scored(validation, read, robot, motions[0].filtering, terms, accept)
     unfit = undecided_by(motions, robot, terms, accept)
+    told = _told(read, scored)
     if unfit is not None:
-        unfit["findings"] = findings(read)
-        return Fitted(unfit, (verdict_sentence(unfit),), (), motion=motions[0])
+        return Fitted(unfit | told, (verdict_sentence(unfit),), (), motion=motions[0])
     refuse_too_large(motions)
-    found = search(robot, terms, motions, rules=rules, seed=seed, progress=progress, budget=limit)
-    unseen = _unseen(validation, read, found.final.model, terms, accept)
+    found = search(
+        robot, terms, motions, rules=rules, seed=seed, progress=progress, other=other, budget=limit
+    )
+    unseen = prepare_all(scored, found.final.model.filtering)
     found, formulas = find_formulas(found, unseen, seed, progress) if discover else (found, None)
     result, left = conclude(found, unseen, seed, progress, formulas)
     result["reasons"] += resting_joints(motions, robot)
-    result["findings"] = findings(read)
-    shown = unseen[0] if unseen else found.final.motions[0]
-    return _result(result, with_smooth_terms(found.final, left), shown)
+    model = with_smooth_terms(found.final, left)
+    return _result(result | told, model, unseen or found.final.motions)
 
 
-def _unseen(
-    validation: Logs | None, read: Sequence, model: Model, terms: tuple, accept: Sequence[str]
-) -> list:
-    """Logs to score on, prepared as the model asks for; none of them may be a fitted one."""
+def _scored(
+    validation: Logs | None,
+    read: Sequence,
+    robot: Robot,
+    filtering: Filtering,
+    terms: tuple,
+    accept: Sequence[str],
+) -> tuple[list[Log], list[Motion]]:
+    """Logs to score on, and their stretches between gaps; none of them may be a fitted one."""
     if validation is None:
-        return []
-    scored, unseen = prepared(validation, model.robot, model.filtering, terms, accept)
+        return [], []
+    scored, unseen = prepared(validation, robot, filtering, terms, accept)
     refuse_shared(read, scored)
-    return unseen
+    return scored, unseen
+
+
+def _told(read: Sequence[Log], scored: Sequence[Log]) -> dict:
+    """What a result says of the logs."""
+    return {
+        "logs": described([*read]),
+        "validation_logs": described([*scored]),
+        "findings": findings([*read, *scored]),
+    }
 
 
 def _refuse_beside_model(held: tuple, discover: bool) -> None:
@@ -115,16 +131,15 @@ def _against(
     read, motions = prepared(logs, model.robot, model.filtering, model.terms, accept)
     refuse_resting_joints(read, model.robot)
     refuse_weak(motions, 10 * model.robot.num_joints, accept)
-    unseen = _unseen(validation, read, model, model.terms, accept)
+    scored, unseen = _scored(validation, read, model.robot, model.filtering, model.terms, accept)
     refuse_too_large(motions)
     found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
-    result["findings"] = findings(read)
-    shown = unseen[0] if unseen else motions[0]
-    return _result(result, with_smooth_terms(diagnosis.final, left), shown)
+    result |= _told(read, scored)
+    return _result(result, with_smooth_terms(diagnosis.final, left), unseen or motions)
 
 
-def _result(result: dict, model: Model, shown) -> Fitted:
+def _result(result: dict, model: Model, shown: Sequence[Motion]) -> Fitted:
     rows = {"declared model": result["error"]["before"]}
     rows |= {f"+ {where(step['added'])}": step["after"] for step in result["steps"]}
     tables = (
@@ -138,4 +153,4 @@ def _result(result: dict, model: Model, shown) -> Fitted:
         ),
     )
     lines = (verdict_sentence(result), *result.get("reasons", ()), *next_steps(result))
-    return Fitted(result, lines, tables, model=model, motion=shown)
+    return Fitted(result, lines, tables, model=model, motion=shown[0])

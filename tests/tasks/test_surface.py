@@ -76,6 +76,18 @@ def test_arrays_to_a_verdict():
     assert found.model.terms[-1].effect == "coulomb_friction"
 
 
+def test_what_is_added_has_to_survive_on_validation_logs_as_in_the_command():
+    """They were scored on only, and the function said other things than the command of its name."""
+    t, q, tau = slide_arrays()
+    without = 5.0 * np.sign(np.gradient(q, t)) - tau
+    other = jaxswarm.log_from_arrays(t, -q, without, joints=("slide",))
+    log = jaxswarm.log_from_arrays(t, q, tau, joints=("slide",))
+    found = jaxswarm.diagnose(log, "emps", "viscous_friction", validation=other)
+    assert found["effects"] == []
+    assert [refused["effect"] for refused in found["refused"]] == ["coulomb_friction"]
+    assert len(found["logs"]) == len(found["validation_logs"]) == 1
+
+
 BAD = {
     "runs backwards": lambda t, q, tau: (t[::-1], q, tau),
     "Transpose": lambda t, q, tau: (t, np.stack([q, q]), np.stack([tau, tau])),
