@@ -11,6 +11,8 @@ from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
+from jaxswarm.diagnose.selection.tenable import can_be_resolved
+from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation.standing import held_lines, held_shares, leave_out, standing
 from jaxswarm.identify.forward.metrics import moves_at
@@ -105,6 +107,16 @@ def test_rest_that_the_model_tells_is_fitted(seed):
 def test_nothing_is_added_for_what_friction_holds():
     found = diagnose(small_arm(), blank(), [prepare(stopping(2.5), BAND)])
     assert not found.kept
+
+
+@pytest.mark.parametrize(("way", "told"), [(1e-4, False), (3e-4, False), (1e-3, True)])
+def test_a_bristle_winds_up_by_more_than_positions_tell(way, told):
+    """Half a count of a coarse encoder was told as hysteresis of a joint that dry friction holds at rest."""
+    motion = replace(fitted(stopping(0.0)).motions[0], position_noise=np.array([2e-4, 2e-4]))
+    found = replace(fitted(stopping(0.0)), motions=(motion,))
+    bristle = Term("hysteresis", 1, values={"fc": 1.0, "x0": way})
+    assert can_be_resolved(found, bristle) is told
+    assert can_be_resolved(found, Term("coulomb_friction", 1, values={"fc": 1.0}))
 
 
 def friction_of(found) -> np.ndarray:

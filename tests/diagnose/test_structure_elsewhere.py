@@ -1,9 +1,12 @@
 """Structure without a law is told with what of it holds on motion it was not fitted to."""
 
+from dataclasses import replace
+
 import pytest
 from planted import declared_fit, log_with
 from test_unexplained import LAWS, with_extra
 
+from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.report.remains import remaining
 from jaxswarm.diagnose.report.text import evidence_sentence
@@ -39,6 +42,18 @@ def test_what_does_not_hold_on_other_motion_is_told_and_kept_out_of_the_model(st
     (told,) = proven(found, [item], [clean])
     assert told.term is None
     assert told.elsewhere < 0.0
+
+
+def test_what_no_other_log_has_on_a_joint_near_its_noise_is_no_structure(structured):
+    found, item = structured
+    clean = prepare(log_with(motion_seed=8), found.model.filtering)
+    noisy = [replace(m, torque_noise=20.0 * m.torque_noise) for m in found.motions]
+    loud = replace(found, motions=tuple(noisy))
+    assert all(r.near for r in remainders(loud))
+    assert proven(loud, [item], [clean]) == []
+    same = prepare(with_extra(LAW, motion_seed=8), found.model.filtering)
+    assert len(proven(loud, [item], [same])) == len(proven(loud, [item], [clean, same])) == 1
+    assert len(proven(loud, [item], [])) == 1
 
 
 def test_the_sentence_says_how_much_of_it_holds_elsewhere():
