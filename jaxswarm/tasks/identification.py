@@ -15,7 +15,8 @@ from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque, save_model
-from jaxswarm.identify.report.console import unscored_lines
+from jaxswarm.identify.options import Options, check_options, refined
+from jaxswarm.identify.report.console import remarks, summary_line
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
 from jaxswarm.identify.report.report import report_of
 from jaxswarm.identify.report.summary import units
@@ -101,10 +102,12 @@ def identify(
     validation: Logs | None = None,
     motion_cutoff: float | None = None,
     torque_cutoff: float | None = None,
+    estimator: str = "least_squares",
+    physical: bool = False,
     accept: Sequence[str] = (),
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fitted:
-    """Identify the rigid body and declared effects by weighted least squares.
+    """Identify the rigid body and declared effects, by weighted least squares unless told otherwise.
 
     Args:
         logs: A log or several, as :class:`jaxswarm.Log` or files.
@@ -113,6 +116,8 @@ def identify(
         validation: Another log, to score on.
         motion_cutoff: Low-pass of the positions [Hz]; None: found from the data.
         torque_cutoff: Low-pass shared by torque and model [Hz]; None: found from the data.
+        estimator: ``least_squares``; ``instrumental`` or ``output_error`` for noisy encoders.
+        physical: Whether to take the nearest rigid bodies in place of links that no rigid body can be.
         accept: Findings about the logs in spite of which they are fitted, by name.
         progress: Called with one line per stage.
 
@@ -122,8 +127,9 @@ def identify(
     Raises:
         InputError: On anything that cannot be used.
     """
-    robot = as_robot(robot)
+    robot, options = as_robot(robot), Options(estimator=estimator, physical=physical)
     terms = parse_terms(effects, robot.joints)
+    check_options(options)
     refuse_undeclarable(terms)
     read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms, accept)
     refuse_resting_joints(read, robot)
@@ -137,19 +143,21 @@ def identify(
     found = estimate_with_clocks(robot, terms, list(motions))
     if unseen is not None:
         unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
+    found, told, bodies = refined(found, options, progress)
     progress("scoring")
     report = report_of(found, described(read), unseen, scored[0].source if scored else None, None)
-    report["findings"] = findings([*read, *scored])
+    report |= {"findings": findings([*read, *scored]), "validation_logs": described(scored)}
+    report |= {"estimator": told, "physical_consistency": bodies}
     return _result(report, found, max(unseen or found.motions, key=lambda part: len(part.t)))
 
 
 def _result(report: dict, found: Estimate, shown: Motion) -> Fitted:
     rows = error_rows(report)
     notes = [f"{log['source']}: {note}" for log in report["logs"] for note in log["notes"]]
-    notes += unscored_lines(rows)
     tables = (
         error_table(report["robot"], rows, report["joints"], report["torque_units"]),
         base_table(report["base_parameters"]),
         effect_table(report["effects"]),
     )
-    return Fitted(report, tuple(notes), tables, model=found.model, motion=shown)
+    lines = (summary_line(report), *notes, *remarks(report))
+    return Fitted(report, lines, tables, model=found.model, motion=shown)
