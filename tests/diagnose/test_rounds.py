@@ -18,6 +18,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import prepare
 
 clock = importlib.import_module("jaxswarm.diagnose.selection.clock")
+CLOCK = Term("time_delay")
 SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
 
 
@@ -51,25 +52,28 @@ def test_the_last_look_is_at_the_model_as_it_is_told(fitted):
 @pytest.mark.parametrize("steps", [0, 1])
 def test_moved_clocks_hold_for_the_error_before_too(fitted, monkeypatch, steps):
     found, _ = fitted
-    monkeypatch.setattr(clock, "clock_skew", lambda *a: 1e-3)
+    monkeypatch.setattr(clock, "clock_skew", lambda one: (1e-3, 1e-9))
     search = search_of(found, steps=[None] * steps)
-    assert clock.allow_for_skew(search, None, [])
+    assert not clock.allow_for_skew(search, [])  # the model has a delay already
+    assert clock.allow_for_skew(search, [CLOCK])
     for one in (search.declared, search.current):
         assert one.motions[0].skew == pytest.approx(1e-3)
-    monkeypatch.setattr(clock, "clock_skew", lambda *a: 1e-6)
-    assert not clock.allow_for_skew(search, None, [])
+    monkeypatch.setattr(clock, "clock_skew", lambda one: (1e-6, 1e-9))
+    assert not clock.allow_for_skew(search, [CLOCK])
 
 
 def test_clocks_are_not_moved_by_more_than_a_sample(fitted, monkeypatch):
     """What is not surely a delay is the clock's, unless no clock could be so far off."""
     found, _ = fitted
     interval = found.motions[0].interval
-    monkeypatch.setattr(clock, "clock_skew", lambda *a: -0.8 * interval)
+    monkeypatch.setattr(clock, "clock_skew", lambda one: (-0.8 * interval, 0.2 * interval))
     search = search_of(found)
-    assert clock.allow_for_skew(search, None, [])
-    assert search.current.motions[0].skew == pytest.approx(-0.8 * interval)
-    monkeypatch.setattr(clock, "clock_skew", lambda *a: -1.2 * interval)
-    assert not clock.allow_for_skew(search, None, [])
+    assert clock.allow_for_skew(search, [CLOCK])
+    # shrunk by its certainty
+    assert search.current.motions[0].skew == pytest.approx(-0.75 * interval)
+    for told in ((-1.3 * interval, 0.4 * interval), (-0.8 * interval, 0.1 * interval)):
+        monkeypatch.setattr(clock, "clock_skew", lambda one, told=told: told)
+        assert not clock.allow_for_skew(search, [CLOCK])
 
 
 def test_a_delay_has_to_be_beyond_half_a_sample_for_sure():

@@ -22,17 +22,18 @@ def arm():
     return bare.replace(parameters=random_links(bare, np.random.default_rng(4)))
 
 
-def _log(arm, late: float, seed: int = 5):
-    """A log with friction, whose torque is that of so many samples later."""
+def _log(arm, late: float, seed: int = 5, early: float = 0.0):
+    """A log whose torque is that of so many samples later, its dry friction of so many more."""
     terms = tuple(
         replace(term, values={p: _FRICTION[p][term.joint] for p in _FRICTION if p in names})
         for term in parse_terms("viscous_friction,coulomb_friction", arm.joints)
         for names in [[p.name for p in term.law.linear]]
     )
     fine = 40
-    log = synthetic_log(
-        arm, terms, seed, noise=Noise(0.0, 0.0), duration=16.0, rate=fine * _RATE, motion_seed=1
-    )
+    more = {"noise": Noise(0.0, 0.0), "duration": 16.0, "rate": fine * _RATE, "motion_seed": 1}
+    log = synthetic_log(arm, terms, seed, **more)
+    dry = log.tau - synthetic_log(arm, terms[: arm.num_joints], seed, **more).tau
+    log = replace(log, tau=log.tau - dry + np.roll(dry, -round(early * fine), axis=0))
     first, moved = 10 * fine, round(late * fine)
     kept = slice(first, -first, fine)
     torque = slice(first + moved, len(log.t) - first + moved, fine)
@@ -53,6 +54,14 @@ def test_a_part_of_a_sample_is_found_with_the_rest(arm, late):
     found = fitted["filtering"]["clock_skew_s"] * _RATE
     assert found == pytest.approx(-late, abs=0.03)
     np.testing.assert_allclose(_viscous(fitted), _FRICTION["b"], rtol=0.02, atol=0.01)
+
+
+@pytest.mark.parametrize("late, early", [(0.0, 1.5), (0.4, 1.5), (0.0, -1.5)])
+def test_friction_that_is_early_or_late_by_itself_is_no_matter_of_clocks(arm, late, early):
+    """All of the torque together came out as early by a third of what friction was."""
+    log = _log(arm, late, early=early)
+    fitted = jaxswarm.identify(log, arm, "viscous_friction,coulomb_friction")
+    assert fitted["filtering"]["clock_skew_s"] * _RATE == pytest.approx(-late, abs=0.05)
 
 
 def test_a_long_log_tells_its_clocks_by_a_stretch_of_it(arm, monkeypatch):

@@ -2,15 +2,13 @@
 
 from collections.abc import Sequence
 
-from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.significance import certainty
+from jaxswarm.diagnose.decision.rules import CERTAIN
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.estimation.clock_skew import with_clocks, with_skew
+from jaxswarm.identify.estimation.clock_skew import clock_skew, with_clocks, with_skew
 
 # How often the skew is found anew.
 _MOST_SKEWS = 3
@@ -18,12 +16,22 @@ _MOST_SKEWS = 3
 _LEAST_SKEW = 2e-5
 
 
-def allow_for_skew(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
-    """Move the clocks against each other where they are apart; whether they were moved."""
-    if len(search.skews) == _MOST_SKEWS:
+def allow_for_skew(search: Search, eligible: Sequence[Term]) -> bool:
+    """Move the clocks against each other where they are apart; whether they were moved.
+
+    A delay below half a sample is a matter of the clock, not of the robot, and so always allowed for: every
+    sampled and held torque is early or late by a part of a sample. What is surely more is left to be told.
+    """
+    clocks = [t.law for t in of_kind(eligible, MeasurementLaw) if t.law.clock]
+    if len(search.skews) == _MOST_SKEWS or not clocks:
         return False
-    late = clock_skew(lin, eligible, search.seed)
-    if abs(late) > min(m.interval for m in search.current.motions):
+    intervals = [m.interval for m in search.current.motions]
+    late, doubt = clock_skew(search.current)
+    if any(law.credible(late, max(intervals), CERTAIN * doubt) for law in clocks):
+        return False
+    # Shrunk by its certainty, W. James, C. Stein (1961): nothing where there is nothing.
+    late *= max(0.0, 1.0 - (doubt / late) ** 2) if late else 0.0
+    if abs(late) > min(intervals):
         return False  # not surely a delay, and too much for a clock
     if abs(late) <= _LEAST_SKEW:
         return False
@@ -42,16 +50,3 @@ def settle_clocks(search: Search) -> None:
         search.current = with_motion_noise(settled, search.seed)
         search.declared = with_skew(search.declared, late) if search.steps else search.current
         search.crossfit = cross_fit(search.current)
-
-
-def clock_skew(lin: Linearization, terms: Sequence[Term], seed: int) -> float:
-    """A delay [s] below half a sample: a matter of the clock, not of the robot, and so always allowed for.
-
-    Every sampled and held torque is early or late by a part of a sample. The estimate is shrunk by its own
-    certainty, the positive-part rule of W. James and C. Stein (1961): nothing where there is nothing.
-    """
-    for s in score_terms(lin, [t for t in of_kind(terms, MeasurementLaw) if t.law.clock], seed):
-        if not s.allowed and s.gain > 0:
-            shrunk = max(0.0, 1.0 - 1.0 / max(certainty(s.p_value), 1e-9) ** 2)
-            return float(s.coefficients[0]) * shrunk
-    return 0.0

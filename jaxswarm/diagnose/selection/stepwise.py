@@ -162,7 +162,7 @@ def _hold_within_bounds(search: Search) -> None:
 
 def _allow(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:
     """Allow for what every drive has, once, and for clocks that are apart; whether either was there."""
-    return allow_for_everyday(search, lin, eligible) or allow_for_skew(search, lin, eligible)
+    return allow_for_everyday(search, lin, eligible) or allow_for_skew(search, eligible)
 
 
 def _choose_again(search: Search) -> bool:
