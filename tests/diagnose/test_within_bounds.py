@@ -1,5 +1,6 @@
 """Values that chance alone drives beyond physics are held; those the log insists on are not."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,8 +8,9 @@ import pytest
 from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.evaluate import score_on, score_terms
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.tenable import can_be, goes_beyond, unphysical_beside
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
@@ -52,6 +54,32 @@ def test_what_the_log_insists_on_stays():
     one = fitted(log_with(negative))
     assert viscous(one) < -1.0
     assert within_bounds(one) is one
+
+
+def test_what_was_declared_stays_beside_a_law_where_chance_has_it_below_zero(monkeypatch):
+    """Without it the law's coefficient is told fifteen times as surely as the log knows it."""
+    grease = Term("nonlinear_viscous_friction", 1, values={"c": 14.0, "alpha": 0.5})
+    dry = tuple(t for t in DECLARED if (t.effect, t.joint) != ("viscous_friction", 1))
+    log = synthetic_log(
+        small_arm(),
+        (*dry, grease),
+        1,
+        noise=Noise(2e-5, 0.1),
+        duration=8.0,
+        rate=125.0,
+        motion_seed=7,
+    )
+    before = fitted(log)
+    (score,) = score_on(before, [replace(grease, values={})], 0)
+    first = iter([False])  # as where a fit beside viscous friction runs past the law
+    monkeypatch.setattr(refitting, "can_swing", lambda *_: next(first, True))
+    after = refit_with(before, score)
+    rows = zip(after.model.terms, after.std_errors, strict=True)
+    told = {t.effect: (t.values, errors) for t, errors in rows if t.joint == 1}
+    assert told["viscous_friction"][0]["b"] < 0.0
+    values, errors = told["nonlinear_viscous_friction"]
+    assert errors["c"] > 0.1
+    assert abs(values["c"] - 14.0) < 3.0 * errors["c"]
 
 
 def test_a_model_within_its_bounds_stays():

@@ -20,6 +20,7 @@ from jaxswarm.diagnose.selection.tenable import (
     is_certain,
     stands_for_itself,
     unphysical_beside,
+    within_chance,
 )
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import number_of
@@ -65,12 +66,15 @@ def _put_back(current: Estimate, after: Estimate) -> Estimate:
     A fit from afar may run past the law it looks for: a power of the speed beside viscous friction went to
     the exponent 1.02, two large numbers of opposite sign, at seven times the cost. Without the viscous term
     the exponent came out at 0.43 instead of 0.36, 20 of its standard errors off; with both again it is right.
+    What was there before stays though chance drives it below zero, where it is held in the end: without it a
+    coefficient that was 0.19 off had an error of 0.016 instead of 0.2.
     """
     law, joint = after.model.terms[-1].law, after.model.terms[-1].joint
     gone = [t for t in current.model.terms if t.joint == joint and t.effect in law.replaces]
     both = refit(after, (*after.model.terms, *gone))
     asked = [number_of(t, both.model.terms) for t in (*gone, after.model.terms[-1])]
-    possible = all(can_be(both.model.terms[k], both.std_errors[k]) for k in asked)
+    *beside, own = ((both.model.terms[k], both.std_errors[k]) for k in asked)
+    possible = can_be(*own) and all(within_chance(*one) for one in beside)
     return both if possible and _cost(both, after) < _cost(after, after) else after
 
 

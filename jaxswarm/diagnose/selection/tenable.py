@@ -16,10 +16,15 @@ def can_be(term: Term, errors: dict[str, float]) -> bool:
     Coulomb friction that was three times as large in that direction. Chance is held at the bound in the end.
     """
     linear = term.law.linear
-    above = [term.values[p.name] - p.lower for p in linear]
-    chance = [BEYOND_CHANCE * np.nan_to_num(errors[p.name]) for p in linear]
-    return not linear or (
-        max(above) >= 0.0 and all(a >= -c for a, c in zip(above, chance, strict=True))
+    above = any(term.values[p.name] >= p.lower for p in linear)
+    return not linear or (above and within_chance(term, errors))
+
+
+def within_chance(term: Term, errors: dict[str, float]) -> bool:
+    """Whether no linear coefficient is below its physical bound by more than chance."""
+    return all(
+        term.values[p.name] - p.lower >= -BEYOND_CHANCE * np.nan_to_num(errors[p.name])
+        for p in term.law.linear
     )
 
 
