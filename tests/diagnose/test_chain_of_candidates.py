@@ -9,10 +9,11 @@ import pytest
 from planted import BAND, blank, declared_fit, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.backlash import _curves, _Point
+from jaxswarm.diagnose.candidates.best_of import Task, best_of
 from jaxswarm.diagnose.candidates.journal import fingerprint
-from jaxswarm.diagnose.candidates.lattice import BATCH, lattice_of
+from jaxswarm.diagnose.candidates.lattice import lattice_of
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.search import _late, _survey, _Task, searching
+from jaxswarm.diagnose.candidates.search import _late, searching
 from jaxswarm.diagnose.candidates.whole_model import body_candidate
 from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -111,7 +112,7 @@ def test_a_search_sees_a_late_torque_as_late(lin):
     assert apart(0.02) < 0.01 and apart(0.0) > 0.1
 
 
-def test_a_point_without_a_finite_torque_hides_no_other():
+def test_a_point_without_a_finite_torque_hides_no_other(key):
     law = Law(
         "cliff", "joint",
         (
@@ -124,8 +125,8 @@ def test_a_point_without_a_finite_torque_hides_no_other():
     q = np.linspace(-3.0, 3.0, 600)
     series = make_sample(q=q)
     lattice, cell = lattice_of(1, 128, (480, 1))
-    task = _Task(np.int32(0), np.bool_(False), cell, series, fold_of(np.sin(3.0 * q)))
-    points, gains = _survey((law,), 1, BATCH, task, lattice, 4, np.ones(1))
+    task = Task(np.int32(0), np.bool_(False), cell, series, fold_of(np.sin(3.0 * q)))
+    points, gains = best_of((law,), 1, 12, task, lattice, 40, np.ones(1), key)
     assert 1.0 + 3.0 * float(points[0, 0]) == pytest.approx(3.0, abs=0.05)
     assert np.isfinite(gains).all()
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.diagnose.candidates import link_lag
-from jaxswarm.diagnose.candidates.lattice import BATCH, batch_of
+from jaxswarm.diagnose.candidates.lattice import batch_of
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import lag_torque
 from jaxswarm.diagnose.candidates.propose import propose_all
@@ -103,7 +103,7 @@ def test_candidates_of_a_long_log_are_those_of_a_short_one(motion, request):
 
     whole = columns()
     request.getfixturevalue("in_parts")
-    assert batch_of(len(motion.t)) < BATCH
+    assert batch_of(len(motion.t), 36) < 36
     found.rigids[0].sensed.clear()
     for one, other in zip(whole, columns(), strict=True):
         assert other.term.values == pytest.approx(one.term.values, rel=1e-6)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.diagnose.candidates import link_lag
-from jaxswarm.diagnose.folds.fold_data import FoldData, explained_of
+from jaxswarm.diagnose.folds.fold_data import FoldData, explained
 from jaxswarm.diagnose.folds.free_parts import free_parts
 from jaxswarm.diagnose.folds.joint_rows import joint_rows
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -54,7 +54,7 @@ def test_columns_of_many_points_explain_what_each_explains(width, positive):
     rng = np.random.default_rng(width)
     folds = some_folds(rng)
     columns = rng.normal(size=(5, 240, width))
-    found = jax.jit(explained_of)(jnp.asarray(columns), folds, positive)
+    found = jax.jit(explained)(jnp.asarray(columns), folds, positive)
     for s in range(3):
         fold = jax.tree.map(lambda x, s=s: x[s], folds)
         for m, own in enumerate(columns):
@@ -68,8 +68,8 @@ def test_a_column_of_zeros_says_nothing_and_hides_nothing():
     folds = some_folds(rng)
     columns = rng.normal(size=(4, 240, 2))
     columns[:, :, 1] = 0.0
-    both = jax.jit(explained_of)(jnp.asarray(columns), folds, False)
-    one = jax.jit(explained_of)(jnp.asarray(columns[:, :, :1]), folds, False)
+    both = jax.jit(explained)(jnp.asarray(columns), folds, False)
+    one = jax.jit(explained)(jnp.asarray(columns[:, :, :1]), folds, False)
     np.testing.assert_allclose(both, one, rtol=1e-12)
 
 

@@ -10,7 +10,7 @@ import pytest
 from planted import log_with, small_arm
 
 from jaxswarm.diagnose.candidates import search
-from jaxswarm.diagnose.candidates.lattice import ordered, seen_of
+from jaxswarm.diagnose.candidates.lattice import lattice_of, ordered, points_of, seen_of
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import REGISTRY, get_law
@@ -43,6 +43,12 @@ def load(motion):
     rigid = rigid_of(small_arm(), motion)
     pi = np.asarray(small_arm().parameters).ravel()
     return rigid.load(pi)
+
+
+def fall(columns, fold, positive):
+    """What columns (T', k) explain of one fold's residual."""
+    folds = jax.tree.map(lambda x: jnp.asarray(x)[None], fold)
+    return float(explained(jnp.asarray(columns)[None], folds, positive)[0, 0])
 
 
 def stages_of(motion, residual, basis=None):
@@ -129,41 +135,45 @@ def test_explained_is_the_fall_of_the_squared_error_by_a_refit():
     def cost(a):
         return ((y - a @ np.linalg.lstsq(a, y, rcond=None)[0]) ** 2).sum()
 
-    fall = cost(model) - cost(np.column_stack([model, columns]))
-    assert float(explained(jnp.asarray(columns), stage, False)) == pytest.approx(fall, rel=1e-6)
+    fell = cost(model) - cost(np.column_stack([model, columns]))
+    assert fall(columns, stage, False) == pytest.approx(fell, rel=1e-6)
 
 
 def test_a_coefficient_of_the_wrong_sign_explains_nothing():
     column = np.sin(np.arange(50.0))[:, None]
     stage = FoldData(*map(jnp.asarray, (np.zeros((50, 1)), -2.0 * column[:, 0], np.ones(50))))
-    assert float(explained(jnp.asarray(column), stage, True)) == 0.0
-    assert float(explained(jnp.asarray(column), stage, False)) > 1.0
+    assert fall(column, stage, True) == 0.0
+    assert fall(column, stage, False) > 1.0
 
 
-@pytest.mark.parametrize(("size", "swarms"), [(-1.0, 0), (1.0, 1)])
-def test_only_what_explains_something_is_refined(motion, load, key, monkeypatch, size, swarms):
-    begun, plain = [], search._refine
-    monkeypatch.setattr(search, "_refine", lambda *args: begun.append(1) or plain(*args))
+@pytest.mark.parametrize(("size", "refined"), [(-1.0, False), (1.0, True)])
+def test_only_what_explains_something_is_refined(motion, load, key, size, refined):
     term = Term("hysteresis", 1, values={"x0": 0.043})
     law = motion.decimator.apply(term_columns(term, motion, WIDTHS, load))[:, 0]
     # Hysteresis takes energy: with the other sign the law explains nothing.
     stages = stages_of(motion, size * law)
     task = (get_law("hysteresis"), 1, None)
     with searching([task], [motion], WIDTHS, [load], [stages], key) as finish:
-        assert len(finish()[0]) == 2
-    assert len(begun) == swarms
+        found = finish()[0]
+    (parameter,) = ordered(get_law("hysteresis"))
+    points = points_of(get_law("hysteresis"))
+    lattice, _ = lattice_of(1, points, (points, 1))
+    tried = np.array([float(parameter.decode(u)) for u in lattice[:, 0]])
+    for fold in found:
+        beside = np.abs(tried / fold["x0"] - 1.0).min()
+        assert (beside > 1e-6) == refined
 
 
 def test_a_search_that_is_left_does_not_go_on(motion, load, key, monkeypatch):
     begun = []
-    plain = search._survey
+    plain = search.best_of
 
     def slow(*args):
         begun.append(1)
         time.sleep(0.2)
         return plain(*args)
 
-    monkeypatch.setattr(search, "_survey", slow)
+    monkeypatch.setattr(search, "best_of", slow)
     stages = stages_of(motion, motion.decimator.apply(motion.tau)[:, 1])
     tasks = [(get_law(effect), 1, None) for effect, _, _ in PLANTED] * 3
     with pytest.raises(KeyboardInterrupt):
@@ -185,7 +195,7 @@ def test_what_is_nearly_absorbed_is_explained_by_its_rest(free):
     column = inside / np.linalg.norm(inside) + free * rest / np.linalg.norm(rest)
     fold = FoldData(*map(jnp.asarray, (basis, residual, np.ones(300))))
     exact = (rest @ residual) ** 2 / (rest @ rest)
-    assert float(explained(column[:, None], fold, False)) == pytest.approx(exact, rel=2e-3)
+    assert fall(column[:, None], fold, False) == pytest.approx(exact, rel=2e-3)
 
 
 def test_places_and_widths_are_looked_for_among_the_positions_seen():

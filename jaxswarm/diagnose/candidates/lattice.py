@@ -9,9 +9,8 @@ from jaxswarm.effects.parameter import Parameter
 
 # Lattice points, shared by the dimensions, for a law that does not ask for its own number of them.
 _POINTS = 128
-# Lattice points whose columns are held at a time; of a long log fewer, so that samples times points stay below
-# the other number: with what a law has in between, some hundred megabytes.
-BATCH, _HELD = 32, 2**21
+# Samples times points whose columns are held at a time: with what a law has in between, some hundred megabytes.
+_HELD = 2**21
 
 
 def points_of(law: TorqueLaw) -> int:
@@ -19,16 +18,15 @@ def points_of(law: TorqueLaw) -> int:
     return law.grid_size or _POINTS
 
 
-def batch_of(samples: int) -> int:
-    """How many lattice points pass at a time, a divisor of :data:`BATCH`.
+def batch_of(samples: int, points: int) -> int:
+    """How many points pass at a time, a divisor of them.
 
-    >>> batch_of(5_000), batch_of(250_000), batch_of(10**9)
-    (32, 8, 1)
+    >>> batch_of(5_000, 36), batch_of(250_000, 36), batch_of(10**9, 36)
+    (36, 6, 1)
     """
-    batch = BATCH
-    while batch > 1 and batch * samples > _HELD:
-        batch //= 2
-    return batch
+    return max(
+        n for n in range(1, points + 1) if points % n == 0 and n * samples <= max(_HELD, samples)
+    )
 
 
 def lattice_of(dims: int, points: int, most: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:

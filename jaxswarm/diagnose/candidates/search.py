@@ -1,133 +1,31 @@
-r"""Nonlinear parameters of laws by swarms, for all laws, joints and folds through the same compiled programs.
+"""Nonlinear parameters of laws on joints, searched in threads beside what else is computed; see ``best_of``.
 
-For a candidate :math:`\nu` the law's columns c on its joint are computed along the whole log, decimated,
-freed of what the model absorbs, and the linear parameters eliminated: the cost is minus the explained
-sum of squares, :math:`h^T G^{-1} h` with :math:`G = c_\perp^T c_\perp`, :math:`h = c_\perp^T r`.
-A coarse lattice over the cube finds the valley, which a torque ripple has one of per order, and a GPSO
-swarm in its cell finds the floor. The law is chosen inside the program and lengths are rounded up, so
-that neither another candidate nor a log of another length costs a compilation.
+Lengths are rounded up, so that a log of another length costs no compilation.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.diagnose.candidates.lattice import (
-    BATCH,
-    batch_of,
-    lattice_of,
-    ordered,
-    points_of,
-    seen_of,
-)
-from jaxswarm.diagnose.folds.fold_data import FoldData, decimating, explained, explained_of
+from jaxswarm.diagnose.candidates.best_of import PARTICLES, Task, best_of, decoded
+from jaxswarm.diagnose.candidates.lattice import batch_of, lattice_of, points_of, seen_of
+from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.measurement import shifted
 from jaxswarm.effects.sample import Sample
-from jaxswarm.effects.series import law_columns
 from jaxswarm.identify.forward.columns import Load, joint_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.motion import Motion
-from jaxswarm.programs import program
 
-_PARTICLES, _STEPS = 12, 10
-# What explains less of the residual than this share on every fold is not refined: it comes to nothing.
-_WORTH = 0.02
 # Threads that search: beside the one that builds other candidates, and when that has finished.
 _WORKERS = 2
 # Lengths are rounded up to multiples of these: samples, filter taps.
 _CHUNK, _TAPS = 1024, 32
-
-
-class _Task(NamedTuple):
-    """One law on one joint with its folds (S, ...): the law by its number among those of the program."""
-
-    law: jax.Array | np.int32
-    positive: jax.Array | np.bool_
-    cell: jax.Array | np.ndarray
-    series: Sample
-    folds: FoldData
-
-
-@partial(jax.jit, static_argnames=("laws", "factor"))
-def _columns_at(
-    laws: tuple[TorqueLaw, ...], factor: int, task: _Task, taps: jax.Array, u: jax.Array
-):
-    """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law.
-
-    Every law decimates its own: what a switch gives is written to memory, and there before decimation it is as
-    long as the log, which took half of a search.
-    """
-    width, low = max(len(law.linear) for law in laws), decimating(taps, factor)
-
-    def columns_of(law, u):
-        columns = low(law_columns(law, _decode(law, u), task.series))
-        return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
-
-    return jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
-
-
-@program("laws", "factor", "batch")
-def _survey(
-    laws: tuple[TorqueLaw, ...],
-    factor: int,
-    batch: int,
-    task: _Task,
-    lattice: jax.Array,
-    count,
-    taps: jax.Array,
-):
-    """The best of a lattice's first points and what it explains, one per fold: (S, d), (S,).
-
-    ``count`` batches are looked at, so that a fine lattice is no program of its own.
-    """
-    at = partial(_columns_at, laws, factor, task, taps)
-
-    def look(k, best):
-        points = jax.lax.dynamic_slice_in_dim(lattice, k * batch, batch)
-        gains = explained_of(jax.vmap(at)(points), task.folds, task.positive)
-        # A law may have no finite torque at a point; it must not hide the others.
-        gains = jnp.where(jnp.isnan(gains), -jnp.inf, gains)
-
-        def one_fold(gains, point, most):
-            pick = jnp.argmax(gains)
-            better = gains[pick] > most
-            return jnp.where(better, points[pick], point), jnp.where(better, gains[pick], most)
-
-        return jax.vmap(one_fold)(gains, *best)
-
-    folds, kind = task.folds.residual.shape[0], task.folds.residual.dtype
-    nowhere = jnp.full((folds, lattice.shape[1]), 0.5, kind), jnp.full(folds, -jnp.inf, kind)
-    return jax.lax.fori_loop(0, count, look, nowhere)
-
-
-@program("laws", "factor")
-def _refine(
-    laws: tuple[TorqueLaw, ...], factor: int, task: _Task, survey, taps: jax.Array, key: jax.Array
-):
-    """Best positions in the unit cube, by a swarm in the cell of a lattice's best point: (S, d)."""
-    # Swarms load for a tenth of a second what nobody needs where the program is found ready on disk.
-    from jaxswarm.swarm import Space, gpso, minimize
-
-    def one_fold(fold, point, gain):
-        low = jnp.clip(point - task.cell, 0.0, 1.0 - 2.0 * task.cell)
-
-        def cost(u, fold):
-            columns = _columns_at(laws, factor, task, taps, low + 2.0 * task.cell * u)
-            return -explained(columns, fold, task.positive)
-
-        unit = Space.vector(np.zeros(task.cell.shape[0]), np.ones(task.cell.shape[0]))
-        swarm = minimize(cost, gpso(_PARTICLES), unit, key, fold, num_steps=_STEPS)
-        return jnp.where(-swarm.value > gain, low + 2.0 * task.cell * swarm.params, point)
-
-    return jax.vmap(one_fold)(task.folds, *survey)
 
 
 @contextmanager
@@ -168,9 +66,10 @@ def searching(
     rows = [(len(m.t) + end) // factor for m, end in zip(motions[:-1], ends, strict=False)]
     rows.append((length + ends[-1] - len(taps)) // factor + 1 - sum(rows))
     laws = _searched(law for law, _, _ in tasks)
-    points = max(BATCH * -(-points_of(law) // BATCH) for law in laws)
+    at_once = folds[0].residual.shape[1] * PARTICLES
+    points = max(at_once * -(-points_of(law) // at_once) for law in laws)
     most = points, max(len(law.nonlinear) for law in laws)
-    batch = batch_of(length + ends[-1])
+    batch = batch_of(length + ends[-1], at_once)
     precise = jax.config.jax_enable_x64  # type: ignore[attr-defined]
 
     def search(law: TorqueLaw, joint: int, other: int | None) -> list[dict[str, float]]:
@@ -183,7 +82,7 @@ def searching(
         lattice, cell = lattice_of(len(law.nonlinear), points, most)
         low, span = seen_of(law, [m.q[:, joint] for m in motions], most[1])
         lattice, cell = low + span * lattice, span * cell
-        task = _Task(
+        task = Task(
             np.int32(laws.index(law)),
             np.bool_(law.positive),
             cell,
@@ -191,11 +90,9 @@ def searching(
             _of_joint(folds, joint, rows),
         )
         with jax.enable_x64(precise):  # a thread has settings of its own
-            best = _survey(laws, factor, batch, task, lattice, -(-points // batch), taps)
-            positions, gains = map(np.asarray, best)
-            if (gains > _WORTH * (task.folds.residual**2).sum(axis=1)).any():
-                positions = np.asarray(_refine(laws, factor, task, best, taps, key))
-        return [{n: float(x) for n, x in _decode(law, u).items()} for u in positions]
+            count = -(-points // at_once)
+            positions, _ = best_of(laws, factor, batch, task, lattice, count, taps, key)
+        return [{n: float(x) for n, x in decoded(law, u).items()} for u in np.asarray(positions)]
 
     pool = ThreadPoolExecutor(max_workers=_WORKERS)
     try:
@@ -229,11 +126,6 @@ def _searched(laws: Iterable[TorqueLaw]) -> tuple[TorqueLaw, ...]:
     known = {one.name: one for one in (*REGISTRY.values(), *laws)}
     laws_of = (one for one in known.values() if isinstance(one, TorqueLaw))
     return tuple(one for one in laws_of if one.searched)
-
-
-def _decode(law: TorqueLaw, u) -> dict:
-    """Nonlinear parameters by name at a point of the unit cube."""
-    return {p.name: p.decode(u[k]) for k, p in enumerate(ordered(law))}
 
 
 def _late(series: Sample[np.ndarray], seconds: float, motion: Motion) -> Sample[np.ndarray]:

@@ -55,19 +55,16 @@ def decimating(taps: jax.Array, factor: int) -> Callable[[jax.Array], jax.Array]
     return low
 
 
-def explained(columns: jax.Array, fold: FoldData, positive: bool | jax.Array) -> jax.Array:
-    """Sum of squares that free linear parameters of the columns (T', k) take off the residual.
+def explained(columns: jax.Array, folds: FoldData, positive: bool | jax.Array) -> jax.Array:
+    """Sum of squares that free linear parameters of columns take off the residual of a fold: (S, m).
 
-    Columns of zeros say nothing. ``positive`` refuses a negative coefficient of the first column.
-    """
-    folds = jax.tree.map(lambda x: jnp.asarray(x)[None], fold)
-    return explained_of(columns[None], folds, positive)[0, 0]
+    Columns of zeros say nothing. One product for all: products of a few columns at a time take four times as
+    long.
 
-
-def explained_of(columns: jax.Array, folds: FoldData, positive: bool | jax.Array) -> jax.Array:
-    """What :func:`explained` says of many columns (m, T', k) on all folds (S, ...): (S, m).
-
-    One product for all of them: products of a few columns at a time take four times as long.
+    Args:
+        columns: Of m options, (m, T', k).
+        folds: S of them, (S, ...).
+        positive: Refuse a negative coefficient of the first column.
     """
     count, rows, width = columns.shape
     flat = jnp.moveaxis(columns, 1, 0).reshape(rows, count * width)
