@@ -9,8 +9,10 @@ from planted import BAND, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
+from jaxswarm.diagnose.selection.sticking import _may_be_friction
 from jaxswarm.diagnose.selection.tenable import can_be_resolved
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
@@ -117,6 +119,22 @@ def test_a_bristle_winds_up_by_more_than_positions_tell(way, told):
     bristle = Term("hysteresis", 1, values={"fc": 1.0, "x0": way})
     assert can_be_resolved(found, bristle) is told
     assert can_be_resolved(found, Term("coulomb_friction", 1, values={"fc": 1.0}))
+
+
+@pytest.mark.parametrize(
+    ("names", "elsewhere", "told"),
+    [
+        (("dq_joint2",), 0.5, True),
+        (("q_joint1", "q_joint2"), None, True),
+        (("dq_joint2",), -0.2, False),
+        (("ddq_joint1",), 0.5, False),
+    ],
+)
+def test_structure_of_friction_follows_its_own_joint_and_holds_elsewhere(names, elsewhere, told):
+    """A joint that sticks at four points in turn seemed to follow the acceleration of another one."""
+    rows = np.zeros(1)
+    item = Unexplained(1, names, 0.9, 1e-9, rows, rows, None, rows, elsewhere)
+    assert _may_be_friction(item, fitted(stopping(0.0))) is told
 
 
 def friction_of(found) -> np.ndarray:

@@ -6,7 +6,8 @@ one that sticks while its drive winds up goes through all of them. Fitted to a s
 and viscous friction 9 % off; fitted to what moves, all were within their noise and friction within 0.3 %.
 
 Laws go first: a bristle, a play or a rise of friction at low speed shows in the same rows. Structure that holds
-on no other motion is none: on a cycle of four points a wrist that stuck at each seemed to follow two joints.
+on no other motion is none, and what friction does at rest is a matter of its own joint: on cycles of four
+points joints that stuck at each seemed to follow two others, or the acceleration of one.
 """
 
 from collections.abc import Callable
@@ -16,6 +17,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import find_material, remainders
 from jaxswarm.diagnose.decision.rules import LOUD, STICKS
+from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import fit_from, refit
@@ -36,7 +38,7 @@ def leave_out_sticks(search: Search) -> bool:
     """
     current = search.current
     structure = find_material(current, search.folds, search.seed)
-    real = {item.joint for item in structure if item.elsewhere is None or item.elsewhere > 0.0}
+    real = {item.joint for item in structure if _may_be_friction(item, current)}
     loud = {r.joint for r in remainders(current) if r.over_noise > LOUD}
     asked = (loud | {item.joint for item in structure}) - real - search.sticking
     rows = hardly_moving(current.motions)
@@ -51,6 +53,13 @@ def leave_out_sticks(search: Search) -> bool:
             return True
         asked = held
     return False
+
+
+def _may_be_friction(item: Unexplained, found: Estimate) -> bool:
+    """Whether structure may be a law of friction that nobody has written down."""
+    own = found.model.robot.joints[item.joint]
+    named = any(name.split("_", 1)[-1] == own for name in item.depends_on)
+    return named and (item.elsewhere is None or item.elsewhere > 0.0)
 
 
 def settle_signs(search: Search, alone: Callable[[], Estimate]) -> None:
