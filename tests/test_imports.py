@@ -76,7 +76,7 @@ SWARM_LEVEL = {
     ),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
-    **dict.fromkeys(("start", "standing", "stopping", "result", "needed"), "minimize"),
+    **dict.fromkeys(("start", "standing", "stopping", "result", "needed", "calling"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding"), "tools"),
     **dict.fromkeys(("contract", "endurance"), "tools"),
     **dict.fromkeys(("driver", "workers", "noise", "handling", "constraints"), "tools"),

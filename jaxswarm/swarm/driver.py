@@ -18,6 +18,7 @@ import numpy as np
 
 from jaxswarm.errors import InputError
 from jaxswarm.room import room_for_programs
+from jaxswarm.swarm.calling import check_takes
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
 from jaxswarm.swarm.random import fold
@@ -25,7 +26,7 @@ from jaxswarm.swarm.repeating import first
 from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.search import check_state, going_on, optimizer_for, rule, start_for
 from jaxswarm.swarm.space import Space
-from jaxswarm.swarm.standing import NO_FINITE_VALUE, STEPS_DONE, progress_of
+from jaxswarm.swarm.standing import STEPS_DONE, outcome, progress_of
 from jaxswarm.swarm.start import begun
 from jaxswarm.swarm.stopping import ask
 from jaxswarm.swarm.workers import shared_out, tried
@@ -126,7 +127,7 @@ class Driver:
         expected = (self.size,) if width is None else (self.size, width)
         if told.shape != expected:
             raise InputError(
-                f"value has shape {told.shape}, expected {expected}: tell all candidates."
+                f"value has shape {told.shape}, expected {expected}: tell one number for each candidate."
             )
         given = self._optimizer, self._key, self._carry, told, self._stop
         self._carry = _step(*given)
@@ -161,6 +162,7 @@ class Driver:
             raise InputError(f"timeout={timeout} needs a pool: nothing else can be waited for.")
         if vectorized and pool is not None:
             raise InputError("vectorized=True asks for all at once, which no pool can share out.")
+        check_takes(fn, "population" if vectorized else "params")
         width = num_values(self._optimizer)
         lost = np.inf if width is None else np.full(width, np.inf)
         while not self.finished:
@@ -178,7 +180,7 @@ class Driver:
         """What ``minimize`` would return by now; the history holds the steps told so far."""
         state, steps = self.state, jnp.asarray(len(self.history), jnp.int32)
         code = self._carry.code if bool(self._carry.done) else STEPS_DONE
-        code = jnp.where(state.best_value < jnp.inf, code, NO_FINITE_VALUE)
+        code = outcome(state, jnp.asarray(code))
         return Result(
             params=self.space.decode(state.best_position),
             value=state.best_value,

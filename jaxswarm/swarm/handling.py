@@ -28,11 +28,10 @@ import jax.numpy as jnp
 
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.schedules import BY_HAND, coefficient, run_length
+from jaxswarm.swarm.standing import INFEASIBLE
 
 __all__ = ["augmented_lagrangian", "epsilon_level", "feasibility_rules", "feasible_first", "total"]
 
-INFEASIBLE = 1e30
-"""Above every value of an objective in its units, and with room for 1e8 of violation in a float32."""
 FIRST_LEVEL = 0.2
 """Share of the first candidates that the first epsilon lets pass (Takahama and Sakai)."""
 FALLING = 0.8

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.calling import called
 from jaxswarm.swarm.optimizers.base import Info, comparable, num_values, once
 from jaxswarm.swarm.pytree import pytree, static
 from jaxswarm.swarm.random import fold
@@ -73,7 +74,7 @@ class Loop:
             decode = lambda: jax.vmap(space.decode)(position)  # noqa: E731
             # Reductions of many rows are slow to compute what is fused into them.
             params = once(decode) if self.runs and self.args_axes is None else decode()
-            value = _values(self.fn(*given, params, args), position.shape[:1], width, True)
+            value = called(self.fn, (*given, params, args), position.shape[:1], width, True)
         elif key is None:
             value = jax.vmap(lambda x: self._one(space, width, x, args))(position)
         else:
@@ -82,7 +83,7 @@ class Loop:
         return comparable(value, position.dtype)
 
     def _one(self, space, width, x, args, *key):
-        return _values(self.fn(*key, space.decode(x), args), (), width, False)
+        return called(self.fn, (*key, space.decode(x), args), (), width, False)
 
     def map(self, function):
         """Map over the runs, if there are runs."""
@@ -109,42 +110,3 @@ def _check_info(info):
             f"update returned info={info!r}, which has no {', '.join(missing)}: return (state, Info), "
             "e.g. with candidate_info(position, value, best_value, improved, {})."
         )
-
-
-def _real(out):
-    """What an objective returned as an array of real numbers; refused if it is none."""
-    try:
-        array = jnp.asarray(out)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"fn returned {out!r}, which is no number: is a return missing?"
-        ) from error
-    if jnp.iscomplexobj(array):
-        raise InputError(
-            f"fn returned {array.dtype} numbers, which have no order: take .real or abs."
-        )
-    return array
-
-
-def _values(out, lead, width, vectorized):
-    """What an objective returned as an array, checked: (*lead,), or (*lead, width)."""
-    if width is not None and isinstance(out, tuple | list):
-        out = jnp.concatenate([_real(part).reshape(*lead, -1) for part in out], axis=-1)
-    out = _real(out)
-    shape, expected = jnp.shape(out), lead if width is None else (*lead, width)
-    if shape == expected:
-        return out
-    if width is not None:
-        raise InputError(
-            f"fn returned values of shape {shape}, the optimizer needs {expected}: one row of "
-            f"{width} numbers a candidate (value and constraints, or objectives)."
-        )
-    if vectorized:
-        raise InputError(
-            f"fn returned shape {shape} for a population, expected {expected}: with "
-            "vectorized=True it must return one value a candidate."
-        )
-    raise InputError(
-        f"fn returned shape {shape}, expected a scalar: fn(params, args) gets one candidate; "
-        "if yours evaluates the whole population, pass vectorized=True."
-    )

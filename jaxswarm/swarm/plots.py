@@ -20,33 +20,36 @@ BAND = (25.0, 75.0)
 DPI = 110
 
 
-def convergence_bands(histories: Mapping[str, Any], *, per_step: Any = None, floor: float = 0.0):
+def convergence_bands(
+    histories: Mapping[str, Any], *, per_step: Any = None, floor: float | None = None
+):
     """Median best value over the evaluations, with the band of the middle half of the runs.
 
     Args:
       histories: by name, best values (runs, steps) such as ``minimize_runs(...).history``, or (steps,).
       per_step: evaluations in a step, one number or by name; default counts steps.
-      floor: the known optimum, which is subtracted; a line ends where it is reached.
+      floor: the known optimum, which is subtracted; a line ends where it is reached. Without one, values
+        below zero are drawn on a straight axis.
 
     >>> figure = convergence_bands({"pso": np.geomspace(1.0, 1e-3, 20) * np.ones((3, 1))})
     >>> figure.axes[0].get_yscale()
     'log'
     """
     figure, (axis,) = _figure(1, 6.4, 4.0)
-    for color, (name, history) in zip(_colors(histories), histories.items(), strict=True):
-        values = np.atleast_2d(np.asarray(history, float)) - floor
-        if values.ndim != 2:
-            raise InputError(f"histories[{name!r}] has shape {values.shape}: give (runs, steps).")
+    runs = {name: _runs(name, history) - (floor or 0.0) for name, history in histories.items()}
+    straight = floor is None and any((values < 0.0).any() for values in runs.values())
+    for color, (name, values) in zip(_colors(histories), runs.items(), strict=True):
         size = per_step.get(name, 1) if isinstance(per_step, Mapping) else per_step or 1
         steps = size * np.arange(1, values.shape[1] + 1)
-        least = np.min(values, where=values > 0.0, initial=np.inf)
-        low, middle, high = _percentiles(np.maximum(values, 0.0), (BAND[0], 50.0, BAND[1]))
-        middle = np.where(middle > 0.0, middle, np.nan)
+        least = -np.inf if straight else np.min(values, where=values > 0.0, initial=np.inf)
+        held = values if straight else np.maximum(values, 0.0)
+        low, middle, high = _percentiles(held, (BAND[0], 50.0, BAND[1]))
+        middle = np.where(straight | (middle > 0.0), middle, np.nan)
         axis.plot(steps, middle, color=color, lw=1.6, label=f"{name} ({len(values)} runs)")
         if len(values) > 1:  # a run that has arrived is below the axis, and so may the band be
             inside = np.maximum(low, least), np.maximum(high, least)
             axis.fill_between(steps, *inside, color=color, alpha=0.2, lw=0)
-    axis.set_yscale("log")
+    axis.set_yscale("linear" if straight else "log")
     axis.set_xlabel("steps" if per_step is None else "evaluations")
     axis.set_ylabel("best value" + (" above the optimum" if floor else ""))
     axis.legend(frameon=False, fontsize=9)
@@ -150,7 +153,7 @@ def ecdf(histories: Mapping[str, Any], targets: Any, *, per_step: Any = 1, dims:
     targets = np.asarray(targets, float).ravel()
     figure, (axis,) = _figure(1, 6.4, 4.0)
     for color, (name, history) in zip(_colors(histories), histories.items(), strict=True):
-        best = np.minimum.accumulate(np.atleast_2d(np.asarray(history, float)), axis=1)
+        best = np.minimum.accumulate(_runs(name, history), axis=1)
         reached = (best[:, :, None] <= targets).mean(axis=(0, 2))
         size = per_step.get(name, 1) if isinstance(per_step, Mapping) else per_step
         steps = size * np.arange(1, best.shape[1] + 1) / dims
@@ -165,9 +168,10 @@ def front_plot(fronts: Mapping[str, Any], *, names: Sequence[str] | None = None)
     """Fronts of two objectives, or every pair of more.
 
     Args:
-      fronts: by name, values (m, k), such as ``front(result, space).values``.
+      fronts: by name, values (m, k), or what ``front(result, space)`` gives.
       names: of the objectives.
     """
+    fronts = {name: getattr(one, "values", one) for name, one in fronts.items()}
     sizes = {np.shape(values)[1] for values in fronts.values() if np.ndim(values) == 2}
     if len(sizes) != 1:
         raise InputError("fronts must hold arrays (m, k) with the same number of objectives.")
@@ -195,6 +199,18 @@ def _figure(count, width, height, columns=1):
         axis.spines[["top", "right"]].set_visible(False)
         axis.grid(alpha=0.25, linewidth=0.5)
     return figure, axes
+
+
+def _runs(name, history):
+    try:
+        values = np.atleast_2d(np.asarray(history, float))
+    except ValueError:
+        raise InputError(
+            f"histories[{name!r}] holds runs of different length: cut them to one."
+        ) from None
+    if values.ndim != 2:
+        raise InputError(f"histories[{name!r}] has shape {values.shape}: give (runs, steps).")
+    return values
 
 
 def _colors(named):

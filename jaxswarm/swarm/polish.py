@@ -26,7 +26,9 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.room import room_for_programs
+from jaxswarm.swarm.calling import check_takes
 from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.space import Space
 
 __all__ = ["Polished", "polish"]
@@ -62,7 +64,7 @@ def polish(
       fn: objective for one candidate, as for ``minimize``: ``fn(params, args) -> scalar``; for
         ``method="levenberg_marquardt"`` the residuals (m,), whose sum of squares is the value.
       space: names and bounds.
-      state: final state of a search (``result.state``), or starting points of the cube, (d,) or (k,
+      state: a search's result or final state (``result.state``), or starting points of the cube, (d,) or (k,
         d), all of which are polished.
       args: data handed to ``fn``.
       method: ``"lbfgs"``, ``"adam"`` or ``"levenberg_marquardt"``.
@@ -88,6 +90,10 @@ def polish(
     room_for_programs()
     if method not in METHODS:
         raise InputError(f"method={method!r} is unknown. {nearest(str(method), METHODS)}")
+    if not isinstance(space, Space):
+        raise InputError(f"space={space!r} must be a Space: polish(fn, space, result.state).")
+    state = state.state if isinstance(state, Result) else state
+    check_takes(fn, "params", "args")
     at_least("num_steps", num_steps, 1, "a method needs a step")
     points = _candidates(state)
     top = min(at_least("top", top, 1, "a start is needed"), points.shape[0])

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from jaxswarm.swarm.pytree import pytree
-from jaxswarm.swarm.standing import MESSAGES, NO_FINITE_VALUE
+from jaxswarm.swarm.standing import MESSAGES, NO_FINITE_VALUE, NOTHING_FEASIBLE
 
 __all__ = ["Result", "Status"]
 
@@ -32,8 +32,8 @@ class Status:
 
     @property
     def ok(self) -> Any:
-        """False where no candidate ever had a finite value."""
-        return self.code != NO_FINITE_VALUE
+        """False where no candidate ever had a finite value, or none was feasible."""
+        return (self.code != NO_FINITE_VALUE) & (self.code != NOTHING_FEASIBLE)
 
 
 @pytree
@@ -62,9 +62,10 @@ class Result:
     state: Any
 
     def check(self) -> "Result":
-        """Return the result, or raise ``RuntimeError`` if some run never saw a finite value."""
-        if not np.all(_here(self.status.code) != NO_FINITE_VALUE):
-            raise RuntimeError(MESSAGES[NO_FINITE_VALUE])
+        """Return the result, or raise ``RuntimeError`` if some run never saw a finite or feasible value."""
+        for code in (NO_FINITE_VALUE, NOTHING_FEASIBLE):
+            if np.any(_here(self.status.code) == code):
+                raise RuntimeError(MESSAGES[code])
         return self
 
     def __repr__(self) -> str:

@@ -10,6 +10,7 @@ from jax.tree_util import keystr, tree_flatten_with_path
 
 from jaxswarm.errors import InputError
 from jaxswarm.room import room_for_programs
+from jaxswarm.swarm.calling import check_takes
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
 from jaxswarm.swarm.pytree import as_part
@@ -18,7 +19,7 @@ from jaxswarm.swarm.repeating import Carry, first, held, repeat_all, repeat_unti
 from jaxswarm.swarm.result import Result, Status
 from jaxswarm.swarm.schedules import for_run
 from jaxswarm.swarm.space import Space
-from jaxswarm.swarm.standing import NO_FINITE_VALUE
+from jaxswarm.swarm.standing import outcome
 from jaxswarm.swarm.start import Start, begun, points_of
 
 __all__ = [
@@ -61,7 +62,7 @@ def search(
         history = held(history, carry.num_steps - before, 1 if loop.runs else 0)
 
     state = carry.state
-    code = jnp.where(state.best_value < jnp.inf, carry.code, NO_FINITE_VALUE)
+    code = outcome(state, carry.code)
     result = Result(
         params=loop.map(space.decode)(state.best_position),
         value=state.best_value,
@@ -92,6 +93,7 @@ def the_loop(
     room_for_programs()
     if not callable(fn):
         raise InputError(f"fn={fn!r} must be a function of (params, args).")
+    check_takes(fn, *(("key",) if noisy else ()), "params", "args")
     if not isinstance(space, Space):
         raise InputError(f"space={space!r} must be a Space, e.g. Space(x=(-5.0, 5.0)).")
     return Loop(

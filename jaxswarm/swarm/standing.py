@@ -16,7 +16,8 @@ from jaxswarm.swarm.optimizers.base import finished
     CUSTOM,
     TIME_UP,
     SEARCH_ENDED,
-) = range(8)
+    NOTHING_FEASIBLE,
+) = range(9)
 
 MESSAGES = (
     "all steps done",
@@ -27,8 +28,13 @@ MESSAGES = (
     "stopped by the given rule",
     "time limit reached",
     "the optimizer has ended by criteria of its own",
+    "no feasible candidate was found: the value is 1e30 times one plus the least violation",
 )
 """Text of each status code."""
+
+
+INFEASIBLE = 1e30
+"""Above every value of an objective in its units, and with room for 1e8 of violation in a float32."""
 
 
 class Progress(NamedTuple):
@@ -54,3 +60,15 @@ def progress_of(state: Any, since: jax.Array, diversity: jax.Array) -> Progress:
     own = finished(state)
     own = jnp.asarray(False) if own is None else own
     return Progress(state.count, state.best_value, since, diversity, own)
+
+
+def outcome(state: Any, code: jax.Array) -> jax.Array:
+    """The code of an end, or why a search that came to it has nothing to give; of one run or of many."""
+    if _is_constrained(state):
+        code = jnp.where(state.best_value >= INFEASIBLE, NOTHING_FEASIBLE, code)
+    return jnp.where(state.best_value < jnp.inf, code, NO_FINITE_VALUE)
+
+
+def _is_constrained(state: Any) -> bool:
+    """Whether a state, or one that it wraps, knows how far constraints are broken."""
+    return hasattr(state, "violation") or (hasattr(state, "inner") and _is_constrained(state.inner))

@@ -18,6 +18,7 @@ from jaxswarm.swarm import (
     de,
     epsilon_level,
     feasibility_rules,
+    islands,
     minimize,
     minimize_runs,
     pso,
@@ -196,3 +197,28 @@ def test_an_equality_is_followed_by_default():
     assert bool((found.state.violation == 0.0).all())
     assert int((np.abs(found.value / 0.05 - 1.0) < 5e-3).sum()) >= 34
     assert constrained(pso(), 1).handling == feasibility_rules()
+
+
+WRAPPED = {
+    "itself": lambda: constrained(pso(6), 1),
+    "restarts": lambda: restart(constrained(cma_es(), 1)),
+    "islands": lambda: islands(constrained(pso(6), 1), 2),
+}
+
+
+@pytest.mark.parametrize("wrapped", WRAPPED)
+def test_it_is_told_that_nothing_was_feasible(wrapped):
+    space, keys = Space.vector([0.0] * 2, [1.0] * 2), jax.random.split(jax.random.key(0), 2)
+
+    def broken(x, least):
+        return x.sum(-1), least - x[..., :1]
+
+    def search(least):
+        return minimize_runs(broken, WRAPPED[wrapped](), space, keys, least, num_steps=5)
+
+    nothing, found = search(2.0), search(0.5)
+    assert all("no feasible candidate" in told for told in nothing.status.message)
+    assert not nothing.status.ok.any() and found.status.ok.all()
+    with pytest.raises(RuntimeError, match="no feasible candidate"):
+        nothing.check()
+    assert found.check() is found

@@ -92,7 +92,7 @@ def test_going_on_from_a_state():
 
 def test_what_does_not_fit_is_refused():
     driver = Driver(pso(6), SPACE, KEY, num_steps=1)
-    with pytest.raises(InputError, match=r"shape \(5,\), expected \(6,\): tell all"):
+    with pytest.raises(InputError, match=r"shape \(5,\), expected \(6,\): tell one number"):
         driver.tell([1.0] * 5)
     with pytest.raises(InputError, match="needs a pool"):
         driver.run(sphere, timeout=1.0)

@@ -267,3 +267,50 @@ def test_a_host_objective_returns_value_and_constraints_as_one_on_the_device_doe
 
 def test_as_optimizer_keeps_what_is_one():
     assert as_optimizer(SWARM) == SWARM
+
+
+UNTRACED = {
+    "NumPy": lambda x, _: np.sum(np.square(np.asarray(x))),
+    "if": lambda x, _: 1.0 if x[0] > 0.0 else 2.0,
+    "a mask": lambda x, _: x[x > 0.0].sum(),
+    "an index": lambda x, _: [1.0, 2.0][x[0].astype(int)],
+}
+
+
+@pytest.mark.parametrize("name", UNTRACED)
+def test_what_cannot_be_compiled_is_sent_to_the_driver(name):
+    with pytest.raises(InputError, match="search with Driver"):
+        minimize(UNTRACED[name], SWARM, SPACE, KEY, num_steps=1)
+
+
+@pytest.mark.parametrize(
+    "search",
+    [
+        lambda fn: minimize(fn, SWARM, SPACE, KEY, num_steps=1),
+        lambda fn: minimize_runs(fn, SWARM, SPACE, KEYS, num_steps=1),
+        lambda fn: minimize(fn, SWARM, SPACE, KEY, num_steps=1, noisy=True),
+        lambda fn: polish(fn, SPACE, jnp.zeros(2)),
+    ],
+)
+def test_a_function_that_takes_something_else_is_refused_before_it_is_called(search):
+    def one(x):
+        raise AssertionError
+
+    with pytest.raises(InputError, match=r"fn takes \(x\), it is called as fn\(.*params, args\)"):
+        search(one)
+
+
+def test_a_driver_calls_with_parameters_alone():
+    driver = Driver(SWARM, SPACE, KEY, num_steps=1)
+    with pytest.raises(InputError, match=r"called as fn\(params\)"):
+        driver.run(sphere)
+    with pytest.raises(InputError, match="one number for each candidate"):
+        driver.run(lambda x: np.array([1.0]))
+
+
+def test_polish_takes_a_result_and_refuses_another_order():
+    found = minimize(sphere, SWARM, SPACE, KEY, 1.0, num_steps=2)
+    by_result, by_state = (polish(sphere, SPACE, x, 1.0) for x in (found, found.state))
+    np.testing.assert_array_equal(by_result.position, by_state.position)
+    with pytest.raises(InputError, match="must be a Space"):
+        polish(sphere, found, SPACE)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
-from jaxswarm.swarm import Bound, Space
+from jaxswarm.swarm import Bound, Front, Space
 from jaxswarm.swarm.plots import convergence_bands, ecdf, front_plot, swarm_over_time, sweep_map
 
 
@@ -70,3 +70,21 @@ def test_every_pair_of_objectives():
 def test_what_cannot_be_drawn_is_named(draw, message):
     with pytest.raises(InputError, match=message):
         draw()
+
+
+def test_values_below_zero_are_drawn_on_a_straight_axis():
+    history = -np.arange(1.0, 5.0)
+    figure = convergence_bands({"swarm": np.stack([history, history - 1.0])})
+    np.testing.assert_allclose(line(figure), [[k, -k - 0.5] for k in (1, 2, 3, 4)])
+    assert figure.axes[0].get_yscale() == "linear"
+
+
+@pytest.mark.parametrize("draw", [convergence_bands, lambda given: ecdf(given, [1.0])])
+def test_runs_of_different_length_are_refused(draw):
+    with pytest.raises(InputError, match="different length"):
+        draw({"swarm": [[2.0, 1.0], [3.0]]})
+
+
+def test_a_front_is_drawn_as_it_is_found():
+    found = Front({}, np.array([[0.0, 1.0], [1.0, 0.0]]), np.zeros((2, 1)))
+    assert line(front_plot({"swarm": found})).tolist() == [[0.0, 1.0], [1.0, 0.0]]
