@@ -65,6 +65,15 @@ def test_what_the_refitted_model_leaves_decides(monkeypatch, hinge, better):
     assert told == ([HINGE.program] if better else [])
 
 
+def test_what_a_wrong_formula_leaves_is_counted_in_samples_of_the_right_one():
+    """What is wrong is slow: by its own few samples ten times the noise was as good as the noise."""
+    wrong, right = model_that_leaves(1.0), model_that_leaves(1.0)
+    slow = 10.0 * np.sin(2.0 * np.pi * np.arange(ROWS) / ROWS)
+    wrong.fit.residual[:, 0] += slow
+    fits = [(point_of(SINE, 8e-4, 20.0), wrong), (point_of(HINGE, 8e-4, 60.0), right)]
+    assert refitted.descriptions(fits)[1] < refitted.descriptions(fits)[0]
+
+
 def test_a_formula_that_does_not_fit_alike_is_not_asked(monkeypatch):
     points = [point_of(SINE, 8e-4, 43.0), point_of(LEVER, 0.9, 38.0)]
     assert asked(monkeypatch, {SINE.program: 1.0, LEVER.program: 0.1}, points) == []

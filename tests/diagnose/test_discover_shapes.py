@@ -1,5 +1,6 @@
 """Shapes of mechanisms are among the programs, and what explodes behind its range is not proposed."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -75,9 +76,8 @@ def test_a_program_says_what_a_mechanism_does(name):
     joint = problem()
     truth = MECHANISMS[name](joint.data["q"], joint.data["dq"], joint.data["q_other"])
     fold = joint.lin.crossfit.whole
-    hidden = fold.free_rows(joint.lin.on_joint(truth[:, None], 1)[:, 1], 1)[:, 0]
-    rows = joint.rows_of(fold)._replace(residual=np.float32(hidden[joint.rows]))
-    best = screen(joint, rows, simple())[0]
+    hidden = fold.free_part(joint.lin.on_joint(truth[:, None], 1))[:, :, 0]
+    best = screen(joint, replace(fold, residual=hidden), simple())[0]
     assert best.share > 0.995, best.piece.program
 
 

@@ -139,7 +139,7 @@ def test_two_terms_of_one_joint_are_asked_as_one_law_of_two_joints(monkeypatch, 
     monkeypatch.setattr(joint_search, "_search", search)
     monkeypatch.setattr(joint_search, "clearly_better", lambda *args: False)
     monkeypatch.setattr(
-        joint_search, "description", lambda after, point, first: bits[len(point.formula.pieces)]
+        joint_search, "descriptions", lambda fits: [bits[len(p.formula.pieces)] for p, _ in fits]
     )
     monkeypatch.setattr(joint_search, "remainders", lambda fit: [SimpleNamespace(near=True)] * 3)
     outcome = joint_search.search_joint(SimpleNamespace(final=fit()[0]), Open(1, (), 0.5), (), 0)

@@ -14,12 +14,13 @@ from jaxswarm.diagnose.discovery.front import (
     region_folds,
     strict,
 )
+from jaxswarm.diagnose.discovery.moving_load import goes_by_load
 from jaxswarm.diagnose.discovery.nearby import nearby
 from jaxswarm.diagnose.discovery.pairs import pairs
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.reach import tame
-from jaxswarm.diagnose.discovery.sums import Sum, without_term
+from jaxswarm.diagnose.discovery.sums import Sum, seen_beside, without_term
 from jaxswarm.diagnose.discovery.term_more import explained, one_more
 
 # Terms of a sum at most, sums that get one more, and formulas beside those of the front whose constants are
@@ -28,6 +29,8 @@ MOST_TERMS, _LEADS, _STRICT = 3, 2, 10
 # A term more is looked for while the joint is not near its noise, and while the last one took this share of the
 # squared error that was left before it.
 _WORTH = 0.1
+# Looks through all programs of one size, each by the load that the last one led to, at most.
+_SEEN = 3
 # How often the terms of a sum are searched anew, one beside the others.
 _EXCHANGES = 2
 
@@ -53,18 +56,10 @@ def candidates(
     folds = region_folds(crossfit.whole, label)
     points: list[Point] = []
     tried = 0
-    leads: Sequence[Sum | None] = [None]
+    leads: Sequence[Sum] = []
     for size in range(1, terms + 1):
-        found: list[Point] = []
-        if leads == [None]:
-            strung, count = cables(problem, folds)
-            found, tried = [*_families(problem, folds), *strung], tried + count
-        if size == 2:
-            both, count = pairs(problem, pieces, folds)
-            found, tried = both, tried + count
-        for lead in leads:
-            tried += len(pieces)
-            found += one_more(problem, pieces, lead, folds, seed)
+        found, count, problem = _of_size(problem, pieces, leads, folds, seed)
+        tried += count
         if not found:
             break
         best = min((p.error for p in points), default=1.0)
@@ -85,6 +80,41 @@ def candidates(
         points, tried = ranked([*points, *found], log), tried + count
     kept = {id(p): p for p in [*points[:_STRICT], *front(points)]}
     return ranked([strict(problem, p, folds) for p in kept.values()], log) if kept else [], tried
+
+
+def _of_size(
+    problem: Joint, pieces: Sequence[Piece], leads: Sequence[Sum], folds, seed: int
+) -> tuple[list[Point], int, Joint]:
+    """Sums with a term more than the leads have, how many programs were tried, and the joint as seen then.
+
+    Programs are looked through by the load of a model that lacks the law, and then by that of the model with
+    the best formula as long as that pays: of exp(k q) dq ddq + q^3 abs(dq load) neither term was among the
+    best at first, since the load was off by half its size.
+    """
+    found: list[Point] = []
+    tried, least = 0, np.inf
+    for _ in range(_SEEN):
+        if not leads:
+            strung, count = cables(problem, folds)
+            found += [
+                *_families(problem, folds),
+                *strung,
+                *one_more(problem, pieces, None, folds, seed),
+            ]
+            tried += count + len(pieces)
+        elif len(leads[0].pieces) == 1:
+            both, count = pairs(problem, pieces, folds)
+            found, tried = found + both, tried + count
+        for lead in leads:
+            found += one_more(problem, pieces, lead, folds, seed)
+            tried += len(pieces)
+        best = min(found, key=lambda p: p.error, default=None)
+        if best is None or not goes_by_load(problem, best.formula.programs):
+            break
+        if explained(problem, best) or best.error > (1.0 - _WORTH) * least:
+            break
+        problem, least = seen_beside(problem, best.formula), best.error
+    return found, tried, problem
 
 
 def _exchanged(

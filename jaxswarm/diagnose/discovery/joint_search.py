@@ -20,7 +20,7 @@ from jaxswarm.diagnose.discovery.partner import (
 )
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
 from jaxswarm.diagnose.discovery.proof import Proved, clearly_better, needed, prove
-from jaxswarm.diagnose.discovery.refitted import description, shorter_refitted
+from jaxswarm.diagnose.discovery.refitted import descriptions, shorter_refitted
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.seen_again import (
     alike_in_form,
@@ -86,8 +86,8 @@ def _shorter(one: Discovery, other: Discovery) -> bool:
 
     Of dq^2 abs(load) cos(q_other) two terms without the partner left a sixth more than the noise.
     """
-    lengths = [description(d.after, d.chosen, other.after) for d in (one, other)]
-    return lengths[0] < lengths[1]
+    first, second = descriptions([(d.chosen, d.after) for d in (one, other)])
+    return first < second
 
 
 def _search(

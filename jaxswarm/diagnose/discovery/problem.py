@@ -1,7 +1,8 @@
 """One joint as a search for formulas sees it: its variables, what is left of its torque, what may be taken."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import jax
@@ -13,9 +14,13 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.effects.dimensions import Unit, field_units
 from jaxswarm.effects.postfix import Program, evaluate
 from jaxswarm.identify.forward.columns import joint_series
+from jaxswarm.robot.logged import rigid_columns
 
 # Rows that are searched on; a longer log is thinned evenly, for programs are smooth against the rows' clock.
 _ROWS = 800
+# Variables that the parameters of the arm move, rows of which columns are made at a time, and folds whose part
+# in them is kept.
+LOADS, _BLOCK, _FOLDS = ("load", "static_load"), 4096, 16
 # A column whose free part is below this share of its square is one that the model holds already.
 OWN = 1e-3
 
@@ -48,6 +53,7 @@ class Joint:
         rows: Those of them that the search uses, (T,).
         both: The folds with the partner's rows, where those are left out of ``lin`` because the partner lacks
             something too; None: it does not.
+        seen: What :meth:`moving` told of a fold, with it, by its identity.
     """
 
     joint: int
@@ -57,6 +63,47 @@ class Joint:
     lin: Linearization
     rows: np.ndarray
     both: CrossFit | None = None
+    seen: dict = field(default_factory=dict, repr=False, compare=False)
+
+    @cached_property
+    def by_load(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Loads among the variables to what they are in the model (T,), and by its base parameters (T, b')."""
+        told = {}
+        for name in LOADS:
+            if name in self.data:
+                columns = np.concatenate(list(self._load_columns(name == "load")))
+                base = np.zeros((len(columns), len(self.lin.found.fit.base.kept)))
+                rigid = [k for k in self.lin.found.fit.base.kept if k < columns.shape[1]]
+                base[:, : len(rigid)] = columns[:, rigid]
+                told[name] = columns @ self.lin.pi, base
+        return told
+
+    def _load_columns(self, moving: bool) -> Iterator[np.ndarray]:
+        """A load by the rigid parameters, (T', 10 n) of one log after the other."""
+        lin = self.lin
+        for motion, (q, dq, ddq) in zip(lin.found.motions, lin.moved, strict=True):
+            kept = motion.decimator.kept(len(motion.t))
+            for rows in np.array_split(kept, -(-len(kept) // _BLOCK)):
+                far = ddq[rows] if moving else np.zeros_like(ddq[rows])
+                yield rigid_columns(lin.arm, q[rows], dq[rows], far)[:, self.joint]
+
+    def moving(self, fold: Fold) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], np.ndarray]:
+        """Loads by the coordinates in a fold's basis, and what the other joints' rows say of these.
+
+        Returns:
+            Field to what it is in the model (T,), and its slopes (T, b); and the triangular factor of the
+            others' training rows with their residual, (b + 1, b + 1).
+        """
+        if id(fold) not in self.seen:
+            others = np.arange(fold.project.shape[1]) != self.joint
+            rows = fold.project[fold.train][:, others].reshape(-1, fold.project.shape[2])
+            rest = fold.residual[fold.train][:, others].reshape(-1, 1)
+            triangle = np.linalg.qr(np.concatenate([rows, rest], axis=1), mode="r")
+            loads = {name: (own, by @ fold.solve) for name, (own, by) in self.by_load.items()}
+            while len(self.seen) >= _FOLDS:
+                self.seen.pop(next(iter(self.seen)))
+            self.seen[id(fold)] = fold, loads, np.asarray(triangle)
+        return self.seen[id(fold)][1:]
 
     @property
     def names(self) -> tuple[str, ...]:

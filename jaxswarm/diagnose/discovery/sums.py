@@ -1,5 +1,6 @@
 """Sums of programs: a term more where it pays, constants of all terms refined together."""
 
+import dataclasses
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -7,6 +8,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.decision.score import coefficients
+from jaxswarm.diagnose.discovery.moving_load import fitted_together, goes_by_load
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.screening import Trial
@@ -64,6 +66,9 @@ def polished(problem: Joint, formula: Sum, fold: Fold, steps: int = _STEPS) -> S
     table = formula.constants
     if not table:
         return formula
+    if goes_by_load(problem, formula.programs):
+        args = (problem, formula.programs, table, formula.values, fold, steps)
+        return replaced(formula, fitted_together(*args).values)
     start = np.array([np.clip(p.encode(formula.values[p.name]), 0.0, 1.0) for p in table])
 
     def left(u: np.ndarray) -> np.ndarray:
@@ -88,8 +93,17 @@ def free_columns(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
     return fold.free_rows(columns, problem.joint)
 
 
+def seen_beside(problem: Joint, formula: Sum) -> Joint:
+    """The joint with the loads of the model that holds a formula, by which programs are looked through."""
+    whole = problem.lin.crossfit.whole
+    told = fitted_together(problem, formula.programs, (), formula.values, whole, _STEPS)
+    return dataclasses.replace(problem, data={**problem.data, **told.loads})
+
+
 def linear(problem: Joint, formula: Sum, fold: Fold, free: np.ndarray) -> np.ndarray:
     """Linear constants (k,) on the rows that a fold was trained on."""
+    if goes_by_load(problem, formula.programs):
+        return fitted_together(problem, formula.programs, (), formula.values, fold, _STEPS).factors
     own = fold.residual[:, [problem.joint]]
     return coefficients(free[:, None, :], fold, own)
 
@@ -104,5 +118,8 @@ def unexplained(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
 
 def said(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
     """What a formula fitted to a fold says of all rows of the joint, weighted, (T,)."""
+    if goes_by_load(problem, formula.programs):
+        fixed = fitted_together(problem, formula.programs, (), formula.values, fold, _STEPS)
+        return fold.residual[:, problem.joint] - fixed.left
     free = free_columns(problem, formula, fold)
     return free @ linear(problem, formula, fold, free)

@@ -49,7 +49,7 @@ def one_more(
         fold = whole
     else:
         fold = whole.with_columns(problem.columns(lead.programs, lead.values))
-    trials = [t for t in screen(problem, problem.rows_of(fold), pieces, seed) if t.share > 0.0]
+    trials = [t for t in screen(problem, fold, pieces, seed) if t.share > 0.0]
     sums = [polished(problem, joined(lead, trial), whole) for trial in trials[:tried]]
     done = [point(problem, formula, folds) for formula in sums]
     return [p for p in done if np.isfinite(p.error) and (wild or believed(problem, p))]
