@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, DURATION, NOISE, RATE, blank
 
+from jaxswarm.diagnose.report.shown import evidence_shown
 from jaxswarm.diagnose.run_against import conclude_comparison
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.identify import estimate
@@ -68,6 +69,11 @@ def test_a_payload_is_named_with_its_mass_and_moment(model):
     for name, true in (("mcx", carried[1, 1]), ("mcy", carried[1, 2])):
         assert abs(values[name] - true) < 4.0 * errors[name] + 0.02 * abs(true)
     assert found.after.fit.sigma.max() < 0.5 * found.before.fit.sigma.max()
+    # It is in the last link, and no term of the model that is drawn.
+    _, diagnosis, _ = conclude_comparison(found, [], 0)
+    (step,) = diagnosis.kept
+    line = evidence_shown(step, diagnosis.final.model, diagnosis.final.motions[0])[4]
+    assert np.abs(line).max() > 1.0
 
 
 def test_a_tilted_base_is_named_alone_although_it_loads_masses_never_felt(model):

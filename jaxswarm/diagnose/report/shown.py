@@ -73,8 +73,10 @@ def evidence_shown(step: Addition, final: Model, motion: Motion) -> tuple:
     Left against the variable the law is about, right over time; the dots are measured minus the final
     model without this effect, the line is the effect. A law about time has the right panel alone.
     """
-    others = without(step.added, final.terms)
-    bare = step.rest or Model(final.robot, others, final.width, final.filtering, final.sigma)
+    bare = step.rest
+    if bare is None:  # else it may be a payload, which is in the last link and no term of the model
+        others = without(step.added, final.terms)
+        bare = Model(final.robot, others, final.width, final.filtering, final.sigma)
     low, kept = motion.decimator, motion.decimator.kept(len(motion.t))
     whole, rest = model_torque(final, motion), model_torque(bare, motion)
     contribution = low.apply(whole - rest)
