@@ -10,6 +10,7 @@ from planted import declared_fit, log_with
 from jaxswarm.diagnose.discovery import joint_search, refitted
 from jaxswarm.diagnose.discovery.front import Point
 from jaxswarm.diagnose.discovery.pieces import Piece
+from jaxswarm.diagnose.discovery.rivals import near_ones
 from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.identify.forward.regression import Diverged
@@ -83,6 +84,13 @@ def test_of_formulas_that_say_the_same_the_first_is_asked(monkeypatch):
     points = [point_of(SINE, 8e-4, 43.0), point_of(HINGE, 9e-4, 38.0), point_of(LEVER, 9e-4, 43.0)]
     leaves = {SINE.program: 1.0, HINGE.program: 0.97, LEVER.program: 0.5}
     assert asked(monkeypatch, leaves, points) == [HINGE.program]
+
+
+def test_a_form_that_was_found_twice_is_told_once():
+    """A report named one rival three times, found by three ways to slightly other constants."""
+    one, again = point_of(HINGE, 9e-4, 38.0), point_of(HINGE, 9.001e-4, 38.0)
+    points = [point_of(SINE, 8e-4, 43.0), one, again, point_of(LEVER, 9e-4, 43.0)]
+    assert near_ones(points[0], points) == [one, points[-1]]
 
 
 @pytest.mark.parametrize("proved", [True, False])

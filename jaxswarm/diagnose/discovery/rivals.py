@@ -29,13 +29,13 @@ def fit_alike(
 
 
 def near_ones(one: Point, points: Sequence[Point]) -> list[Point]:
-    """Points of another form than one whose errors are not told from its own, in their order."""
-    return [
-        point
-        for point in points
-        if (abs(alike(point, one)) < FORMULA_TIE or point.error < FORMULA_NEAR * one.error)
-        and not _extends(point, one)
-    ]
+    """Points of another form than one whose errors are not told from its own: of each form the first."""
+    told: dict[tuple, Point] = {}
+    for point in points:
+        near = abs(alike(point, one)) < FORMULA_TIE or point.error < FORMULA_NEAR * one.error
+        if near and not _extends(point, one):
+            told.setdefault(tuple(sorted(skeleton(p) for p in point.formula.programs)), point)
+    return list(told.values())
 
 
 def _extends(point: Point, one: Point) -> bool:
