@@ -12,7 +12,7 @@ from jaxswarm.diagnose.report.shown import evidence_shown
 from jaxswarm.diagnose.run_against import conclude_comparison
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.identify import estimate
-from jaxswarm.identify.synthetic import random_links, synthetic_log
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import prepare
 from jaxswarm.robot import robot_from_dh
 
@@ -55,6 +55,24 @@ def test_the_same_arm_has_not_changed(model):
     named, found = changes(model)
     assert named == []
     assert found.after.model is not None and found.after_each == ()
+
+
+def test_clocks_of_the_new_log_are_no_change(model):
+    log = log_of(upright_arm(), DECLARED, 9)
+    early = np.stack([np.interp(log.t + 0.4 / RATE, log.t, tau) for tau in log.tau.T], axis=1)
+    found = compare(model, [prepare(replace(log, tau=early), BAND)])
+    assert found.changes == ()
+    assert found.after.motions[0].skew * RATE == pytest.approx(-0.4, abs=0.1)
+
+
+def test_what_an_earlier_model_did_not_know_is_no_change():
+    """Of a motion of five seconds it knows little, and is wrong on a longer one by many times its noise."""
+    short = synthetic_log(
+        upright_arm(), DECLARED, 2, noise=Noise(1e-4, 6.0), duration=5.0, rate=RATE, motion_seed=4
+    )
+    named, found = changes(estimate(upright_arm(), blank(), [prepare(short, BAND)]).model)
+    assert found.before.fit.sigma.max() > 5.0 * NOISE.torque
+    assert named == []
 
 
 def test_a_payload_is_named_with_its_mass_and_moment(model):

@@ -5,13 +5,9 @@ from dataclasses import replace
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
-from jaxswarm.diagnose.selection import changes
-from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection import change_again, changes
 from jaxswarm.diagnose.selection.earlier_model import freeze
-from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import Noise
 from jaxswarm.logs.motion import prepare
@@ -44,6 +40,5 @@ def test_a_change_that_leaves_more_as_it_is_is_none(earlier, factor, refused, mo
 
     motions = [prepare(log_with(motion_seed=9), BAND)]
     before = freeze(with_friction(0.8), motions)
-    search = Search(before, before, Rules(), 0, Memory(None, 0.2), (), lambda text: None, Budget())
-    monkeypatch.setattr(changes, "with_changes", lambda found, picked: with_friction(factor))
-    assert (changes._worse(search, ()) is not None) == refused
+    monkeypatch.setattr(change_again, "with_changes", lambda found, picked: with_friction(factor))
+    assert (change_again.worse(before, before, ()) is not None) == refused

@@ -13,7 +13,7 @@ p = 1e-9, and an eighth with these weights. Of eight false candidates that passe
 the laws that are true of it and of six practice logs none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,9 +29,22 @@ from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.identify.estimation.clock_skew import friction_slopes
 from jaxswarm.identify.estimation.estimate import Estimate
 
+# Makes the folds of a model by the noise of every row.
+FoldsOf = Callable[[Estimate, Callable[[Estimate], np.ndarray]], CrossFit]
+
+
+def refitted_folds(found: Estimate, doubt_of: Callable[[Estimate], np.ndarray]) -> CrossFit:
+    """The folds of a model that is refitted, by such noise."""
+    return cross_fit(found, doubt_of=doubt_of)
+
 
 def only_sharp(
-    passed: Sequence[Score], found: Estimate, crossfit: CrossFit, asked: int, rules: Rules
+    passed: Sequence[Score],
+    found: Estimate,
+    crossfit: CrossFit,
+    asked: int,
+    rules: Rules,
+    folds_of: FoldsOf = refitted_folds,
 ) -> list[Score]:
     """Those that pass no more where rows count by all their noise, sharp or not, and clocks are free.
 
@@ -45,10 +58,11 @@ def only_sharp(
         crossfit: Its folds, in whose weights their columns are.
         asked: Candidates asked, for the level of the tests.
         rules: Thresholds.
+        folds_of: Makes folds by another noise of every row.
     """
     near = found.fit.sigma <= NEAR * noise_of(found)
     asking = [s for s in passed if near[s.joint] and not _is_told(s.candidate.term.law)]
-    again = score_softly(asking, found, crossfit)
+    again = score_softly(asking, found, crossfit, folds_of)
     pairs = [(s, o) for s, o in zip(asking, again, strict=True) if o is not None]
     return [s for s, o in pairs if not passes(replace(o, over_torque=s.over_torque), asked, rules)]
 
@@ -71,7 +85,7 @@ def only_friction(
 
 
 def score_softly(
-    asking: Sequence[Score], found: Estimate, crossfit: CrossFit
+    asking: Sequence[Score], found: Estimate, crossfit: CrossFit, folds_of: FoldsOf = refitted_folds
 ) -> list[Score | None]:
     """Candidates scored with every row counted by all its noise and the clock of each joint free.
 
@@ -79,7 +93,7 @@ def score_softly(
     """
     if not asking:
         return []
-    softer = cross_fit(found, doubt_of=row_noise)
+    softer = folds_of(found, row_noise)
     # By these weights a torque counts against the noise of its rows, not against that of all.
     softer = replace(softer, noise=row_noise(found).min(axis=0))
     clocks = softer.weigh(clock_slopes(found))

@@ -8,6 +8,7 @@ respect autocorrelation as everywhere.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,10 +18,9 @@ from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import Score
-from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
-from jaxswarm.diagnose.selection.change_again import beside, better, is_change
+from jaxswarm.diagnose.selection.change_again import beside, better, is_change, worse
 from jaxswarm.diagnose.selection.change_apply import (
     Change,
     Picked,
@@ -30,12 +30,13 @@ from jaxswarm.diagnose.selection.change_apply import (
     with_changes,
 )
 from jaxswarm.diagnose.selection.change_fit import crossed
-from jaxswarm.diagnose.selection.earlier_model import freeze
+from jaxswarm.diagnose.selection.earlier_model import freeze, held_folds, on_new_logs, with_doubt
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
+from jaxswarm.diagnose.selection.stand import in_all_motion
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.sticking import loud_joints, without_sticks
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
@@ -100,13 +101,13 @@ def compare(
     # An event happened in the earlier log alone.
     model = replace(model, terms=tuple(t for t in model.terms if not t.law.recurring))
     check_usable(model.terms, motions)
-    before = with_motion_noise(freeze(model, motions), seed)
+    before = on_new_logs(model, motions, seed)
     memory = Memory(journal, rules.share)
     search = Search(before, before, rules, seed, memory, (), progress, budget or Budget())
     found = _Found()
     run_rounds(search, _changed(found), _MOST_STEPS)
     return Comparison(
-        before, search.current, found.changes, tuple(found.after_each), tuple(found.unseen),
+        search.declared, search.current, found.changes, tuple(found.after_each), tuple(found.unseen),
         tuple(search.scores), search.folds, search.asked, tuple(search.refused), search.spent,
         rules,
     )  # fmt: skip
@@ -147,16 +148,38 @@ def _changed(found: _Found) -> Question:
         return [t for t in terms if t.identity not in known]
 
     def act(search: Search, passed: list[Score]) -> bool:
+        passed = in_all_motion(search, passed, partial(held_folds, search.declared))
         return _add_change(search, found, passed) or _choose_again(search, found)
 
     return Question(
         told=lambda search: "asking what changed",
-        cross_fit=lambda search: cross_fit(search.current, frozen=True),
+        cross_fit=lambda search: held_folds(search.declared, search.current),
         eligible=eligible,
         held=done,
         act=act,
+        allow=lambda search, lin, eligible: _allow_for_sticks(search, found),
         signed=is_change,
     )
+
+
+def _allow_for_sticks(search: Search, found: _Found) -> bool:
+    """Leave out where friction holds joints for moments, before anything is told to have changed; whether so.
+
+    What an earlier model says where a joint starts, stops or reverses is the sign of another motion.
+    """
+    before = search.declared
+
+    def fitted(motions: Sequence[Motion]) -> Estimate:
+        rest = with_doubt(freeze(before.model, motions), search.seed)
+        return freeze(search.current.model, rest.motions)
+
+    after = without_sticks(search, loud_joints(search), fitted)
+    if after is None:
+        return False
+    search.current, search.declared = after, freeze(before.model, after.motions)
+    if found.picked:
+        found.take(search, found.picked)
+    return True
 
 
 def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
@@ -166,25 +189,15 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
         chosen, _ = choose(passed, search.rules, search.folds)
         picked = [*found.picked, as_picked(chosen, search.scores, search.folds)]
         changes = changes_of(before, picked)
-        doubt = doubt_of_any(changes, before.model.robot.kinds) or _worse(search, changes)
+        doubt = doubt_of_any(changes, before.model.robot.kinds) or worse(
+            before, search.current, changes
+        )
         if doubt is None:
             found.take(search, picked)
             return True
         search.refused.append((changes[-1].term, doubt))
         passed = [s for s in passed if s is not chosen]
     return False
-
-
-def _worse(search: Search, changes: tuple[Change, ...]) -> str | None:
-    """Why changes are none: they leave more, as they are, than the model without the last of them. None: less.
-
-    They were found to first order: a base that gives way a little was fitted to 7 N of a slide, and left 86 N,
-    swinging at 15 to 35 Hz, once its values were those of the model.
-    """
-    before = search.declared
-    after = freeze(with_changes(before, changes), before.motions)
-    one, two = (weighted_cost(e.fit.residual, noise_of(before)) for e in (search.current, after))
-    return None if two < one else "leaves more with the values found for it than without it"
 
 
 def _choose_again(search: Search, found: _Found) -> bool:
@@ -202,7 +215,8 @@ def _choose_again(search: Search, found: _Found) -> bool:
         others = [p for p in found.picked if p is not one]
         new = beside(search, others) if others else one
         if new is None:
-            found.take(search, others)
+            if worse(search.declared, search.declared, changes_of(search.declared, others)) is None:
+                found.take(search, others)
         elif new[0].term.identity != one[0].term.identity and _begin_with(search, found, new):
             break
     return found.picked is not former
@@ -211,7 +225,8 @@ def _choose_again(search: Search, found: _Found) -> bool:
 def _begin_with(search: Search, found: _Found, new: Picked) -> bool:
     """Search from another first change on; whether the outcome is better, and taken."""
     before = search.declared
-    if doubt_of_any(changes_of(before, [new]), before.model.robot.kinds) is not None:
+    first = changes_of(before, [new])
+    if doubt_of_any(first, before.model.robot.kinds) or worse(before, before, first):
         return False
     branch = Search(
         before, before, search.rules, search.seed, search.memory, (), search.progress, search.budget

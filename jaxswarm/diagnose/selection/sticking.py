@@ -10,7 +10,7 @@ on no other motion is none, and what friction does at rest is a matter of its ow
 points joints that stuck at each seemed to follow two others, or the acceleration of one.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,27 +32,54 @@ from jaxswarm.logs.motion import Motion
 def leave_out_sticks(search: Search) -> bool:
     """Leave out where joints hardly move that nothing explains, if friction holds them there; whether it does.
 
-    That is so where motion alone is near its noise and leaves a small part of what was left, and what is left
-    where the joint hardly moves is not more than its friction and follows no function of the motion. The sign
-    keeps its width: it is what tells of the rows that are left out.
+    The sign keeps its width: it is what tells of the rows that are left out.
     """
     current = search.current
-    structure = find_material(current, search.folds, search.seed)
-    real = {item.joint for item in structure if _may_be_friction(item, current)}
-    loud = {r.joint for r in remainders(current) if r.over_noise > LOUD}
-    asked = (loud | {item.joint for item in structure}) - real - search.sticking
+    asked = loud_joints(search)
+    if asked:
+        structure = find_material(current, search.folds, search.seed)
+        asked -= {item.joint for item in structure if _may_be_friction(item, current)}
+
+    def fitted(motions: Sequence[Motion]) -> Estimate:
+        found = refit(replace(current, motions=tuple(motions)), current.model.terms)
+        return with_motion_noise(found, search.seed)
+
+    after = without_sticks(search, asked, fitted)
+    if after is not None:
+        _adopt(search, after)
+    return after is not None
+
+
+def loud_joints(search: Search) -> set[int]:
+    """Joints left beyond their noise whose friction was not yet found to hold them for moments."""
+    loud = {r.joint for r in remainders(search.current) if r.over_noise > LOUD}
+    return loud - search.sticking
+
+
+def without_sticks(
+    search: Search, asked: set[int], fitted: Callable[[Sequence[Motion]], Estimate]
+) -> Estimate | None:
+    """The fit without the rows in which some of these joints hardly move; None if friction holds none there.
+
+    That is so where motion alone is near its noise and leaves a small part of what was left, and what is left
+    where the joint hardly moves is not more than its friction.
+
+    Args:
+        search: The selection; such joints are kept in it.
+        asked: Joints that it may be so for.
+        fitted: Fits the model to the rows that are left, with their noise.
+    """
+    current = search.current
     rows = hardly_moving(current.motions)
     while asked:
         joints = np.isin(np.arange(rows[0].shape[1]), list(asked))
-        without = replace(current, motions=tuple(leave_out(current.motions, rows, joints)))
-        after = with_motion_noise(refit(without, current.model.terms), search.seed)
+        after = fitted(leave_out(current.motions, rows, joints))
         held = asked & set(np.flatnonzero(_is_held(current, after)))
         if held == asked:
             search.sticking |= held
-            _adopt(search, after)
-            return True
+            return after
         asked = held
-    return False
+    return None
 
 
 def _may_be_friction(item: Unexplained, found: Estimate) -> bool:
