@@ -151,6 +151,8 @@ def test_no_law_may_drive_friction_of_its_joint_below_zero(level, possible):
         ("cable_coupling", {"kc": -0.04, "k": 0.3, "tau0": 3.3}, False),
         ("cable_coupling", {"kc": -0.4, "k": 0.0, "tau0": 0.0}, True),
         ("joint_spring", {"k": 0.1, "tau0": 3.3}, False),
+        ("dead_zone_spring", {"k": 0.1, "q0": 1.7, "gap": 0.4}, False),
+        ("dead_zone_spring", {"k": 0.5, "q0": 1.7, "gap": 0.4}, True),
         ("torque_offset", {"tau0": 0.1}, True),
         ("asymmetric_friction", {"fc_pos": 0.3, "fc_neg": 0.3, "b_pos": 0.0, "b_neg": 0.0}, True),
     ],
