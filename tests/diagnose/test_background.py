@@ -15,11 +15,9 @@ def case():
 
 
 def weighted(found, crossfit):
-    """The model's columns and what its joints' own sign widths would do, and the torque, weighted."""
-    own = found.regression.columns[:, :, found.fit.base.kept]
-    columns = np.concatenate([own, width_slopes(found)], axis=2)
-    weight = crossfit.weight[:, :, None]
-    return columns * weight, found.regression.torque * crossfit.weight
+    """The model's columns and the torque, weighted."""
+    columns = found.regression.columns[:, :, found.fit.base.kept]
+    return crossfit.weigh(columns), found.regression.torque * crossfit.weight
 
 
 def test_free_part_is_orthogonal_to_the_model_on_training_rows(case):
@@ -35,9 +33,14 @@ def test_free_part_is_orthogonal_to_the_model_on_training_rows(case):
 
 def test_held_out_residual_equals_an_explicit_refit(case):
     found, crossfit = case
+    """What its joints' own sign widths would do is known within a factor of e."""
     columns, torque = weighted(found, crossfit)
+    slopes = crossfit.weigh(width_slopes(found))
+    columns, widths = np.concatenate([columns, slopes], axis=2), slopes.shape[2]
+    known = np.eye(columns.shape[2])[-widths:]
     for fold in crossfit.halves:
-        a, y = columns[fold.train].reshape(-1, columns.shape[2]), torque[fold.train].ravel()
+        a = np.concatenate([columns[fold.train].reshape(-1, columns.shape[2]), known])
+        y = np.append(torque[fold.train].ravel(), np.zeros(widths))
         scale = np.linalg.norm(a, axis=0)
         theta = np.linalg.lstsq(a / scale, y, rcond=1e-12)[0] / scale
         np.testing.assert_allclose(fold.residual, torque - columns @ theta, atol=1e-6)

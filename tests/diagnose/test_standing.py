@@ -111,14 +111,17 @@ def test_nothing_is_added_for_what_friction_holds():
     assert not found.kept
 
 
-@pytest.mark.parametrize(("way", "told"), [(1e-4, False), (3e-4, False), (1e-3, True)])
-def test_a_bristle_winds_up_by_more_than_positions_tell(way, told):
+@pytest.mark.parametrize(
+    ("way", "error", "told"),
+    [(1e-4, 0.0, False), (3e-4, 1e-5, False), (1e-3, 1e-4, True), (1e-3, 6e-4, False)],
+)
+def test_a_bristle_winds_up_by_more_than_positions_tell(way, error, told):
     """Half a count of a coarse encoder was told as hysteresis of a joint that dry friction holds at rest."""
     motion = replace(fitted(stopping(0.0)).motions[0], position_noise=np.array([2e-4, 2e-4]))
     found = replace(fitted(stopping(0.0)), motions=(motion,))
     bristle = Term("hysteresis", 1, values={"fc": 1.0, "x0": way})
-    assert can_be_resolved(found, bristle) is told
-    assert can_be_resolved(found, Term("coulomb_friction", 1, values={"fc": 1.0}))
+    assert can_be_resolved(found, bristle, {"fc": 0.01, "x0": error}) is told
+    assert can_be_resolved(found, Term("coulomb_friction", 1, values={"fc": 1.0}), {"fc": 0.01})
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ def held_folds(
 ) -> CrossFit:
     """All folds of an earlier model with what changed, which takes up no more than its parameters' doubt.
 
-    The widths of its signs are free: they are those of another motion, and nobody knows how certain they were.
+    The widths of its signs are as free as those of a model that is fitted: they are those of another motion.
 
     Args:
         earlier: The earlier model on these rows; how certain it was is known.
@@ -89,10 +89,10 @@ def held_folds(
         doubt_of: The noise of every row by which it counts.
     """
     folds = cross_fit(found, frozen=True, doubt_of=doubt_of)
-    for columns, known in ((width_slopes(found), False), (_doubtful(earlier), True)):
-        if columns.shape[2]:
-            folds = folds.with_columns((folds.weigh(columns),) * len(folds.folds), known)
-    return folds
+    columns = np.concatenate([width_slopes(found), _doubtful(earlier)], axis=2)
+    if not columns.shape[2]:
+        return folds
+    return folds.with_columns((folds.weigh(columns),) * len(folds.folds), known=True)
 
 
 def _doubtful(found: Estimate) -> np.ndarray:

@@ -118,7 +118,7 @@ def _holds(after: Estimate, term: Term, fall: float) -> bool:
     physical = can_be(fitted, errors)
     physical = physical and stands_for_itself(fitted, errors) and goes_beyond(fitted, errors)
     physical = physical and can_swing(after, fitted) and can_be_read(fitted)
-    physical = physical and can_be_resolved(after, fitted)
+    physical = physical and can_be_resolved(after, fitted, errors)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     return physical and (is_certain(fitted, errors) or fall > NEEDED)
 
