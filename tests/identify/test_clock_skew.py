@@ -110,10 +110,12 @@ def test_clocks_end_where_they_fit_best_wherever_they_began(monkeypatch, start):
         return SimpleNamespace(model=SimpleNamespace(terms=()), motions=(motion,))
 
     monkeypatch.setattr(module, "clock_skew", lambda one: (best - one.motions[0].skew, doubt))
-    monkeypatch.setattr(
-        module, "with_skew", lambda one, late, bounded=False: at(one.motions[0].skew + late)
-    )
-    assert module.with_clocks(at(start)).motions[0].skew == pytest.approx(best, abs=0.5 * doubt)
+
+    def moved(one, late, bounded):
+        return at(one.motions[0].skew + late)
+
+    found = module.with_clocks(at(start), moved_by=moved)
+    assert found.motions[0].skew == pytest.approx(best, abs=0.5 * doubt)
 
 
 def test_no_skew_is_told_that_is_within_its_doubt(monkeypatch):
