@@ -20,12 +20,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.folds.blocks import blocks_of
-from jaxswarm.diagnose.folds.noise import (
-    event_doubt,
-    over_fitted_rows,
-    row_doubt,
-    usual_size,
-)
+from jaxswarm.diagnose.folds.noise import event_doubt, over_fitted_rows, row_doubt, usual_size
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
