@@ -12,6 +12,7 @@ PACKAGE = ROOT / "jaxswarm"
 PHYSICS = {"robot", "effects", "simulate", "logs"}
 ALLOWED = {
     "errors": set(),
+    "decomposition": set(),
     "unfinished": set(),
     "manifest": set(),
     "outputs": {"unfinished", "manifest"},
@@ -40,18 +41,18 @@ ALLOWED = {
     "logs": {"documents"},
     "identify": {
         *(*PHYSICS, "swarm", "memory", "waiting", "documents"),
-        *("outputs", "plots", "programs", "drawing", "tables"),
+        *("outputs", "plots", "programs", "drawing", "tables", "decomposition"),
     },
     "diagnose": {
         *(*PHYSICS, "swarm", "identify"),
         *("memory", "outputs", "plots", "loop_plots", "programs", "drawing", "tables"),
-        *("provenance", "cores"),
+        *("provenance", "cores", "decomposition"),
     },
     "studies": {*PHYSICS, "swarm", "identify", "diagnose", "outputs", "plots"},
     "tables": set(),
     "tasks": {
         *(*PHYSICS, "swarm", "identify", "diagnose"),
-        *("memory", "outputs", "plots", "tables", "room", "documents"),
+        *("memory", "outputs", "plots", "tables", "room", "documents", "decomposition"),
     },
     "fleet": {
         *(*PHYSICS, "identify", "diagnose", "tasks"),

@@ -9,6 +9,7 @@ Reference: D. A. Belsley, E. Kuh, R. E. Welsch, Regression Diagnostics, 1980, ch
 
 import numpy as np
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.estimation.base_parameters import find_base
@@ -52,7 +53,7 @@ def identifiable(robot: Robot, motions: list[Motion]) -> dict:
     base = find_base(factor, names)
     kept = triangular_factor(factor[:, base.kept])
     norm = np.linalg.norm(kept, axis=0)
-    left, singular, right = np.linalg.svd(kept / norm, full_matrices=False)
+    left, singular, right = thin_svd(kept / norm)
     del left
     magnified = np.sqrt(np.sum((right / singular[:, None]) ** 2, axis=0))
     rows = [

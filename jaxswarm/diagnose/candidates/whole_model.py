@@ -5,6 +5,7 @@ from dataclasses import replace
 import jax
 import numpy as np
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.own_motion import own_slopes
@@ -160,10 +161,10 @@ def _gravity_columns(lin: Linearization, term: Term) -> np.ndarray:
     free = np.concatenate([rows[:, :, unknown] for rows in aside], axis=2)
     # What the level arm's own columns cannot say already, as few columns as span it.
     own = level.reshape(-1, len(lin.pi))
-    basis, size, _ = np.linalg.svd(own, full_matrices=False)
+    basis, size, _ = thin_svd(own)
     inside = basis[:, size > 1e-9 * size[0]]
     flat = free.reshape(len(own), -1)
-    u, size, _ = np.linalg.svd(flat - inside @ (inside.T @ flat), full_matrices=False)
+    u, size, _ = thin_svd(flat - inside @ (inside.T @ flat))
     fresh = u[:, size > 1e-6 * max(np.linalg.norm(flat, axis=0).max(), 1e-300)]
     return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
 

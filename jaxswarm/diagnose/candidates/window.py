@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.partial_out import Fold
@@ -32,7 +33,7 @@ def windowed_candidate(lin: Linearization, term: Term, columns: np.ndarray) -> C
     """
     rows = columns.reshape(-1, columns.shape[2])
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-    _, size, directions = np.linalg.svd(rows / scale, full_matrices=False)
+    _, size, directions = thin_svd(rows / scale)
     seen = columns / scale @ directions[size > _RANK * size[0]].T
     windows = [_best_window(lin, fold, seen) for fold in lin.crossfit.folds]
     found = [window for window in windows if window is not None]

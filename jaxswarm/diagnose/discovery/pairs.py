@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.diagnose.discovery.front import Point, point
 from jaxswarm.diagnose.discovery.on_host import columns_at
 from jaxswarm.diagnose.discovery.pieces import Piece
@@ -83,7 +84,7 @@ def _span(rows: SearchRows) -> tuple[np.ndarray, np.ndarray]:
 
     The basis is orthonormal over all joints: on the rows of one it holds a direction in part.
     """
-    directions, sizes, _ = np.linalg.svd(np.asarray(rows.basis), full_matrices=False)
+    directions, sizes, _ = thin_svd(np.asarray(rows.basis))
     return directions, np.sqrt(np.maximum(1.0 - sizes**2, 0.0))
 
 

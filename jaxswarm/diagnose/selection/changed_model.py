@@ -7,6 +7,7 @@ from functools import singledispatch
 import jax.numpy as jnp
 import numpy as np
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import (
     BodyChange,
@@ -68,7 +69,7 @@ def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) ->
         return np.concatenate(parts).reshape(torque.size, -1)
 
     level = rows(model.robot)
-    _, size, directions = np.linalg.svd(level, full_matrices=False)
+    _, size, directions = thin_svd(level)
     unfelt = directions[size <= 1e-9 * size[0]].T
     felt = rows(tilted(model.robot, model.terms)) @ unfelt
     change = unfelt @ np.linalg.lstsq(felt, torque.ravel(), rcond=1e-6)[0]

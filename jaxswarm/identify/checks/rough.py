@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.identify.checks.lateness import Lateness, late_by
 from jaxswarm.identify.checks.rough_columns import Wave, columns_of, slow_rows, strongest_line
 from jaxswarm.identify.checks.samples import Samples
@@ -116,7 +117,7 @@ class Rough:
             [f[:, :parameters] / s for f, s in zip(self._factors, sigma, strict=True)]
         )
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-        u, values, v = np.linalg.svd(matrix / scale, full_matrices=False)
+        u, values, v = thin_svd(matrix / scale)
         seen = values > _DEPENDENT * values[0]
         return u[:, seen], v[seen].T / values[seen] / scale[:, None]
 
@@ -221,7 +222,7 @@ class Rough:
         factor = self._factors[joint]
         matrix, torques = factor[:, :parameters], factor[:, parameters:][:, : len(self._factors)]
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-        u, values, _ = np.linalg.svd(matrix / scale, full_matrices=False)
+        u, values, _ = thin_svd(matrix / scale)
         return u[:, values > _DEPENDENT * values[0]], torques
 
     def as_logged(self) -> tuple[Tried, np.ndarray]:
