@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jaxswarm.identify.run import described, findings, read_motions
+from jaxswarm.identify.run import read_motions, told_of
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_all
@@ -44,12 +44,8 @@ class ReadLogs:
 
         ``further`` are files that were read beside the logs.
         """
-        return {
-            "logs": described(self.fitted),
-            "validation_logs": described(self.scored),
-            "findings": findings(self.all),
-            "provenance": provenance([*self.files, *further], options),
-        }
+        origin = provenance([*self.files, *further], options)
+        return told_of(self.fitted, self.scored) | {"provenance": origin}
 
 
 @dataclass(frozen=True)

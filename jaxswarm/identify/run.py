@@ -75,6 +75,15 @@ def described(logs: list[Log]) -> list[dict]:
     return [{**summarize(log).to_dict(), "notes": list(log.notes)} for log in logs]
 
 
+def told_of(fitted: Sequence[Log], scored: Sequence[Log]) -> dict:
+    """What a result says of the logs it was fitted to and of those it is scored on."""
+    return {
+        "logs": described([*fitted]),
+        "validation_logs": described([*scored]),
+        "findings": findings([*fitted, *scored]),
+    }
+
+
 def refuse_repeated(paths: list[Path]) -> None:
     """Refuse the same content twice, of files or of recordings that are folders: no twice the evidence.
 

@@ -19,7 +19,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak, resting_joints
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.report.errors import error_table
-from jaxswarm.identify.run import described, findings, refuse_resting_joints, refuse_undeclarable
+from jaxswarm.identify.run import refuse_resting_joints, refuse_undeclarable, told_of
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_all
@@ -77,7 +77,7 @@ def diagnose(
     read, motions = prepared(logs, robot, Filtering(motion_cutoff, torque_cutoff), terms, accept)
     scored, other = _scored(validation, read, robot, motions[0].filtering, terms, accept)
     unfit = undecided_by(motions, robot, terms, accept)
-    told = _told(read, scored)
+    told = told_of(read, scored)
     if unfit is not None:
         return Fitted(unfit | told, (verdict_sentence(unfit),), (), motion=motions[0])
     refuse_too_large(motions)
@@ -108,15 +108,6 @@ def _scored(
     return scored, unseen
 
 
-def _told(read: Sequence[Log], scored: Sequence[Log]) -> dict:
-    """What a result says of the logs."""
-    return {
-        "logs": described([*read]),
-        "validation_logs": described([*scored]),
-        "findings": findings([*read, *scored]),
-    }
-
-
 def _refuse_beside_model(held: tuple, discover: bool) -> None:
     """Refuse what an earlier model holds already, and a search that only a declaration has."""
     if any(one is not None for one in held):
@@ -135,7 +126,7 @@ def _against(
     refuse_too_large(motions)
     found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
-    result |= _told(read, scored)
+    result |= told_of(read, scored)
     return _result(result, with_smooth_terms(diagnosis.final, left), unseen or motions)
 
 
