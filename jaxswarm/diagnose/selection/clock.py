@@ -8,7 +8,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.estimation.clock_skew import clock_skew, with_clocks, with_skew
+from jaxswarm.identify.estimation.clock_skew import clock_skew, shrunk, with_clocks, with_skew
 
 # How often the skew is found anew.
 _MOST_SKEWS = 3
@@ -29,8 +29,7 @@ def allow_for_skew(search: Search, eligible: Sequence[Term]) -> bool:
     late, doubt = clock_skew(search.current)
     if any(law.credible(late, max(intervals), CERTAIN * doubt) for law in clocks):
         return False
-    # Shrunk by its certainty, W. James, C. Stein (1961): nothing where there is nothing.
-    late *= max(0.0, 1.0 - (doubt / late) ** 2) if late else 0.0
+    late = shrunk(late, doubt)
     if abs(late) > min(intervals):
         return False  # not surely a delay, and too much for a clock
     if abs(late) <= _LEAST_SKEW:

@@ -66,6 +66,11 @@ def clock_skew(found: Estimate) -> tuple[float, float]:
     return float(told.values[-1]), float(told.std_error[-1])
 
 
+def shrunk(seconds: float, doubt: float) -> float:
+    """A time shrunk by its certainty: nothing where there is nothing (W. James, C. Stein, 1961)."""
+    return seconds * max(0.0, 1.0 - (doubt / seconds) ** 2) if seconds else 0.0
+
+
 def friction_slopes(model: Model, regression: Regression) -> np.ndarray:
     """What it does to the torque that the dry friction of each joint is early by itself, (T, n, n).
 
@@ -142,9 +147,7 @@ def with_clocks(
         known = moved.motions[0].skew
         if not known and abs(step) <= _CERTAIN * doubt:
             break
-        whole = known + step
-        # W. James, C. Stein (1961): nothing where there is nothing
-        whole *= max(0.0, 1.0 - (doubt / whole) ** 2) if whole else 0.0
+        whole = shrunk(known + step, doubt)
         late = whole - known
         if known and abs(late) <= _SMALL * doubt:
             break
