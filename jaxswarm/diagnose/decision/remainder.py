@@ -41,16 +41,19 @@ class Remainder:
 
 def remainders(found: Estimate) -> tuple[Remainder, ...]:
     """What a model leaves on every joint of the logs it was fitted to; rows it does not use left out."""
-    regression, residual = found.regression, found.fit.residual
-    standard = residual / row_noise(found)
-    told = []
-    for j in range(residual.shape[1]):
-        used = regression.used_rows[:, j]
-        over = np.where(used, standard[:, j], 0.0)
-        size = float(np.sqrt((over**2).sum() / max(used.sum(), 1)))
-        band = _band(found, np.where(used, residual[:, j], 0.0))
-        told.append(Remainder(j, size, _windows(found, over), band))
-    return tuple(told)
+    used = found.regression.used_rows
+    left = np.where(used, found.fit.residual, 0.0)
+    return tuple(
+        Remainder(j, float(size), _windows(found, over), _band(found, own))
+        for j, (size, over, own) in enumerate(
+            zip(over_noise(found), (left / row_noise(found)).T, left.T, strict=True)
+        )
+    )
+
+
+def over_noise(found: Estimate) -> np.ndarray:
+    """RMS (n,) of what is left of every joint, over the noise of its row, in the rows in use."""
+    return found.regression.rms(found.fit.residual / row_noise(found))
 
 
 def find_material(found: Estimate, crossfit: CrossFit, seed: int = 0) -> list[Unexplained]:

@@ -44,19 +44,12 @@ _LEAST_SHARE = 0.05
 
 
 def noise_of(found: Estimate) -> np.ndarray:
-    """Standard deviation of the noise below the torque cutoff [N m or N], (n,), over the rows in use."""
-    return over_fitted_rows(found, row_noise(found))
-
-
-def over_fitted_rows(found: Estimate, noise: np.ndarray) -> np.ndarray:
-    """RMS (n,) of the noise of every row (T', n) where it is fitted.
+    """Standard deviation of the noise below the torque cutoff [N m or N], (n,), over the rows in use.
 
     Where dry friction holds a joint the sign of its velocity is noise, and nothing is fitted: with these rows
     the noise was seven times what it is in motion, beside which a drag of ten times that was too small to tell.
     """
-    used = found.regression.used_rows
-    count = np.maximum(used.sum(axis=0), 1)
-    return np.sqrt(np.where(used, noise**2, 0.0).sum(axis=0) / count)
+    return found.regression.rms(row_noise(found))
 
 
 def row_noise(found: Estimate) -> np.ndarray:

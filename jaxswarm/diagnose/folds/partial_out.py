@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.folds.blocks import blocks_of
-from jaxswarm.diagnose.folds.noise import event_doubt, over_fitted_rows, row_doubt, usual_size
+from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt, usual_size
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
@@ -161,10 +161,8 @@ def cross_fit(
         # What the widths take up is no change of the base parameters.
         folds = [fold.with_columns(slopes, known=True) for fold in folds]
     whole, first, second = folds
-    rows = np.maximum(regression.used_rows.sum(axis=0), 1)
-    torque_size = np.sqrt((regression.torque**2).sum(axis=0) / rows)
     halves = (first, second)
-    noise = over_fitted_rows(found, doubt)
+    torque_size, noise = regression.rms(regression.torque), regression.rms(doubt)
     # Rows that are bounded already count for no less.
     timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
     return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size, timing)

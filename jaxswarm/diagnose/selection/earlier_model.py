@@ -32,9 +32,8 @@ def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
     theta = linear_values(model)
     smooth = [m.decimator.apply(smooth_torque(model, m)) for m in motions]
     regression = replace(regression, torque=regression.torque - np.concatenate(smooth))
-    used = regression.used_rows
-    residual = np.where(used, regression.target - regression.columns @ theta, 0.0)
-    sigma = np.sqrt((residual**2).sum(axis=0) / np.maximum(used.sum(axis=0), 1)) + 1e-12
+    residual = np.where(regression.used_rows, regression.target - regression.columns @ theta, 0.0)
+    sigma = regression.rms(residual) + 1e-12
     flat = regression.columns.reshape(-1, regression.columns.shape[2])
     base = find_base(flat, regression.names)
     size = base.size

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.remainder import find_material, remainders
+from jaxswarm.diagnose.decision.remainder import find_material, over_noise, remainders
 from jaxswarm.diagnose.decision.rules import LOUD, STICKS
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
@@ -52,8 +52,7 @@ def leave_out_sticks(search: Search) -> bool:
 
 def loud_joints(search: Search) -> set[int]:
     """Joints left beyond their noise whose friction was not yet found to hold them for moments."""
-    loud = {r.joint for r in remainders(search.current) if r.over_noise > LOUD}
-    return loud - search.sticking
+    return {int(j) for j in np.flatnonzero(over_noise(search.current) > LOUD)} - search.sticking
 
 
 def without_sticks(

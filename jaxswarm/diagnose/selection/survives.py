@@ -14,7 +14,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.position_laws import hardly_repeats
 from jaxswarm.diagnose.decision.own_variables import left_of_own
-from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import (
     ABOVE_NOISE,
     GAIN,
@@ -23,6 +23,7 @@ from jaxswarm.diagnose.decision.rules import (
     KNOWN,
     LOST,
     LOST_SHARE,
+    NEAR,
     NEARLY_ALL,
     ONE_PLACE,
     PREDICTABLE,
@@ -225,7 +226,7 @@ def proven(
     the better one until another log says otherwise. On a joint near its noise structure that no other log has
     is none: what reversals of a clean wrist left, 1.6 times its noise, seemed to follow two joints.
     """
-    near = {r.joint for r in remainders(found) if r.near}
+    near = over_noise(found) <= NEAR
     told = []
     for item in left:
         if item.term is not None:
@@ -238,7 +239,7 @@ def proven(
             if pairs:
                 falls = [1.0 - float(two[item.joint] / one[item.joint]) ** 2 for one, two in pairs]
                 item = replace(item, elsewhere=min(falls))
-                if item.joint in near and max(falls) <= 0.0:
+                if near[item.joint] and max(falls) <= 0.0:
                     continue
             item = item if helps else replace(item, term=None)
         told.append(item)

@@ -62,6 +62,12 @@ class Regression:
         """Whether a joint's row is used, (T, n), also where all are."""
         return np.ones(self.torque.shape, bool) if self.used is None else self.used
 
+    def rms(self, values: np.ndarray) -> np.ndarray:
+        """Root mean square (n,) of values (T, n) over the rows in use of every joint."""
+        used = self.used_rows
+        count = np.maximum(used.sum(axis=0), 1)
+        return np.sqrt(np.where(used, values**2, 0.0).sum(axis=0) / count)
+
     def rows(self, selected: np.ndarray) -> "Regression":
         """The same problem on the selected rows."""
         return Regression(
