@@ -130,6 +130,17 @@ def test_the_smaller_of_two_that_say_the_same_is_chosen_and_the_other_is_no_riva
     assert chosen.candidate is truth and rivals == []
 
 
+def test_a_law_that_contains_the_chosen_one_is_no_rival_where_it_ends_as_that(case):
+    """A slack part of no width: the same column, by a search that spent three numbers on it."""
+    q = position(case)
+    spring = candidate(case, np.stack([q, q**2], axis=1), size=2, effect="joint_spring")
+    slack = candidate(case, (q + 0.001 * q**2)[:, None], size=3, effect="dead_zone_spring")
+    crossfit = case[1]
+    assert is_special_case(spring, slack, crossfit) and not is_special_case(slack, spring, crossfit)
+    chosen, rivals = choose([score(c, crossfit) for c in (slack, spring)], Rules(), crossfit)
+    assert chosen.candidate is spring and rivals == []
+
+
 def test_equal_candidates_of_other_laws_are_rivals(case, truth):
     q = position(case)
     twin = candidate(case, (q + 0.001 * np.cos(5 * q))[:, None], effect="coulomb_friction")
