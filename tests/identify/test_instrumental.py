@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
+from jaxswarm.identify.simulation_error.exogeneity import exogeneity_test
 from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem
 from jaxswarm.identify.simulation_error.instrumental import (
     didim,
-    exogeneity_test,
     idim_iv,
     instrumental,
     simulated_columns,

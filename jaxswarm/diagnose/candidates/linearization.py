@@ -6,6 +6,7 @@ from functools import cached_property
 import jax
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.folds.noise import usual_size
 from jaxswarm.diagnose.folds.partial_out import CrossFit
@@ -101,7 +102,7 @@ class Linearization:
             scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
             triangle = np.asarray(np.linalg.qr(np.column_stack([rows / scale, target]), mode="r"))
             factor, reduced = triangle[:, :-1], triangle[:, -1]
-            values = np.linalg.lstsq(factor, reduced, rcond=_RANK)[0] / scale
+            values = lstsq(factor, reduced, rcond=_RANK) / scale
             residual = regression.target - columns @ values
         return solution.base.expand(values)[: len(self.pi)], residual / noise
 
@@ -129,7 +130,7 @@ class Linearization:
         matrix = rows[:, :, rigid].reshape(-1, len(rigid))
         target = rows[:, :, regression.names.index(names[0])].ravel()
         scale = np.linalg.norm(matrix, axis=0)
-        full[rigid] = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
+        full[rigid] = lstsq(matrix / scale, target, rcond=1e-8) / scale
         return inertia * full
 
     def low(self, build) -> np.ndarray:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.term import Term
@@ -99,5 +100,5 @@ def left_by(fold: Fold, columns: np.ndarray, joint: int) -> tuple[float, np.ndar
     free = fold.free_rows(columns[:, joint], joint)[fold.train]
     target = fold.residual[fold.train, joint]
     scale = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
-    found = np.linalg.lstsq(free / scale, target, rcond=1e-6)[0]
+    found = lstsq(free / scale, target, rcond=1e-6)
     return float(((target - free / scale @ found) ** 2).sum()), found / scale

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import AS_GOOD, OVERLAP, SPECIAL_CASE, Rules
 from jaxswarm.diagnose.decision.score import Score, coefficients, passes, score
@@ -58,7 +59,7 @@ def is_special_case(inner: Candidate, outer: Candidate, crossfit: CrossFit) -> b
     a = fold.free_part(inner.columns[0]).reshape(-1, inner.columns[0].shape[2])
     b = fold.free_part(outer.columns[0]).reshape(-1, outer.columns[0].shape[2])
     b = b / np.maximum(np.linalg.norm(b, axis=0), 1e-300)
-    left = a - b @ np.linalg.lstsq(b, a, rcond=1e-6)[0]
+    left = a - b @ lstsq(b, a, rcond=1e-6)
     return bool(np.linalg.norm(left) < SPECIAL_CASE * np.linalg.norm(a))
 
 

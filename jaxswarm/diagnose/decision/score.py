@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, MOST_TAKEN, SELECTED, Rules
 from jaxswarm.diagnose.decision.significance import certainty, helped, slope_p_value
@@ -90,7 +91,7 @@ def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = Non
     rows = free[fold.train].reshape(-1, free.shape[2])
     scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0] = 1.0
-    return np.linalg.lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6)[0] / scale
+    return lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6) / scale
 
 
 def score(

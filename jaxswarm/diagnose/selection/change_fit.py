@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
 from jaxswarm.identify.estimation.base_parameters import BaseParameters
@@ -109,7 +110,7 @@ def _expanded(
             # What the others were found to be beside the payload goes with it.
             step = base.reduce(_placed(body, own, size))[inside] - values[inside]
             spread = covariance[np.ix_(inside, inside)]
-            values = values + covariance[:, inside] @ np.linalg.lstsq(spread, step, rcond=1e-12)[0]
+            values = values + covariance[:, inside] @ lstsq(spread, step, rcond=1e-12)
             bodies.append((own, body))
         start = own.stop
     full = base.expand(values)

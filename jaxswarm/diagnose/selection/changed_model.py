@@ -7,7 +7,7 @@ from functools import singledispatch
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.decomposition import thin_svd
+from jaxswarm.decomposition import lstsq, thin_svd
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import (
     BodyChange,
@@ -72,6 +72,6 @@ def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) ->
     _, size, directions = thin_svd(level)
     unfelt = directions[size <= 1e-9 * size[0]].T
     felt = rows(tilted(model.robot, model.terms)) @ unfelt
-    change = unfelt @ np.linalg.lstsq(felt, torque.ravel(), rcond=1e-6)[0]
+    change = unfelt @ lstsq(felt, torque.ravel(), rcond=1e-6)
     parameters = model.robot.parameters + jnp.asarray(change.reshape(-1, 10))
     return replace(model, robot=model.robot.replace(parameters=parameters))

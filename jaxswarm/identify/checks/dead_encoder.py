@@ -7,6 +7,7 @@ way) no motion of the others explains.
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.identify.checks.channels import STANDS
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.logs.finding import Finding
@@ -36,7 +37,7 @@ def dead_encoders(robot: Robot, samples: Samples) -> list[Finding]:
         if size[j] < _IDLE * np.median(size[~standing]) or step > _ROUGH * size[j]:
             continue
         rows = own - own.mean(axis=0)
-        left = torque - rows @ np.linalg.lstsq(rows, torque, rcond=1e-9)[0]
+        left = torque - rows @ lstsq(rows, torque, rcond=1e-9)
         share = float((left**2).sum() / max((torque**2).sum(), 1e-300))
         if share > _LEFT:
             what = (

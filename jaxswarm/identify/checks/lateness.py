@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
+
 # What is left of a joint, below which its logarithm says nothing more.
 _NOTHING = 1e-12
 
@@ -30,7 +32,7 @@ def late_by(left: np.ndarray, *rates: np.ndarray) -> list[Lateness]:
             (n R, n).
     """
     joints = rates[0].shape[1]
-    every = np.split(np.linalg.lstsq(np.hstack(rates), -left, rcond=None)[0], len(rates))
+    every = np.split(lstsq(np.hstack(rates), -left), len(rates))
 
     def size(x: np.ndarray) -> np.ndarray:
         return np.maximum(np.linalg.norm(x.reshape(joints, -1), axis=1), _NOTHING)

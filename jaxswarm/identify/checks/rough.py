@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from jaxswarm.decomposition import thin_svd
+from jaxswarm.decomposition import lstsq, thin_svd
 from jaxswarm.identify.checks.lateness import Lateness, late_by
 from jaxswarm.identify.checks.rough_columns import Wave, columns_of, slow_rows, strongest_line
 from jaxswarm.identify.checks.samples import Samples
@@ -147,7 +147,7 @@ class Rough:
         left = np.split(self._against_rates(sigma)[0], len(self._factors))[joint]
         factor = self._factors[joint]
         scale = np.maximum(np.linalg.norm(factor, axis=0), 1e-300)
-        weights = np.linalg.lstsq(factor / scale, left, rcond=None)[0] / scale
+        weights = lstsq(factor / scale, left) / scale
         hertz = strongest_line(self.samples.t, self._block(joint) @ weights)
         return Rough(self._robot, self.samples, Wave(joint, hertz)).lateness(sigma)
 
@@ -196,7 +196,7 @@ class Rough:
         flat = right.reshape(-1, right.shape[2])
         left = flat - u @ (u.T @ flat)
         left, memory = np.split(left, [1 + _PARTS * joints], axis=1)
-        left = left - memory @ np.linalg.lstsq(memory, left, rcond=_DEPENDENT)[0]
+        left = left - memory @ lstsq(memory, left, rcond=_DEPENDENT)
         return left[:, 0], left[:, 1:].reshape(len(left), _PARTS, joints).transpose(1, 0, 2)
 
     def likely_order(self) -> tuple[int, ...]:

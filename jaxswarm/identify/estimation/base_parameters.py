@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
+
 # A column below this share of the largest one is zero, and one of which no more than this share is its own
 # follows from the others: what is left comes of an angle written with nine digits, or of rounding, and noise
 # hides a parameter that shows through it unless it is ten million times the usual.
@@ -106,6 +108,6 @@ def find_base(
             basis = np.column_stack([basis, rest / size])
     kept, dropped = np.array(independent, dtype=int), np.array(dependent, dtype=int)
     scaled = factor[:, kept] / norms[kept]
-    merge = np.linalg.lstsq(scaled, factor[:, dropped], rcond=None)[0] / norms[kept][:, None]
+    merge = lstsq(scaled, factor[:, dropped]) / norms[kept][:, None]
     merge[np.abs(merge) < 1e-9 * np.abs(merge).max(initial=0.0)] = 0.0
     return BaseParameters(tuple(names), kept, dropped, np.array(dead, dtype=int), merge)

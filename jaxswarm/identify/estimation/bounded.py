@@ -3,6 +3,7 @@
 import numpy as np
 import scipy
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.identify.estimation.inequalities import solve_above
 
 
@@ -19,7 +20,7 @@ def solve(
     # Of a column that is zero in these rows, such as a contact at another time, they say nothing.
     scale[scale == 0] = 1.0
     matrix, target = factor[:size, :size] / scale, factor[:size, size]
-    theta = scipy.linalg.lstsq(matrix, target, check_finite=False)[0] / scale
+    theta = lstsq(matrix, target, rcond=np.finfo(float).eps) / scale
     outside = (theta < lower) | (theta > upper)
     if not outside.any():
         return theta, outside

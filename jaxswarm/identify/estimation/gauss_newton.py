@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.identify.estimation.factors import compress, triangular_factor
 from jaxswarm.identify.estimation.free_parameters import (
     FreeParameter,
@@ -144,7 +145,7 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     matrix, target = triangle[:, :-1], triangle[:, -1]
     scale = np.linalg.norm(matrix, axis=0)
     scale[scale == 0] = 1.0
-    step = np.linalg.lstsq(matrix / scale, target, rcond=1e-8)[0] / scale
+    step = lstsq(matrix / scale, target, rcond=1e-8) / scale
     return np.clip(step[-len(moving) :], -0.2, 0.2)
 
 

@@ -23,7 +23,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.decomposition import thin_svd
+from jaxswarm.decomposition import lstsq, thin_svd
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.excitation.columns import planned, planned_columns, refuse_terms
@@ -239,7 +239,7 @@ def _directions(drawn: list, scales: list[np.ndarray]) -> list[np.ndarray]:
         own = np.concatenate([np.asarray(parts[k][0]) / scale for parts in drawn], axis=1)
         others = np.concatenate([np.asarray(parts[k][1]) for parts in drawn], axis=1)
         others = others / np.maximum(np.linalg.norm(others, axis=1, keepdims=True), 1e-300)
-        coefficients = np.linalg.lstsq(others.T, own.T, rcond=1e-10)[0]
+        coefficients = lstsq(others.T, own.T, rcond=1e-10)
         _, length, vectors = thin_svd(own.T - others.T @ coefficients)
         found.append(vectors[length > _EQUAL * np.linalg.norm(own)].T)
     return found

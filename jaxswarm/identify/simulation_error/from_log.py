@@ -23,8 +23,9 @@ from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import with_linear_values
 from jaxswarm.identify.forward.regression import build_regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
+from jaxswarm.identify.simulation_error.exogeneity import exogeneity_test
 from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem
-from jaxswarm.identify.simulation_error.instrumental import exogeneity_test, instrumental
+from jaxswarm.identify.simulation_error.instrumental import instrumental
 from jaxswarm.identify.simulation_error.levenberg_marquardt import refine_output
 from jaxswarm.identify.simulation_error.output_error import output_residual
 from jaxswarm.logs.filtering import derivatives

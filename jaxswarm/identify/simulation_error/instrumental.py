@@ -1,4 +1,4 @@
-r"""Estimators for noise in the regressors: instrumental variables, DIDIM, and the test that asks for them.
+r"""Estimators for noise in the regressors: instrumental variables and DIDIM.
 
 Torque is linear in the parameters, y = W theta + e, but W is computed from measured positions and
 their derivatives. In closed loop its errors correlate with e, and least squares is biased however long
@@ -10,13 +10,11 @@ reference without that noise; its columns Z are
   then not needed at all.
 
 Both converge in a few rounds, because high-gain control makes the simulated motion almost independent
-of the parameters. The Durbin-Wu-Hausman test asks whether W needs them: under exogeneity the part V of W
-that the instruments do not explain adds nothing to the regression of y on [W, V].
+of the parameters. Whether W needs them is asked by :mod:`jaxswarm.identify.simulation_error.exogeneity`.
 
 References: A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for
 industrial robot identification", IEEE TCST 22(1), 2014; M. Gautier, A. Janot, P.-O. Vandanjon, IEEE TCST
-21(2), 2013 (DIDIM); A. Janot, P.-O. Vandanjon, M. Gautier, "A revised Durbin-Wu-Hausman test for
-industrial robot identification", Control Engineering Practice 48, 2016.
+21(2), 2013 (DIDIM).
 """
 
 import dataclasses
@@ -25,8 +23,8 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 import numpy as np
-import scipy
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.errors import InputError
 from jaxswarm.identify.simulation_error.experiment import Experiment, OutputProblem, plant_with
 from jaxswarm.simulate.acceleration import rest
@@ -53,21 +51,13 @@ class LinearEstimate:
     converged: bool = True
 
 
-@dataclasses.dataclass(frozen=True)
-class Exogeneity:
-    """Result of the test.
-
-    Attributes:
-        statistic: F statistic of the added columns.
-        p_value: Probability of a larger one if least squares is unbiased.
-        num_added: Number of added columns.
-        biased: Whether ``p_value`` lies below the level: use instruments.
-    """
-
-    statistic: float
-    p_value: float
-    num_added: int
-    biased: bool
+def check_shapes(columns, target, instruments) -> None:
+    """Raise InputError unless W (r, p), y (r,) and Z (r, p) have these shapes."""
+    if columns.shape != instruments.shape or target.shape != columns.shape[:1]:
+        raise InputError(
+            f"columns {columns.shape}, target {target.shape} and instruments {instruments.shape} "
+            "do not belong together: give (r, p), (r,) and (r, p)."
+        )
 
 
 def instrumental(
@@ -87,10 +77,10 @@ def instrumental(
     >>> instrumental(w, w @ [2.0, 3.0], w).values.round(9).tolist()
     [2.0, 3.0]
     """
-    _check_shapes(columns, target, instruments)
+    check_shapes(columns, target, instruments)
     basis = np.linalg.qr(instruments)[0]
     square = basis.T @ columns
-    singular = np.linalg.svd(square / np.linalg.norm(columns, axis=0), compute_uv=False)
+    singular = thin_svd(square / np.linalg.norm(columns, axis=0))[1]
     if not singular[-1] > 1e-10:
         raise InputError(
             "the instruments leave a parameter undetermined: reduce the columns to base parameters "
@@ -150,50 +140,6 @@ def didim(
     return _rounds(simulate, estimate, start, num_rounds, tolerance)
 
 
-def exogeneity_test(
-    columns: np.ndarray,
-    target: np.ndarray,
-    instruments: np.ndarray,
-    *,
-    level: float = 0.01,
-    effective_samples: float | None = None,
-) -> Exogeneity:
-    """Test whether least squares on W is unbiased, by regressing on [W, V].
-
-    Args:
-        columns: W, (r, p), rows whitened (one scale per joint).
-        target: y, (r,).
-        instruments: Z, (r, p).
-        level: Probability of a false alarm, in (0, 1).
-        effective_samples: Number of independent samples among the r, for autocorrelated residuals;
-            default r.
-
-    Raises:
-        InputError: If shapes differ.
-    """
-    _check_shapes(columns, target, instruments)
-    basis = np.linalg.qr(instruments)[0]
-    rest = columns - basis @ (basis.T @ columns)
-    # Columns the instruments reproduce exactly (an offset) have nothing left to test.
-    scale = np.linalg.norm(columns, axis=0)
-    left, singular, _ = np.linalg.svd(rest / scale, full_matrices=False)
-    added = left[:, singular > 1e-8]
-    num = len(target) if effective_samples is None else effective_samples
-    freedom = num - columns.shape[1] - added.shape[1]
-    if added.shape[1] == 0 or freedom <= 0:
-        return Exogeneity(0.0, 1.0, added.shape[1], False)
-
-    def unexplained(regressors):
-        error = target - regressors @ np.linalg.lstsq(regressors, target, rcond=None)[0]
-        return float(error @ error)
-
-    scaled = columns / scale
-    without, within = unexplained(scaled), unexplained(np.hstack([scaled, added]))
-    statistic = (without - within) / added.shape[1] / (within / freedom)
-    p_value = float(scipy.special.fdtrc(added.shape[1], freedom, statistic))
-    return Exogeneity(statistic, p_value, added.shape[1], p_value < level)
-
-
 def simulated_columns(
     problem: OutputProblem,
     experiment: Experiment,
@@ -240,11 +186,3 @@ def _rounds(simulate, estimate, start, num_rounds, tolerance) -> LinearEstimate:
         if change < tolerance:
             break
     return dataclasses.replace(found, num_rounds=count, converged=bool(change < tolerance))
-
-
-def _check_shapes(columns, target, instruments) -> None:
-    if columns.shape != instruments.shape or target.shape != columns.shape[:1]:
-        raise InputError(
-            f"columns {columns.shape}, target {target.shape} and instruments {instruments.shape} "
-            "do not belong together: give (r, p), (r,) and (r, p)."
-        )
