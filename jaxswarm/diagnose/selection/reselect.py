@@ -22,7 +22,7 @@ from jaxswarm.diagnose.selection.plainer import plainer
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
 from jaxswarm.diagnose.selection.tenable import goes_beyond, is_certain
-from jaxswarm.effects.alike import without
+from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
@@ -119,14 +119,14 @@ def reconsider(
     freed: set[int | None] = set()
     for step in steps:
         known = with_errors(step.added, current)
-        if step.removed or known is None:
+        if known is None:
             continue
         rivals = [*competitors(step), *_said_by_less(*known)]
         certain = is_certain(*known)
         if not rivals and certain:
             continue
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
-        rest = refit(current, without(step.added, current.model.terms))
+        rest = refit(current, (*without(step.added, current.model.terms), *step.removed))
         crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
         scores = score_terms(Linearization(rest, crossfit), terms, seed)
@@ -202,7 +202,8 @@ def _exchanged(
     )
     others = tuple(s for s in sorted(scores, key=lambda s: -s.gain) if s is not pick)
     added = find_term(current, pick.candidate.term)
-    return replace(step, added=added, score=pick, rivals=rivals, others=others)
+    removed = tuple(t for t in step.removed if not has(t, current.model.terms))
+    return replace(step, added=added, score=pick, rivals=rivals, others=others, removed=removed)
 
 
 def _nobody_needs(step: Step, certain: bool, scores: Sequence[Score], rules: Rules) -> bool:
