@@ -30,7 +30,7 @@ def test_a_free_exponent_replaces_a_law_only_where_it_is_worth_its_number(alpha,
 
 @pytest.mark.parametrize("falls", [False, True], ids=["equal halves", "harder one way"])
 def test_what_took_the_place_of_other_terms_is_asked_again_beside_them(falls):
-    """Viscous friction was told as friction of each direction, with equal halves, beside a tilt not found yet."""
+    """Viscous friction was told as friction of each direction, with equal halves, beside a tilt yet unknown."""
     values = {"fc_pos": 1.6, "fc_neg": -0.9, "b_pos": 1.5, "b_neg": 0.3}
     log = log_with(*[Term("asymmetric_friction", 1, values=values)] * falls)
     declared = tuple(t for t in blank() if (t.effect, t.joint) != ("viscous_friction", 1))
