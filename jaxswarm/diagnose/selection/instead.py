@@ -35,7 +35,9 @@ def replacement(
         if pick is chosen:
             more = pick.candidate.size - size
             worth = more <= 0 or not does_as_well(current, after, more)
-            fits = worth and cost(after, pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
+            fits = worth and cost(after, pick.joint, rest) <= PRICE * cost(
+                current, pick.joint, rest
+            )
         else:
             fits = does_as_well(after, current, size - pick.candidate.size)
         if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
