@@ -16,6 +16,7 @@ from jaxswarm.diagnose.selection.sticking import _may_be_friction
 from jaxswarm.diagnose.selection.tenable import can_be_resolved
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
+from jaxswarm.identify.estimation import estimate as estimate_module
 from jaxswarm.identify.estimation.standing import held_lines, held_shares, leave_out, standing
 from jaxswarm.identify.forward.metrics import moves_at
 from jaxswarm.identify.report.console import rest_lines
@@ -35,8 +36,9 @@ def truth():
     return estimate(small_arm(), blank(), [prepare(log_with(), BAND)]).model
 
 
-def stopping(level: float, seed: int = 0) -> Log:
+def stopping(level: float, seed: int = 0, *hidden: Term) -> Log:
     """A log of moves with rests, in each of which either joint is held up to a torque off the model's [N m]."""
+    model = replace(truth(), terms=(*truth().terms, *hidden))
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, MOVES * (MOVE + REST), 1.0 / RATE)
     number, phase = np.divmod(t, MOVE + REST)
@@ -46,7 +48,7 @@ def stopping(level: float, seed: int = 0) -> Log:
     q = begin + (end - begin) * (10 * s**3 - 15 * s**4 + 6 * s**5)
     bare = Log(f"stops {seed}", small_arm().joints, t, q, tau=np.zeros_like(q), channels={})
     motion = prepare(bare, BAND)
-    tau = np.stack([np.interp(t, motion.t, x) for x in model_torque(truth(), motion).T], axis=1)
+    tau = np.stack([np.interp(t, motion.t, x) for x in model_torque(model, motion).T], axis=1)
     off = rng.uniform(-level, level, (MOVES, 2))[number.astype(int)]
     tau = tau + np.where(phase[:, None] > MOVE, off, 0.0)
     return replace(bare, tau=tau + NOISE.torque * rng.normal(size=tau.shape))
@@ -109,6 +111,19 @@ def test_rest_that_the_model_tells_is_fitted(seed):
 def test_nothing_is_added_for_what_friction_holds():
     found = diagnose(small_arm(), blank(), [prepare(stopping(2.5), BAND)])
     assert not found.kept
+
+
+@pytest.mark.parametrize("level", [0.0, 3.0], ids=["by its law", "by friction"])
+def test_rest_that_a_missing_law_tells_is_fitted_once_it_is_found(monkeypatch, level):
+    """A wrong reading of one joint was told as two others, as rest had been taken for friction's at first."""
+    hidden = Term("joint_spring", 1, values={"k": 8.0, "tau0": 2.0})
+    monkeypatch.setattr(estimate_module, "held", lambda left, rest: np.ones(2, bool))
+    motions = [prepare(stopping(level, 0, hidden), BAND)]
+    found = diagnose(small_arm(), blank(), motions)
+    assert [(s.added.effect, s.added.joint) for s in found.kept] == [("joint_spring", 1)]
+    rest = standing(motions)[0]
+    assert found.final.regression.used_rows[rest].any() == (level == 0.0)
+    assert bool(held_shares(found.final.motions)) == (level > 0.0)
 
 
 @pytest.mark.parametrize(

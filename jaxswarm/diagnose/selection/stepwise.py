@@ -20,10 +20,11 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.both_ends import add_both_ends
 from jaxswarm.diagnose.selection.budget import Budget
-from jaxswarm.diagnose.selection.clock import allow_for_skew, settle_clocks
+from jaxswarm.diagnose.selection.clock import allow_for_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday
-from jaxswarm.diagnose.selection.from_declared import declared_alone, fit_from_declared
+from jaxswarm.diagnose.selection.finish import finish
+from jaxswarm.diagnose.selection.from_declared import declared_alone
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.one_for_several import one_for_several
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -33,10 +34,11 @@ from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
-from jaxswarm.diagnose.selection.sticking import leave_out_sticks, settle_signs
+from jaxswarm.diagnose.selection.sticking import leave_out_sticks
 from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
+from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -77,23 +79,22 @@ def diagnose(
     Returns:
         The :class:`Diagnosis`.
     """
-    rules = rules or Rules()
-    with declared_alone(robot, declared, motions) as alone:
-        progress("fitting the declared model")
-        start = estimate(robot, declared, motions, bounded=False)
-        memory = Memory(journal, rules.share)
-        search = Search(start, start, rules, seed, memory, other, progress, budget or Budget())
-        most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
-        run_rounds(search, _LACKING, most)
-        while take_back(search) or leave_out_sticks(search):
+    rules, budget = rules or Rules(), budget or Budget()
+    memory = Memory(journal, rules.share)
+
+    def searched(logs: Sequence[Motion], most: int) -> Search:
+        with declared_alone(robot, declared, logs) as alone:
+            progress("fitting the declared model")
+            start = estimate(robot, declared, logs, bounded=False)
+            search = Search(start, start, rules, seed, memory, other, progress, budget)
             run_rounds(search, _LACKING, most)
-        if search.steps or search.sticking:
-            settle_clocks(search)
-            fit_from_declared(search, alone)
-            settle_signs(search, alone)
-            _hold_within_bounds(search)
-        else:
-            _as_identified(search, alone())
+            while take_back(search) or leave_out_sticks(search):
+                run_rounds(search, _LACKING, most)
+            finish(search, alone)
+        return search
+
+    most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
+    search = with_rest(searched(motions, most), motions, searched)
     return Diagnosis(
         within_bounds(search.declared) if search.steps else search.current,
         search.current,
@@ -141,23 +142,6 @@ def _act(search: Search, passed: list[Score]) -> bool:
     if one_for_several(search) or _choose_again(search):
         return True
     return not search.budget.spent and add_two_laws(search)
-
-
-def _as_identified(search: Search, found: Estimate) -> None:
-    """Where nothing is added, the model is the one that ``identify`` fits: with its clocks, within its bounds.
-
-    Clocks found among candidates differ from these by a part of their doubt, which was a sixth of a joint's
-    error on other motion of a world.
-    """
-    search.current = search.declared = with_motion_noise(found, search.seed)
-    search.crossfit = cross_fit(search.current)
-
-
-def _hold_within_bounds(search: Search) -> None:
-    held = within_bounds(search.current)
-    if held is not search.current:
-        search.current = with_motion_noise(held, search.seed)
-        search.crossfit = cross_fit(search.current)
 
 
 def _allow(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:

@@ -1,0 +1,45 @@
+"""The outcome of a selection fitted to the end: its clocks, the widths of its signs, its bounds."""
+
+from collections.abc import Callable
+
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.clock import settle_clocks
+from jaxswarm.diagnose.selection.from_declared import fit_from_declared
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.sticking import settle_signs
+from jaxswarm.diagnose.selection.within_bounds import within_bounds
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def finish(search: Search, alone: Callable[[], Estimate]) -> None:
+    """Fit the model of a selection that is over to the end.
+
+    Args:
+        search: With everything added.
+        alone: Gives the fit of the declared model.
+    """
+    if not search.steps and not search.sticking:
+        _as_identified(search, alone())
+        return
+    settle_clocks(search)
+    fit_from_declared(search, alone)
+    settle_signs(search, alone)
+    _hold_within_bounds(search)
+
+
+def _as_identified(search: Search, found: Estimate) -> None:
+    """Where nothing is added, the model is the one that ``identify`` fits: with its clocks, within its bounds.
+
+    Clocks found among candidates differ from these by a part of their doubt, which was a sixth of a joint's
+    error on other motion of a world.
+    """
+    search.current = search.declared = with_motion_noise(found, search.seed)
+    search.crossfit = cross_fit(search.current)
+
+
+def _hold_within_bounds(search: Search) -> None:
+    held = within_bounds(search.current)
+    if held is not search.current:
+        search.current = with_motion_noise(held, search.seed)
+        search.crossfit = cross_fit(search.current)
