@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import BAND, RATE, blank, log_with, small_arm
+from planted import BAND, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import Rules
@@ -13,6 +13,7 @@ from jaxswarm.diagnose.decision.sharpness import only_friction
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import synthetic_log
 from jaxswarm.logs.motion import prepare
 
 ASKED = 60
@@ -35,3 +36,26 @@ def test_a_delay_is_one_of_all_torque(dry_alone):
     assert passes(delay, ASKED, Rules())
     alone = only_friction([delay], found, crossfit, ASKED, Rules())
     assert bool(alone) == dry_alone
+
+
+def test_an_arm_without_friction_is_asked_for_a_delay():
+    """Nothing was declared, and nothing of friction can be early: diagnose ended in a traceback."""
+    late = Term("time_delay", values={"seconds": 0.008})
+    log = synthetic_log(
+        small_arm(), (late,), 1, noise=NOISE, duration=12.0, rate=RATE, motion_seed=7
+    )
+    found = estimate(small_arm(), (), [prepare(log, BAND)], bounded=False)
+    crossfit = cross_fit(found)
+    (delay,) = score_on(found, [Term("time_delay")], 0)
+    assert passes(delay, ASKED, Rules())
+    assert only_friction([delay], found, crossfit, ASKED, Rules()) == []
+
+
+def test_columns_of_nothing_take_up_nothing():
+    found = estimate(small_arm(), blank(), [prepare(early_log(True), BAND)], bounded=False)
+    crossfit = cross_fit(found)
+    nothing = np.zeros((*found.regression.torque.shape, 2))
+    for known in (False, True):
+        beside = crossfit.with_columns((nothing,) * 3, known)
+        for fold, same in zip(beside.folds, crossfit.folds, strict=True):
+            np.testing.assert_array_equal(fold.residual, same.residual)

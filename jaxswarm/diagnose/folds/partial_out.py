@@ -232,6 +232,9 @@ def _fold(
         rows / scale, mode="raw", pivoting=True, check_finite=False, overwrite_a=True
     )
     rank = int((np.abs(np.diag(r)) > 1e-7 * abs(r[0, 0])).sum())
+    if rank == 0:
+        # Columns that are zero, as of friction that nobody declared, take up nothing.
+        return Fold(train, columns[:, :, :0], columns[:, :, :0], torque, np.zeros((size, 0)))
     pick = order[:rank]
     project = scipy.linalg.solve_triangular(
         r[:rank, :rank],
