@@ -20,8 +20,9 @@ class MeasurementLaw(Effect):
             linear in the linear parameters; None: nothing.
         clock: Whether its one parameter is the time [s] by which the torque's clock lags.
         late: ``late(p)``: time [s] by which a slow torque is late, where it is no clock; None: not at all.
-        excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where it
-            says q and that of the partner q_other, zero for neutral parameters; None: encoders are true.
+        excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where the
+            joint is at q and the partner's encoder says q_other, zero for neutral parameters; None: encoders
+            are true.
         scales: Whether it only scales the torque of its joint: the links that it moves may take that up.
     """
 

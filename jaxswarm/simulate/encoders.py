@@ -1,8 +1,8 @@
 """What encoders say of a motion, and what the motion is that they say.
 
-Without a :class:`MeasurementLaw` that moves a position the two are one. An excess is a function of what is
-said, so that the truth is explicit, and what is said of it is found by a few rounds of substitution: each
-shrinks the error by the slope of the excess, which is small.
+Without a :class:`MeasurementLaw` that moves a position the two are one. An excess is a function of where its
+joint is and of what its partner says. Each of what is said and what is follows from the other by a few
+rounds of substitution: each shrinks the error by the slope of the excess, which is small.
 """
 
 import jax
@@ -12,8 +12,9 @@ from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import of_kind
 from jaxswarm.simulate.plant import Plant
 
-# Rounds of substitution: an excess of slope 0.05 is then known to a part in three million.
-_ROUNDS = 4
+# Rounds of substitution: an excess of slope 0.25, far beyond any that is built, is then known to a part in
+# sixty thousand, one of 0.05 to rounding.
+_ROUNDS = 8
 
 
 def true_motion(plant: Plant, q: jax.Array, dq: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -22,8 +23,10 @@ def true_motion(plant: Plant, q: jax.Array, dq: jax.Array) -> tuple[jax.Array, j
         return q, dq
 
     def true(said):
-        moved = _without_excess(plant, list(said), list(said))
-        return jnp.stack([jnp.broadcast_to(x, said[0].shape) for x in moved])
+        found = list(said)
+        for _ in range(_ROUNDS):
+            found = _moved(plant, list(said), found, list(said), -1.0)
+        return jnp.stack([jnp.broadcast_to(x, said[0].shape) for x in found])
 
     return jax.jvp(true, (q,), (dq,))
 
@@ -40,7 +43,7 @@ def said_motion(plant: Plant, *motion: list) -> list[list]:
         ]
         said = true
         for _ in range(_ROUNDS):
-            said = _without_excess(plant, true, said, -1.0)
+            said = _moved(plant, true, true, said, 1.0)
         return said
 
     told, rate = [along(0.0)], along
@@ -54,10 +57,10 @@ def _wrong(plant: Plant) -> list:
     return [a for a in of_kind(plant.acting, MeasurementLaw) if a.law.excess is not None]
 
 
-def _without_excess(plant: Plant, base: list, said: list, sign: float = 1.0) -> list:
-    """``base`` less ``sign`` times what encoders that say ``said`` say too much, n entries."""
+def _moved(plant: Plant, base: list, true: list, said: list, sign: float) -> list:
+    """``base`` and ``sign`` times what encoders say too much at ``true`` where all say ``said``, n entries."""
     moved = list(base)
     for a in _wrong(plant):
         partner = said[a.joint if a.other is None else a.other]
-        moved[a.joint] = moved[a.joint] - sign * a.law.excess(a.values, said[a.joint], partner)
+        moved[a.joint] = moved[a.joint] + sign * a.law.excess(a.values, true[a.joint], partner)
     return moved

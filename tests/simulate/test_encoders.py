@@ -39,7 +39,8 @@ def test_links_move_by_what_the_encoders_do_not_say(case):
     np.testing.assert_allclose(q[0], begin, atol=1e-6)
     np.testing.assert_allclose(dq[0], speed, atol=1e-6)
     np.testing.assert_allclose(q[:, 0], link[:, 0])
-    np.testing.assert_allclose(q[:, 1] - link[:, 1], excess(q), atol=1e-6)
+    at = np.stack([q[:, 0], link[:, 1]], axis=1)
+    np.testing.assert_allclose(q[:, 1] - link[:, 1], excess(at), atol=1e-6)
     # Velocity and acceleration are those of what is said.
     np.testing.assert_allclose(np.gradient(q, DT, axis=0)[5:-5], dq[5:-5], atol=5e-4)
     np.testing.assert_allclose(np.gradient(dq, DT, axis=0)[5:-5], ddq[5:-5], atol=1e-2)
