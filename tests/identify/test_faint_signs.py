@@ -256,6 +256,16 @@ def test_a_delay_is_clear_where_little_else_is_missing(arm, left, gain, millisec
 
 
 @pytest.mark.parametrize(
+    ("in_rough", "in_fine", "refused"),
+    [(-0.08, -0.19, False), (-0.12, 0.0, False), (-0.4, 0.0, True), (-0.2, -0.5, True)],
+)
+def test_a_log_is_refused_where_a_delay_is_most_of_what_is_missing(arm, in_rough, in_fine, refused):
+    """A coupling that nobody declared looked 12 ms late, by 8 % of what was left: the log is sound."""
+    rough, fine = Known(0.02, in_rough, 18.0), Known(0.02, in_fine, 18.0)
+    assert late_torque(arm, rough, fine, INTERVAL).refused == refused
+
+
+@pytest.mark.parametrize(
     ("in_fine", "told"), [(18.0, True), (10.0, True), (6.0, False), (-18.0, False)]
 )
 def test_what_a_rough_model_takes_for_a_delay_a_fine_one_has_to_confirm(arm, in_fine, told):
