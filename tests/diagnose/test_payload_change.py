@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from elbow import ask, elbow_log, fitted, passing
 
+from jaxswarm.diagnose.candidates.window import _untold
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
@@ -35,6 +36,22 @@ def test_a_load_is_named_with_its_times_and_its_mass(end, tmp_path):
     assert all(not t.law.in_one_log for t in saved.terms)
     left = motion.decimator.apply(motion.tau - model_torque(saved, motion))
     assert np.sqrt((left**2).mean()) < 0.1
+
+
+def test_held_out_time_in_which_a_load_is_picked_up_says_nothing_of_when():
+    """The fit to the others puts it anywhere in there, and lost more by that than it gained in all of them."""
+    truth = Term("payload_change", values={**BODY, "m": 0.5, "mcx": 0.05, "start": 4.3, "end": 6.9})
+    (best,) = passing(ask(fitted(elbow_log(truth)), "payload_change"))
+    assert best.candidate.term.values["start"] == pytest.approx(4.3, abs=0.1)
+
+
+def test_rows_whose_window_a_fit_to_others_cannot_tell():
+    train = np.repeat([True, False, True, False, True], 4)
+    within = (np.arange(20) >= 6) & (np.arange(20) < 12)
+    assert np.flatnonzero(_untold(1.0 * within, train)).tolist() == [*range(4, 8), *range(12, 16)]
+    within = (np.arange(20) >= 2) & (np.arange(20) < 10)
+    assert not _untold(1.0 * within, train).any()
+    assert not _untold(1.0 * within, train | True).any()
 
 
 def test_a_load_kept_all_along_belongs_to_the_link():
