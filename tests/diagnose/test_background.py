@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
-from jaxswarm.diagnose.folds.partial_out import cross_fit, robust_weight, width_slopes
+from jaxswarm.diagnose.folds.noise import robust_weight
+from jaxswarm.diagnose.folds.partial_out import cross_fit, width_slopes
 from jaxswarm.effects.term import Term
 
 

@@ -88,7 +88,7 @@ def test_further_columns_that_are_known_take_no_more_than_they_may(clean):
     rows = np.ones(len(found.regression.t), bool)
     empty = np.zeros((*found.regression.torque.shape, 0))
     clocks = clock_slopes(found)[:, :, :1] / found.fit.sigma[:, None]
-    fold = Fold(rows, empty, empty, 1e-3 * clocks[:, :, 0], np.zeros((0, 0)))
+    fold = Fold(rows, empty, empty, 1e-3 * clocks[:, :, 0], np.zeros((0, 0)), np.zeros(0))
     weak = replace(fold, residual=10.0 * fold.residual).with_columns(1e-3 * clocks, known=True)
     # noise of one a row against a prior of one: that little is hardly seen, so that little is taken off
     before = np.sum((10.0 * fold.residual) ** 2)

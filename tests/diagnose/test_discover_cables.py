@@ -83,7 +83,7 @@ def test_a_joint_is_searched_without_the_rows_of_a_partner_that_is_far_from_its_
 
     def none(problem, pieces, label, seed, terms):
         asked.append(problem.lin.crossfit.weight.any(axis=0).tolist())
-        return [], 0
+        return problem, [], 0
 
     monkeypatch.setattr(joint_search, "candidates", none)
     diagnosis = type("Diagnosis", (), {"final": found, "crossfit": crossfit})()

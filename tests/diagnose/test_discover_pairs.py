@@ -97,6 +97,6 @@ def test_freed_columns_and_their_products_are_those_over_all_joints():
 def test_a_search_ends_with_both():
     problem, _, pieces = lacking()
     label = regions(problem.lin.found)
-    points, _ = candidates(problem, pieces, label, 0)
+    _, points, _ = candidates(problem, pieces, label, 0)
     told = {skeleton(p) for p in points[0].formula.programs}
     assert told == {skeleton(CAM), skeleton(SHOE)}

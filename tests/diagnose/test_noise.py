@@ -10,8 +10,13 @@ from jaxswarm.diagnose.decision import remainder
 from jaxswarm.diagnose.decision.remainder import Remainder, find_material, material, remainders
 from jaxswarm.diagnose.decision.rules import MATERIAL
 from jaxswarm.diagnose.decision.unexplained import Unexplained
-from jaxswarm.diagnose.folds.noise import noise_of, row_doubt, row_noise, with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import row_weight
+from jaxswarm.diagnose.folds.noise import (
+    noise_of,
+    row_doubt,
+    row_noise,
+    row_weight,
+    with_motion_noise,
+)
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import Noise
 from jaxswarm.logs.motion import prepare

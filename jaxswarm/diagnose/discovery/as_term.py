@@ -7,6 +7,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.own_load import with_own_load
+from jaxswarm.diagnose.discovery.moving_load import fitted_together
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.sums import Sum, free_columns, linear, polished
 from jaxswarm.effects.dimensions import TORQUE, over, parse_unit, unit_of, unit_text
@@ -60,8 +61,13 @@ def validity(problem: Joint, formula: Sum) -> tuple[tuple[str, float, float], ..
 
 
 def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
-    """A formula as a candidate of the selection: on every half with the constants found there."""
+    """A formula as a candidate of the selection: on every half with the constants found there.
+
+    By the load it is refitted from the arm that it was seen with: from that of a model without it a law by the
+    square of the load ended at 40 times the noise.
+    """
     lin, term = problem.lin, as_term(problem, formula)
+    start = None
     columns = []
     for fold in lin.crossfit.folds:
         own = formula if fold is lin.crossfit.whole else polished(problem, formula, fold)
@@ -74,4 +80,9 @@ def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
         if term.law.uses_load:
             said = with_own_load(lin, fold, problem.joint, said, made)
         columns.append(said)
-    return Candidate(term, tuple(columns), len(term.found_formula.parameters)), term
+    if term.law.uses_load:
+        args = (problem, formula.programs, (), formula.values, lin.crossfit.whole)
+        change = lin.found.fit.base.expand(fitted_together(*args).change)
+        start = lin.pi + change[: len(lin.pi)]
+    size = len(term.found_formula.parameters)
+    return Candidate(term, tuple(columns), size, start=start), term

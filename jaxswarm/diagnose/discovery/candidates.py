@@ -41,8 +41,10 @@ def candidates(
     label: np.ndarray,
     seed: int = 0,
     terms: int = MOST_TERMS,
-) -> tuple[list[Point], int]:
+) -> tuple[Joint, list[Point], int]:
     """The best formulas with their errors on other motion, the best first, and how many programs were tried.
+
+    Before them the joint as it was seen in the end, with the loads of the model beside the best formula.
 
     Args:
         problem: The joint.
@@ -79,7 +81,8 @@ def candidates(
         found, count = nearby(problem, pieces, points, folds, seed)
         points, tried = ranked([*points, *found], log), tried + count
     kept = {id(p): p for p in [*points[:_STRICT], *front(points)]}
-    return ranked([strict(problem, p, folds) for p in kept.values()], log) if kept else [], tried
+    told = [strict(problem, p, folds) for p in kept.values()]
+    return problem, ranked(told, log) if told else [], tried
 
 
 def _of_size(
@@ -88,32 +91,35 @@ def _of_size(
     """Sums with a term more than the leads have, how many programs were tried, and the joint as seen then.
 
     Programs are looked through by the load of a model that lacks the law, and then by that of the model with
-    the best formula as long as that pays: of exp(k q) dq ddq + q^3 abs(dq load) neither term was among the
-    best at first, since the load was off by half its size.
+    the best formula, whatever that goes by, as long as that pays: of exp(k q) dq ddq + q^3 abs(dq load) neither
+    term was among the best at first, since the load was off by half its size.
     """
     found: list[Point] = []
     tried, least = 0, np.inf
-    for _ in range(_SEEN):
-        if not leads:
+    asked, before = pieces, problem
+    for look in range(_SEEN):
+        if look:  # no other program is seen otherwise
+            asked = [one for one in pieces if goes_by_load(problem, [one.program])]
+        elif not leads:
             strung, count = cables(problem, folds)
-            found += [
-                *_families(problem, folds),
-                *strung,
-                *one_more(problem, pieces, None, folds, seed),
-            ]
-            tried += count + len(pieces)
-        elif len(leads[0].pieces) == 1:
+            found, tried = [*_families(problem, folds), *strung], count
+        if leads and len(leads[0].pieces) == 1:
             both, count = pairs(problem, pieces, folds)
             found, tried = found + both, tried + count
-        for lead in leads:
-            found += one_more(problem, pieces, lead, folds, seed)
-            tried += len(pieces)
+        for lead in leads or (None,):
+            found += one_more(problem, asked, lead, folds, seed)
+            tried += len(asked)
         best = min(found, key=lambda p: p.error, default=None)
-        if best is None or not goes_by_load(problem, best.formula.programs):
+        if best is None or best.error > (1.0 - _WORTH) * least:
+            # A form that tells little of the law may bend the load further.
+            problem = (
+                before if best and not goes_by_load(problem, best.formula.programs) else problem
+            )
             break
-        if explained(problem, best) or best.error > (1.0 - _WORTH) * least:
+        beside = None if explained(problem, best) else seen_beside(problem, best.formula)
+        if beside is None:
             break
-        problem, least = seen_beside(problem, best.formula), best.error
+        before, problem, least = problem, beside, best.error
     return found, tried, problem
 
 

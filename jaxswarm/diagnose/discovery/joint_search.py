@@ -106,7 +106,7 @@ def _search(
     for partner, wanted in variables:
         problem = problem_of(diagnosis, j, partner, wanted)
         pieces = programs(problem.data, problem.units, problem.angles)
-        points, count = candidates(problem, pieces, label, seed, terms)
+        problem, points, count = candidates(problem, pieces, label, seed, terms)
         tried += count
         ranked += [(problem, one) for one in points]
     ranked.sort(key=lambda pair: pair[1].length)

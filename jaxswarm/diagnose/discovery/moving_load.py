@@ -33,7 +33,8 @@ class Together(NamedTuple):
         values: Of its inner constants.
         factors: Its linear constants, (k,).
         left: Weighted residual of the joint on all rows, trained on or not, (T,).
-        loads: Field to the load that the model has beside it, (T,).
+        loads: Every load among the variables as the model has it beside the formula, (T,).
+        change: Of the base parameters, (b',).
         share: Share of the joint's squared error that it takes off those of all joints on the training rows.
     """
 
@@ -41,6 +42,7 @@ class Together(NamedTuple):
     factors: np.ndarray
     left: np.ndarray
     loads: dict[str, np.ndarray]
+    change: np.ndarray
     share: float
 
 
@@ -56,7 +58,7 @@ def fitted_together(
     constants: Sequence[Parameter],
     values: Mapping[str, float],
     fold: Fold,
-    steps: int,
+    steps: int = 40,
 ) -> Together:
     """Fit a formula, the model and its load at once to the rows that a fold was trained on.
 
@@ -92,7 +94,8 @@ def fitted_together(
     everywhere = _Fit(problem, programs, constants, values, fold, slice(None))
     z, a, _ = fit.parts(x)
     told = everywhere.residual - everywhere.project @ z - everywhere.columns(x) @ a
-    return Together(fit.values_at(x), a, told, everywhere.loads_at(z), share)
+    loads = everywhere.loads_at(z)
+    return Together(fit.values_at(x), a, told, loads, fold.solve @ z, share)
 
 
 def _solution(columns: np.ndarray, target: np.ndarray, damping: float) -> np.ndarray:
@@ -113,8 +116,8 @@ class _Fit:
         self.weight = problem.lin.crossfit.weight[rows, problem.joint, None]
         self.data = {name: x[rows] for name, x in problem.data.items()}
         loads, others = problem.moving(fold)
-        read = {name for p in programs for name in fields_of(p)}
-        self.loads = {n: (own[rows], along[rows]) for n, (own, along) in loads.items() if n in read}
+        self.read = {name for p in programs for name in fields_of(p)}
+        self.loads = {n: (own[rows], along[rows]) for n, (own, along) in loads.items()}
         self.far, self.aim = others[:, :-1], others[:, -1]
 
     def parts(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -172,7 +175,8 @@ class _Fit:
         """What is left by x, with the other sign."""
         _, a, u = self.parts(x)
         by = np.zeros_like(self.project)
-        for name, (_, along) in self.loads.items():
+        for name in self.read & self.loads.keys():
+            along = self.loads[name][1]
             step = _STEP * float(np.abs(self.data[name]).max())
             by += ((self.columns(x, name, step) - columns) @ a / step)[:, None] * along
         inner = np.zeros((len(by), len(u)))

@@ -91,15 +91,20 @@ class Joint:
         """Loads by the coordinates in a fold's basis, and what the other joints' rows say of these.
 
         Returns:
-            Field to what it is in the model (T,), and its slopes (T, b); and the triangular factor of the
-            others' training rows with their residual, (b + 1, b + 1).
+            Field to what it is in the fold's model (T,), and its slopes (T, b); and the triangular factor of
+            the others' training rows with their residual, (b + 1, b + 1).
         """
         if id(fold) not in self.seen:
             others = np.arange(fold.project.shape[1]) != self.joint
             rows = fold.project[fold.train][:, others].reshape(-1, fold.project.shape[2])
             rest = fold.residual[fold.train][:, others].reshape(-1, 1)
             triangle = np.linalg.qr(np.concatenate([rows, rest], axis=1), mode="r")
-            loads = {name: (own, by @ fold.solve) for name, (own, by) in self.by_load.items()}
+            # That of a region left out may be far from the model: with a large law in what is left, by as
+            # much as the law is large.
+            moved = fold.values - self.lin.crossfit.whole.values
+            loads = {
+                n: (own + by @ moved, by @ fold.solve) for n, (own, by) in self.by_load.items()
+            }
             while len(self.seen) >= _FOLDS:
                 self.seen.pop(next(iter(self.seen)))
             self.seen[id(fold)] = fold, loads, np.asarray(triangle)

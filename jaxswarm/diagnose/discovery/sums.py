@@ -18,6 +18,8 @@ from jaxswarm.effects.postfix import Program
 
 # Steps of the refinement of all constants at once: it starts at a swarm's best.
 _STEPS = 40
+# The part of a load's variation by which it has to move to be seen otherwise.
+_MOVED = 0.1
 
 
 class Sum(NamedTuple):
@@ -93,11 +95,21 @@ def free_columns(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
     return fold.free_rows(columns, problem.joint)
 
 
-def seen_beside(problem: Joint, formula: Sum) -> Joint:
-    """The joint with the loads of the model that holds a formula, by which programs are looked through."""
-    whole = problem.lin.crossfit.whole
-    told = fitted_together(problem, formula.programs, (), formula.values, whole, _STEPS)
-    return dataclasses.replace(problem, data={**problem.data, **told.loads})
+def seen_beside(problem: Joint, formula: Sum) -> Joint | None:
+    """The joint with the loads of the model that holds a formula; None: they are as they were.
+
+    What stands in for a law takes it out of the arm's parameters: of a law by the square of the load that was
+    larger than it the load seemed to go the other way (its correlation with the true one was -0.71), and beside
+    a product of positions that left 0.03 of the squared error it was 0.96.
+    """
+    lin = problem.lin
+    args = (problem, formula.programs, (), formula.values, lin.crossfit.whole)
+    told = fitted_together(*args)
+    moved = [np.std(x - problem.data[name]) > _MOVED * np.std(x) for name, x in told.loads.items()]
+    if not any(moved):
+        return None
+    beside = lin.changed_by(lin.found.fit.base.expand(told.change))
+    return dataclasses.replace(problem, lin=beside, data={**problem.data, **told.loads})
 
 
 def linear(problem: Joint, formula: Sum, fold: Fold, free: np.ndarray) -> np.ndarray:

@@ -41,6 +41,8 @@ _ABOVE, _WINDOW = 1.5, 0.25
 _ACROSS, _UNKNOWN = 0.02, 1e3
 # Without this share of the working rate above the band, it tells nothing.
 _LEAST_SHARE = 0.05
+# Residuals beyond this multiple of the noise are bounded in their influence.
+_REACH = 4.0
 
 
 def noise_of(found: Estimate) -> np.ndarray:
@@ -206,3 +208,17 @@ def _sharp_power(motion: Motion, left: np.ndarray) -> np.ndarray:
     span = max(_WINDOW, 1.0 / motion.torque_cutoff)
     power = scipy.ndimage.uniform_filter1d(above**2, max(3, int(span * rate)), axis=0)
     return power[kept] * motion.torque_cutoff / (0.5 * rate - begin)
+
+
+def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:
+    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
+    doubt = row_doubt(found) if doubt is None else doubt
+    relative = doubt.min(axis=0) / doubt
+    return relative * robust_weight(found.fit.residual * relative)
+
+
+def robust_weight(residual: np.ndarray) -> np.ndarray:
+    """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
+    size = np.abs(residual)
+    noise = np.maximum(usual_size(residual), 1e-6 * size.max(axis=0) + 1e-300)
+    return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise

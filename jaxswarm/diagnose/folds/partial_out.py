@@ -20,16 +20,13 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.folds.blocks import blocks_of
-from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt, usual_size
+from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt, row_weight
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import width_groups, width_range
 from jaxswarm.identify.forward.model import linear_values
-
-# Residuals beyond this multiple of the noise are bounded in their influence.
-_REACH = 4.0
 
 
 @dataclass(frozen=True)
@@ -42,6 +39,7 @@ class Fold:
         basis: Q on the training rows and zeros elsewhere, shape (T, n, b).
         residual: Weighted residual of all rows, shape (T, n).
         solve: From coordinates in the basis to base parameters, shape (b', b).
+        values: Base parameters of the fit, shape (b',).
     """
 
     train: np.ndarray
@@ -49,6 +47,7 @@ class Fold:
     basis: np.ndarray
     residual: np.ndarray
     solve: np.ndarray
+    values: np.ndarray
 
     def absorbed(self, torque: np.ndarray) -> np.ndarray:
         """Change of the base parameters (b',) by which the model takes up a weighted torque (T, n)."""
@@ -56,9 +55,14 @@ class Fold:
 
     def free_part(self, columns: np.ndarray) -> np.ndarray:
         """c_perp of weighted columns (T, n, k)."""
+        rows = len(columns) * columns.shape[1]
+        held = self.project.reshape(rows, -1) @ self._held(columns)
+        return columns - held.reshape(columns.shape)
+
+    def _held(self, columns: np.ndarray) -> np.ndarray:
+        """Coordinates (b, k) in the basis of what the model holds of weighted columns (T, n, k)."""
         rows = columns.reshape(-1, columns.shape[2])
-        inner = self.basis.reshape(len(rows), -1).T @ rows
-        return columns - (self.project.reshape(len(rows), -1) @ inner).reshape(columns.shape)
+        return self.basis.reshape(len(rows), -1).T @ rows
 
     def free_rows(self, own: np.ndarray, joint: int) -> np.ndarray:
         """The joint's rows (T, k) of c_perp, of weighted columns (T, k) that act on this joint alone."""
@@ -67,7 +71,8 @@ class Fold:
     def trained_on(self, rows: np.ndarray) -> "Fold":
         """The same model fitted to other rows, (T,), at the same weights."""
         own = _fold(self.project, self.residual, rows, self.project.shape[2])
-        return replace(own, solve=self.solve @ own.solve)
+        values = self.values + self.solve @ own.values
+        return replace(own, solve=self.solve @ own.solve, values=values)
 
     def with_columns(self, columns: np.ndarray, known: bool = False) -> "Fold":
         """The same rows fitted by a model that has further weighted columns (T, n, k).
@@ -75,12 +80,15 @@ class Fold:
         ``known``: their coefficients are known to be zero within one, standard deviation.
         """
         more = _fold(self.free_part(columns), self.residual, self.train, columns.shape[2], known)
+        # Beside a further column the base parameters give back what they hold of it.
+        beside = -self.solve @ self._held(columns)
         return Fold(
             self.train,
             np.concatenate([self.project, more.project], axis=2),
             np.concatenate([self.basis, more.basis], axis=2),
             more.residual,
-            np.pad(self.solve, ((0, 0), (0, more.project.shape[2]))),
+            np.concatenate([self.solve, beside @ more.solve], axis=1),
+            self.values + beside @ more.values,
         )
 
 
@@ -195,20 +203,6 @@ def width_slopes(found: Estimate) -> np.ndarray:
     return slopes / np.log([one.upper / one.lower for one in moving])
 
 
-def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:
-    """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
-    doubt = row_doubt(found) if doubt is None else doubt
-    relative = doubt.min(axis=0) / doubt
-    return relative * robust_weight(found.fit.residual * relative)
-
-
-def robust_weight(residual: np.ndarray) -> np.ndarray:
-    """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
-    size = np.abs(residual)
-    noise = np.maximum(usual_size(residual), 1e-6 * size.max(axis=0) + 1e-300)
-    return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise
-
-
 def _fold(
     columns: np.ndarray,
     torque: np.ndarray,
@@ -222,7 +216,8 @@ def _fold(
     """
     joints, size = columns.shape[1:]
     if size == 0:
-        return Fold(train, columns, columns, torque, np.zeros((parameters, 0)))
+        nothing = np.zeros((parameters, 0))
+        return Fold(train, columns, columns, torque, nothing, nothing.sum(axis=1))
     rows = columns[train].reshape(-1, size)
     if known:
         rows = np.concatenate([rows, np.eye(size)])
@@ -245,5 +240,5 @@ def _fold(
     basis = project if train.all() else np.where(train[:, None, None], project, 0.0)
     solve = np.zeros((size, rank))
     solve[pick] = scipy.linalg.solve_triangular(r[:rank, :rank], np.eye(rank)) / scale[pick, None]
-    left = torque - project @ np.einsum("tjb,tj->b", basis, torque)
-    return Fold(train, project, basis, left, solve)
+    told = np.einsum("tjb,tj->b", basis, torque)
+    return Fold(train, project, basis, torque - project @ told, solve, solve @ told)

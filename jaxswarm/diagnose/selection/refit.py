@@ -11,7 +11,7 @@ from jaxswarm.diagnose.decision.rules import (
     WITHIN_BOUNDS,
 )
 from jaxswarm.diagnose.decision.score import Score
-from jaxswarm.diagnose.folds.partial_out import row_weight
+from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
     can_be_read,
