@@ -211,3 +211,22 @@ def test_structure_near_the_noise_is_searched(monkeypatch, over_noise, share, la
     monkeypatch.setattr(open_joints, "find_unexplained", structure)
     monkeypatch.setattr(open_joints, "remainders", lambda final: left)
     assert open_joints.unlawful(SimpleNamespace(final=None, crossfit=None, kept=kept), 0) == asked
+
+
+def test_a_log_too_short_for_regions_is_searched_by_blocks_if_other_logs_prove_it(monkeypatch):
+    """Sixty rows have no regions, and were not searched although a log of other motion was given."""
+    proof = importlib.import_module("jaxswarm.diagnose.discovery.proof")
+    search = importlib.import_module("jaxswarm.diagnose.discovery.joint_search")
+    lin, asked = problem().lin, []
+    monkeypatch.setattr(proof, "regions", lambda found: None)
+
+    def noted(problem, pieces, label, seed, terms):
+        asked.append(label)
+        return problem, [], 0
+
+    monkeypatch.setattr(search, "candidates", noted)
+    diagnosis = SimpleNamespace(final=lin.found, crossfit=lin.crossfit)
+    alone = search.search_joint(diagnosis, Open(1, (), 0.0), (), 0)
+    assert not asked and "--validation" in alone.because
+    search.search_joint(diagnosis, Open(1, (), 0.0), lin.found.motions, 0)
+    assert asked and (asked[0] == lin.crossfit.block).all()

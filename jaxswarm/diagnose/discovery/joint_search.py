@@ -19,7 +19,13 @@ from jaxswarm.diagnose.discovery.partner import (
     without_joint,
 )
 from jaxswarm.diagnose.discovery.problem import Joint, joint_problem
-from jaxswarm.diagnose.discovery.proof import Proved, clearly_better, needed, prove
+from jaxswarm.diagnose.discovery.proof import (
+    Proved,
+    clearly_better,
+    needed,
+    parts_held_out,
+    prove,
+)
 from jaxswarm.diagnose.discovery.refitted import descriptions, shorter_refitted
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.seen_again import (
@@ -28,7 +34,6 @@ from jaxswarm.diagnose.discovery.seen_again import (
     shapes_of,
 )
 from jaxswarm.diagnose.discovery.stand_ins import Discovery
-from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -36,6 +41,10 @@ from jaxswarm.logs.motion import Motion
 
 # Formulas of one joint that are put to the proof.
 _PROVED = 5
+_TOO_SHORT = (
+    "the log is too short to hold a region of its motion out, and there is none of other motion: "
+    "give one with --validation"
+)
 
 
 @dataclass(frozen=True)
@@ -60,9 +69,9 @@ def search_joint(
 ) -> Discovery | NoFormula:
     """Search one joint: the best formula that proves itself, or why none does."""
     final, j = diagnosis.final, left.joint
-    label = regions(final)
+    label = parts_held_out(diagnosis, other)
     if label is None:
-        return NoFormula(j, 0, None, "the log is too short to hold a region of its motion out")
+        return NoFormula(j, 0, None, _TOO_SHORT)
     named = named_partners(j, left.depends_on, final.model.robot.joints)
     outcome = _search(diagnosis, left, named, label, other, seed)
     beside = neighbors(j, named, final.model.robot.num_joints)
@@ -179,7 +188,7 @@ def _seen_again(
     bare = bare_of(diagnosis, after, find_term(after, term))
     wanted = [name for name in ("t", "temperature") if name in problem.data]
     own = problem_of(bare, left.joint, problem.other, wanted, after)
-    label = regions(bare.final)
+    label = parts_held_out(bare, other)
     assert label is not None  # it was when the formula was found
     # Of a law that leaves more than noise, what was next to it may come nearer in the model that it led to.
     loud = remainders(after)[left.joint].over_noise > LOUD
