@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.rules import MOST_LEFT
 from jaxswarm.diagnose.discovery.cables import cables
 from jaxswarm.diagnose.discovery.devices import families
 from jaxswarm.diagnose.discovery.front import (
@@ -98,28 +99,29 @@ def _of_size(
     tried, least = 0, np.inf
     asked, before = pieces, problem
     for look in range(_SEEN):
-        if look:  # no other program is seen otherwise
-            asked = [one for one in pieces if goes_by_load(problem, [one.program])]
-        elif not leads:
+        if not look and not leads:
             strung, count = cables(problem, folds)
             found, tried = [*_families(problem, folds), *strung], count
-        if leads and len(leads[0].pieces) == 1:
+        if asked is pieces and leads and len(leads[0].pieces) == 1:
             both, count = pairs(problem, pieces, folds)
             found, tried = found + both, tried + count
         for lead in leads or (None,):
             found += one_more(problem, asked, lead, folds, seed)
             tried += len(asked)
         best = min(found, key=lambda p: p.error, default=None)
+        by_load = best is not None and goes_by_load(problem, best.formula.programs)
         if best is None or best.error > (1.0 - _WORTH) * least:
-            # A form that tells little of the law may bend the load further.
-            problem = (
-                before if best and not goes_by_load(problem, best.formula.programs) else problem
-            )
+            problem = problem if by_load else before
             break
-        beside = None if explained(problem, best) else seen_beside(problem, best.formula)
+        # A form that tells little of the law may bend the load further.
+        if explained(problem, best) or not (by_load or best.error < MOST_LEFT):
+            break
+        beside = seen_beside(problem, best.formula)
         if beside is None:
             break
         before, problem, least = problem, beside, best.error
+        if not by_load:  # beside it nothing else is seen otherwise
+            asked = [one for one in pieces if goes_by_load(problem, [one.program])]
     return found, tried, problem
 
 
