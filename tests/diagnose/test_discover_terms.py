@@ -123,12 +123,17 @@ def test_neighbors_are_asked_where_what_was_named_leads_to_nothing(
     assert (outcome is hit) == found_alone
 
 
-@pytest.mark.parametrize(
-    ("bits", "with_partner"), [({1: 90.0, 2: 120.0}, True), ({1: 130.0, 2: 120.0}, False)]
-)
-def test_two_terms_of_one_joint_are_asked_as_one_law_of_two_joints(monkeypatch, bits, with_partner):
-    """dq^2 abs(load) cos(q_other) was told as two terms of one joint, a sixth above the noise."""
-    alone, both = found_formula(2), found_formula(1)
+@pytest.mark.parametrize("terms", [2, 3])
+@pytest.mark.parametrize(("bits", "with_partner"), [(90.0, True), (130.0, False)])
+def test_terms_of_one_joint_are_asked_as_fewer_of_two_joints(
+    monkeypatch, bits, with_partner, terms
+):
+    """dq^2 abs(load) cos(q_other) was told as two terms of one joint, a sixth above the noise.
+
+    Of exp(-(dq/s)^2) abs(load0 q_other) beside a second law three terms of one joint left no more than noise,
+    and 50 times the true law's error on unseen motion.
+    """
+    alone, both = found_formula(terms), found_formula(terms - 1)
     asked = []
 
     def search(diagnosis, left, variables, label, other, seed, tried=0, terms=3):
@@ -139,9 +144,11 @@ def test_two_terms_of_one_joint_are_asked_as_one_law_of_two_joints(monkeypatch, 
     monkeypatch.setattr(joint_search, "_search", search)
     monkeypatch.setattr(joint_search, "clearly_better", lambda *args: False)
     monkeypatch.setattr(
-        joint_search, "descriptions", lambda fits: [bits[len(p.formula.pieces)] for p, _ in fits]
+        joint_search,
+        "descriptions",
+        lambda fits: [bits if p is both.chosen else 120.0 for p, _ in fits],
     )
     monkeypatch.setattr(joint_search, "remainders", lambda fit: [SimpleNamespace(near=True)] * 3)
     outcome = joint_search.search_joint(SimpleNamespace(final=fit()[0]), Open(1, (), 0.5), (), 0)
-    assert asked == [(None, 3), (0, 1)]
+    assert asked == [(None, 3), (0, terms - 1)]
     assert outcome is (both if with_partner else alone)

@@ -77,17 +77,18 @@ def search_joint(
     beside = neighbors(j, named, final.model.robot.num_joints)
     if left.named or not beside:
         return outcome
-    most = MOST_TERMS
+    most, near = MOST_TERMS, False
     if isinstance(outcome, Discovery) and remainders(outcome.after)[j].near:
-        if len(outcome.chosen.formula.pieces) == 1:
+        # Beside a law that leaves noise only one with fewer terms is better, as one law of two joints is.
+        near, most = True, min(MOST_TERMS, len(outcome.chosen.formula.pieces) - 1)
+        if not most:
             return outcome
-        most = 1
     again = _search(diagnosis, left, beside, label, other, seed, outcome.tried, most)
     if isinstance(again, NoFormula):
         return replace(outcome, tried=again.tried)
     if isinstance(outcome, NoFormula) or clearly_better(outcome.after, again.after, j, other):
         return again
-    return again if most == 1 and _shorter(again, outcome) else outcome
+    return again if near and _shorter(again, outcome) else outcome
 
 
 def _shorter(one: Discovery, other: Discovery) -> bool:
