@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, DURATION, NOISE, RATE, blank
 
+from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.report.shown import evidence_shown
 from jaxswarm.diagnose.run_against import conclude_comparison
 from jaxswarm.diagnose.selection.changes import compare
@@ -73,6 +74,43 @@ def test_what_an_earlier_model_did_not_know_is_no_change():
     named, found = changes(estimate(upright_arm(), blank(), [prepare(short, BAND)]).model)
     assert found.before.fit.sigma.max() > 5.0 * NOISE.torque
     assert named == []
+
+
+def test_within_which_speeds_the_new_motion_reverses_is_no_change(model):
+    """Fast motion told a wide sign of true stiction; on slow motion that was a bristle or Stribeck friction."""
+    blurred = replace(model, width=tuple(12.0 * w for w in model.width))
+    named, found = changes(blurred)
+    assert named == []
+    assert found.before.fit.sigma.max() < 2.0 * changes(model)[1].before.fit.sigma.max()
+    assert max(np.divide(found.before.model.width, model.width)) < 3.0
+
+
+def test_what_an_earlier_model_lacked_then_is_no_change():
+    """Structure that it left of its own log as much as it does now."""
+
+    def odd(seed):
+        log = log_of(upright_arm(), DECLARED, seed)
+        tau = np.array([0.0, 1.0]) * np.cos(5.0 * log.q[:, :1]) * np.sin(4.0 * log.q[:, 1:])
+        return prepare(replace(log, tau=log.tau + tau), BAND)
+
+    found = compare(estimate(upright_arm(), blank(), [odd(3)]).model, [odd(9)])
+    assert found.changes == ()
+    assert found.before.fit.sigma[1] > 4.0 * NOISE.torque
+    assert max(r.over_noise for r in remainders(found.before)) < 2.0
+
+
+def test_a_change_is_larger_than_what_the_earlier_model_left_of_its_own_log(model):
+    rough = replace(model, sigma=(model.sigma[0], 1.0))
+    worn = tuple(
+        replace(t, values={k: v + 0.5 for k, v in t.values.items()})
+        if (t.effect, t.joint) == ("coulomb_friction", 1)
+        else t
+        for t in DECLARED
+    )
+    assert changes(model, terms=worn)[0] == ["coulomb_friction@joint2"]
+    named, found = changes(rough, terms=worn)
+    assert named == []
+    assert any("of its own log" in why for _, why in found.refused)
 
 
 def test_a_payload_is_named_with_its_mass_and_moment(model):

@@ -8,7 +8,7 @@ from jaxswarm.diagnose.decision.rules import CERTAIN, EVENTFUL, GAIN
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held as held_at_rest
-from jaxswarm.identify.estimation.standing import standing
+from jaxswarm.identify.estimation.standing import mixed_with, standing
 from jaxswarm.identify.estimation.validate import held_out_residual, outside
 from jaxswarm.identify.forward.link_lag import slope_terms, unseen_rows
 from jaxswarm.identify.forward.metrics import is_moving
@@ -81,8 +81,10 @@ def _both(
 
 def _held(motion: Motion, left: np.ndarray) -> np.ndarray:
     """Whether dry friction holds a joint on the rows of :func:`log_residual`, which leaves so much, (T, n)."""
-    rest = standing([motion])[0][_inside(motion)]
-    return rest & held_at_rest([left], [rest])
+    rest = standing([motion])
+    mixed = mixed_with([motion], rest)[0][_inside(motion)]
+    still = rest[0][_inside(motion)]
+    return still & held_at_rest([left], [still], [mixed])
 
 
 def _eventful(

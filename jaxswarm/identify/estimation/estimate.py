@@ -20,7 +20,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
 from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
-from jaxswarm.identify.estimation.standing import held, leave_out, standing
+from jaxswarm.identify.estimation.standing import held, leave_out, mixed_with, standing
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.estimation.usual import as_usual, told_apart, usual_shapes
 from jaxswarm.identify.forward.body import tilted
@@ -140,12 +140,13 @@ def _without_rest(
     rest = standing(motions)
     found = np.zeros(robot.num_joints, bool)
     if any(r.any() for r in rest):
-        trial = [replace(m, held=r) for m, r in zip(motions, rest, strict=True)]
+        mixed = mixed_with(motions, rest)
+        trial = [replace(m, held=r) for m, r in zip(motions, mixed, strict=True)]
         here = settle(Problem(robot, tuple(trial), tuple(rigids), False), Place(terms, width), pi)
         every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
         left = every.target - every.columns @ here.theta
         ends = np.cumsum([len(r) for r in rest])[:-1]
-        found = held(np.split(left, ends), rest)
+        found = held(np.split(left, ends), rest, mixed)
     return leave_out(motions, rest, found)
 
 
