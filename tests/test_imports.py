@@ -76,7 +76,7 @@ SWARM_LEVEL = {
         ("schedules", "random", "quantile", "pytree", "fingerprint", "lanes"), "leaves"
     ),
     "optimizers": "optimizers",
-    **dict.fromkeys(("minimize", "search", "repeating", "loop", "batches"), "minimize"),
+    **dict.fromkeys(("minimize", "search", "in_turn", "repeating", "loop", "batches"), "minimize"),
     **dict.fromkeys(("start", "standing", "stopping", "result", "needed", "calling"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding"), "tools"),
     **dict.fromkeys(("contract", "endurance"), "tools"),

@@ -28,6 +28,7 @@ from jaxswarm.swarm.search import (
     rule,
     runs_of,
     search,
+    search_one,
     start_for,
     the_loop,
 )
@@ -95,7 +96,7 @@ def minimize(
     optimizer = optimizer_for(optimizer, num_steps, state)
     refuse_too_many(optimizer, space, loop.num_steps)
     stop, begin = rule(stop), start_for(space, start, state)
-    return search(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]
+    return search_one(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]
 
 
 def minimize_runs(

@@ -11,6 +11,7 @@ from jax.tree_util import keystr, tree_flatten_with_path
 from jaxswarm.errors import InputError
 from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.calling import check_takes
+from jaxswarm.swarm.in_turn import InTurn
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
 from jaxswarm.swarm.pytree import as_part
@@ -30,6 +31,7 @@ __all__ = [
     "rule",
     "runs_of",
     "search",
+    "search_one",
     "start_for",
     "the_loop",
 ]
@@ -74,6 +76,10 @@ def search(
         state=state,
     )
     return result, carry
+
+
+search_one = InTurn(search)
+"""The same for a single run; of many the operations are long, and the compiler's own order is faster."""
 
 
 def the_loop(

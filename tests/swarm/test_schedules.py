@@ -131,13 +131,13 @@ def test_optax_schedules_keep_their_own_length():
 
 def test_another_length_compiles_nothing_new():
     """The length is a leaf: only the number of steps is part of the program."""
-    from jaxswarm.swarm.search import search
+    from jaxswarm.swarm.search import search_one
 
     minimize(sphere, gpso(8), SPACE, KEY, num_steps=STEPS)
-    before = search._cache_size()
+    before = search_one.made
     for optimizer in (gpso(8), gpso(8, 7), gpso(8, 2000)):
         minimize(sphere, optimizer, SPACE, KEY, num_steps=STEPS)
-    assert search._cache_size() == before
+    assert search_one.made == before
 
 
 @pytest.mark.parametrize("name", ["clpso", "gpso"])
