@@ -117,7 +117,7 @@ def test_nothing_is_added_for_what_friction_holds():
 def test_rest_that_a_missing_law_tells_is_fitted_once_it_is_found(monkeypatch, level):
     """A wrong reading of one joint was told as two others, as rest had been taken for friction's at first."""
     hidden = Term("joint_spring", 1, values={"k": 8.0, "tau0": 2.0})
-    monkeypatch.setattr(estimate_module, "held", lambda left, rest: np.ones(2, bool))
+    monkeypatch.setattr(estimate_module, "held", lambda left, rest, mixed: np.ones(2, bool))
     motions = [prepare(stopping(level, 0, hidden), BAND)]
     found = diagnose(small_arm(), blank(), motions)
     assert [(s.added.effect, s.added.joint) for s in found.kept] == [("joint_spring", 1)]

@@ -229,7 +229,7 @@ def _fold(
     rank = int((np.abs(np.diag(r)) > 1e-7 * abs(r[0, 0])).sum())
     if rank == 0:
         # Columns that are zero, as of friction that nobody declared, take up nothing.
-        return Fold(train, columns[:, :, :0], columns[:, :, :0], torque, np.zeros((size, 0)))
+        return _fold(columns[:, :, :0], torque, train, size)
     pick = order[:rank]
     project = scipy.linalg.solve_triangular(
         r[:rank, :rank],

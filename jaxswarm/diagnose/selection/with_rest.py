@@ -15,7 +15,7 @@ import numpy as np
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.identify.estimation.standing import held, standing
+from jaxswarm.identify.estimation.standing import held, mixed_with, standing
 from jaxswarm.logs.motion import Motion
 
 # Rounds of the second search beyond the steps of the first: what every drive has, clocks, and one law.
@@ -47,7 +47,8 @@ def with_rest(
     if again.ended or again.budget.spent or again.sticking or not again.steps:
         return search
     left = np.split(again.current.fit.residual, np.cumsum([len(r) for r in rest])[:-1])
-    explained = over_noise(again.current).max() <= NEAR and not held(left, rest).any()
+    near = over_noise(again.current).max() <= NEAR
+    explained = near and not held(left, rest, mixed_with(motions, rest)).any()
     return again if explained and (loud or _numbers(again) <= _numbers(search)) else search
 
 
