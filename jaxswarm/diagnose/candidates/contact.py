@@ -1,5 +1,6 @@
 """Torques of the surroundings as candidates: the window in which they explain most."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,36 +12,80 @@ from jaxswarm.effects.term import Term
 
 # Lengths of the windows tried: from this many rows to a third of the log.
 _SHORTEST, _LENGTHS = 3, 32
+# Places of a begin and an end that are tried at once around those of the best.
+_FINE = 64
+# A window that holds less than this part of a joint's squared weights says nothing of it.
+_NOTHING = 1e-6
 # Travel, in units of what a memory forgets over, after which a twentieth of its unknown begin is left.
 _FORGOTTEN = 3.0
 
 
 def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
-    """The window whose constant torques explain most, found on running sums of the residual."""
-    regression = lin.found.regression
-    residual = np.where(_remembers(lin), 0.0, lin.crossfit.whole.residual * lin.crossfit.timing)
-    total = np.concatenate([np.zeros((1, residual.shape[1])), np.cumsum(residual, axis=0)])
+    """The window whose constant torques explain most, found on running sums of the residual.
+
+    Rows that do not count say nothing against a window: one of 2 s was told as two, as its joint rested within.
+    """
+    regression, folds = lin.found.regression, lin.crossfit
+    counts = np.where(_remembers(lin), 0.0, folds.timing)
+    push, left = folds.weight * counts, folds.whole.residual * counts
+    total, size = (
+        np.concatenate([np.zeros((1, push.shape[1])), np.cumsum(x, axis=0)])
+        for x in (push * left, push**2)
+    )
+
+    def gain(first: np.ndarray, after: np.ndarray) -> np.ndarray:
+        """What windows from one row up to another one explain."""
+        said, known = (x[after] - x[first] for x in (total, size))
+        return (said**2 / np.maximum(known, _NOTHING * size[-1])).sum(axis=1)
+
     best, pick = 0.0, None
-    for length in np.unique(np.geomspace(_SHORTEST, len(residual) // 3, _LENGTHS).astype(int)):
-        change = total[length:] - total[:-length]
-        gain = (change**2).sum(axis=1) / length
-        if gain.max() > best:
-            first = int(np.argmax(gain))
-            if regression.log[first] == regression.log[first + length - 1]:
-                best, pick = gain.max(), (first, first + length - 1)
+    for length in np.unique(np.geomspace(_SHORTEST, len(left) // 3, _LENGTHS).astype(int)):
+        first = np.arange(len(left) + 1 - length)
+        first = first[regression.log[first] == regression.log[first + length - 1]]
+        gains = gain(first, first + length)
+        if len(first) and gains.max() > best:
+            best, begin = gains.max(), int(first[np.argmax(gains)])
+            pick = begin, begin + length
     if pick is None:
         return None
-    start, end = regression.t[pick[0]], regression.t[pick[1]]
     log = regression.log[pick[0]]
+    pick = _closer(gain, pick, np.flatnonzero(regression.log == log)[[0, -1]] + [0, 1])
+    # It begins between the last row without it and the first one with it.
+    half = 0.5 * regression.step[int(log)]
+    start, end = regression.t[pick[0]] - half, regression.t[pick[1] - 1] + half
 
-    values = {"start": float(start), "end": float(end), "log": float(log)}
+    values = {"start": max(float(start), 0.0), "end": float(end), "log": float(log)}
 
     def build(k):
         weight = term.law.weight(values, lin.found.motions[k].t) * (k == log)
-        return lin.reported(k, weight[:, None, None] * np.eye(residual.shape[1]))
+        return lin.reported(k, weight[:, None, None] * np.eye(push.shape[1]))
 
     columns = lin.stack(build)
-    return Candidate(replace(term, values=values), lin.on_all(columns), 2 + residual.shape[1])
+    return Candidate(replace(term, values=values), lin.on_all(columns), 2 + push.shape[1])
+
+
+def _closer(
+    gain: Callable[[np.ndarray, np.ndarray], np.ndarray], pick: tuple[int, int], ends: np.ndarray
+) -> tuple[int, int]:
+    """The best window whose begin and end lie near those of one, to the row, in a log between two row numbers.
+
+    Lengths were tried a tenth apart: a push of 2 s was told 0.1 s too long at either end, ten times its doubt.
+    """
+    reach = max(_SHORTEST, (pick[1] - pick[0]) // 3)
+    while True:
+        step = max(1, 2 * reach // _FINE)
+        near = [np.arange(p - reach, p + reach + 1, step) for p in pick]
+        first, after = (x.ravel() for x in np.meshgrid(*near, indexing="ij"))
+        fits = (first >= ends[0]) & (after <= ends[1]) & (after - first >= _SHORTEST)
+        first, after = first[fits], after[fits]
+        found = gain(first, after)
+        # Of windows that say the same, as where rows do not count, the shortest.
+        same = np.flatnonzero(found >= (1.0 - 1e-9) * found.max())
+        one = same[np.argmin((after - first)[same])]
+        pick = int(first[one]), int(after[one])
+        if step == 1:
+            return pick
+        reach = step
 
 
 def _remembers(lin: Linearization) -> np.ndarray:
