@@ -78,6 +78,7 @@ def worse(before: Estimate, current: Estimate, changes: tuple[Change, ...]) -> s
     if two >= one:
         return "leaves more with the values found for it than without it"
     taken = np.mean(current.fit.residual**2 - after.fit.residual**2, axis=0)
-    if changes[-1].term.law.in_one_log or (taken > lacking(before) ** 2).any():
+    event = any(c.term.law.in_one_log for c in changes[-1:])
+    if event or (taken > lacking(before) ** 2).any():
         return None
     return "is no larger than what the earlier model left of its own log"

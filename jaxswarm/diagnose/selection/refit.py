@@ -38,6 +38,8 @@ _NEAR = 0.3
 # The second start of a gap, as a part of what was found to first order: on a world it was found twice too wide,
 # and only from below half of that did the fit come to the true one.
 _NARROW = 0.35
+# Further starts of a speed, as parts of the one that was found with another shape than the usual one.
+_LOWER = (0.5, 0.25)
 # A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
 _INSIDE = 0.95
 
@@ -86,24 +88,24 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     def cost(one: Estimate) -> float:
         return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
 
+    def stands(after: Estimate) -> bool:
+        fall = 1.0 - cost(after) / cost(current)
+        own = 1.0 - left_on(after, chosen.joint, weight) / left_on(current, chosen.joint, weight)
+        held = fall > 0.0 and _holds(after, term, own)
+        if not held or unphysical_beside(current, after, term):
+            return False
+        within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
+        return within >= WITHIN_BOUNDS * fall
+
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in dropped)]
-    after = None
     for start in _starts(term):
         try:
             after = refit(current, (*kept, start), chosen.candidate.start)
         except Diverged:  # what was found to first order cannot be: a link runs away
-            after = None
-        if after is not None and cost(after) < cost(current):
-            break
-    if after is None:
-        return None
-    fall = 1.0 - cost(after) / cost(current)
-    own = 1.0 - left_on(after, chosen.joint, weight) / left_on(current, chosen.joint, weight)
-    held = fall > 0.0 and _holds(after, term, own)
-    if not held or unphysical_beside(current, after, term):
-        return None
-    within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
-    return after if within >= WITHIN_BOUNDS * fall else None
+            continue
+        if stands(after):
+            return after
+    return None
 
 
 def left_on(found: Estimate, joint: int | slice, weight: np.ndarray) -> float:
@@ -131,11 +133,21 @@ def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
 
 
 def _starts(term: Term) -> list[Term]:
-    """Where a refit begins: a gap seen too wide does not close by small steps, so from a narrow one too."""
-    if not isinstance(term.law, TransmissionLaw) or term.law.gap is None:
-        return [term]
-    narrow = replace(term, values={**term.values, "gap": _NARROW * term.values["gap"]})
-    return [term, narrow]
+    """Where a refit begins, the next one where it comes to nothing that can be.
+
+    A gap seen too wide does not close by small steps, so it begins from a narrow one too. A speed that was
+    found with another shape of a curve than the usual one may lie beyond where that one bends: it begins from
+    lower ones too. Stribeck friction of a slide that was led slowly went to -87 N at 0.25 m/s and was refused.
+    """
+    law = term.law
+    names: list[str] = []
+    parts: tuple[float, ...] = ()
+    if isinstance(law, TransmissionLaw) and law.gap is not None:
+        names, parts = ["gap"], (_NARROW,)
+    elif any(p.usual for p in law.parameters):
+        names, parts = [p.name for p in law.nonlinear if p.scale == "log"], _LOWER
+    lower = ({n: part * term.values[n] for n in names} for part in parts)
+    return [term, *(replace(term, values={**term.values, **values}) for values in lower)]
 
 
 def can_swing(found: Estimate, term: Term) -> bool:

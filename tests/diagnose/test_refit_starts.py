@@ -1,0 +1,33 @@
+"""A refit begins again elsewhere where it comes to nothing that can be."""
+
+import pytest
+from planted import declared_fit, log_with
+
+from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.selection import refit as refit_module
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects.term import Term
+
+STRIBECK = Term("stribeck_friction", 1, values={"df": 3.0, "vs": 0.12, "delta": 2.0})
+DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
+
+
+@pytest.mark.parametrize(("hidden", "tries"), [(STRIBECK, 3), (DRAG, 1)], ids=["bends", "does not"])
+def test_a_curve_of_usual_shape_begins_from_lower_speeds_too(monkeypatch, hidden, tries):
+    """Of a joint that was led slowly it went to a fall of -87 N, and was refused for that."""
+    before, crossfit = declared_fit(log_with(hidden))
+    (score,) = score_terms(Linearization(before, crossfit), [Term(hidden.effect, 1)], 0)
+    asked, holds = [], refit_module._holds
+
+    def at_last(after, term, fall):
+        asked.append(find_term(after, term))
+        return len(asked) == 3 and holds(after, term, fall)
+
+    monkeypatch.setattr(refit_module, "_holds", at_last)
+    after = refit_with(before, score)
+    assert len(asked) == tries and (after is not None) == (tries == 3)
+    for fitted in asked:
+        for name, value in hidden.values.items():
+            assert fitted.values[name] == pytest.approx(value, rel=0.1)
