@@ -15,7 +15,7 @@ from jaxswarm.programs import program
 
 # Rounds of substitution: each shrinks the error by the slope of the excess. One of 0.25, far beyond any that is
 # built, is then known to a part in sixty thousand, one of 0.05 to rounding.
-_ROUNDS = 8
+ROUNDS = 8
 
 
 def excess_of_said(
@@ -32,7 +32,7 @@ def excess_of_said(
     """
     assert law.excess is not None  # the law is one of encoders
     true = said
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         true = said - law.excess(p, true, partner)
     return law.excess(p, true, partner)
 

@@ -9,12 +9,9 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.effects.kinds import MeasurementLaw
+from jaxswarm.effects.misreading import ROUNDS
 from jaxswarm.effects.term import of_kind
 from jaxswarm.simulate.plant import Plant
-
-# Rounds of substitution: an excess of slope 0.25, far beyond any that is built, is then known to a part in
-# sixty thousand, one of 0.05 to rounding.
-_ROUNDS = 8
 
 
 def true_motion(plant: Plant, q: jax.Array, dq: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -24,7 +21,7 @@ def true_motion(plant: Plant, q: jax.Array, dq: jax.Array) -> tuple[jax.Array, j
 
     def true(said):
         found = list(said)
-        for _ in range(_ROUNDS):
+        for _ in range(ROUNDS):
             found = _moved(plant, list(said), found, list(said), -1.0)
         return jnp.stack([jnp.broadcast_to(x, said[0].shape) for x in found])
 
@@ -36,13 +33,18 @@ def said_motion(plant: Plant, *motion: list) -> list[list]:
     if not _wrong(plant):
         return list(motion)
 
+    # What is said follows from what is, but for partners that are misread themselves.
+    wrong = _wrong(plant)
+    chained = {a.other for a in wrong} & {a.joint for a in wrong}
+    rounds = ROUNDS if chained else 1
+
     def along(s):
         true = [
             sum(x * s**k / (1, 1, 2)[k] for k, x in enumerate(own))
             for own in zip(*motion, strict=True)
         ]
         said = true
-        for _ in range(_ROUNDS):
+        for _ in range(rounds):
             said = _moved(plant, true, true, said, 1.0)
         return said
 

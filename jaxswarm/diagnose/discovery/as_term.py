@@ -7,9 +7,8 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.own_load import with_own_load
-from jaxswarm.diagnose.discovery.moving_load import fitted_together
 from jaxswarm.diagnose.discovery.problem import Joint
-from jaxswarm.diagnose.discovery.sums import Sum, free_columns, linear, polished
+from jaxswarm.diagnose.discovery.sums import Sum, free_columns, held_together, linear, polished
 from jaxswarm.effects.dimensions import TORQUE, over, parse_unit, unit_of, unit_text
 from jaxswarm.effects.formula import DISCOVERED, Formula
 from jaxswarm.effects.parameter import Parameter
@@ -81,8 +80,8 @@ def candidate_of(problem: Joint, formula: Sum) -> tuple[Candidate, Term]:
             said = with_own_load(lin, fold, problem.joint, said, made)
         columns.append(said)
     if term.law.uses_load:
-        args = (problem, formula.programs, (), formula.values, lin.crossfit.whole)
-        change = lin.found.fit.base.expand(fitted_together(*args).change)
+        told = held_together(problem, formula, lin.crossfit.whole)
+        change = lin.found.fit.base.expand(told.change)
         start = lin.pi + change[: len(lin.pi)]
     size = len(term.found_formula.parameters)
     return Candidate(term, tuple(columns), size, start=start), term

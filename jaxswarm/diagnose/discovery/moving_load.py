@@ -17,6 +17,8 @@ from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.postfix import Program, evaluate, fields_of
 
+# Steps of the refinement of all constants at once: it starts at a swarm's best.
+REFINING = 40
 # Step of a difference by a load, in parts of its largest value, and by a constant, in parts of its range.
 _STEP = 1e-4
 # Parts of the linear solution from which is started: seen with a wrong load a law seems larger or smaller.
@@ -58,7 +60,7 @@ def fitted_together(
     constants: Sequence[Parameter],
     values: Mapping[str, float],
     fold: Fold,
-    steps: int = 40,
+    steps: int = REFINING,
 ) -> Together:
     """Fit a formula, the model and its load at once to the rows that a fold was trained on.
 

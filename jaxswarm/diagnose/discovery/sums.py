@@ -8,7 +8,12 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.decision.score import coefficients
-from jaxswarm.diagnose.discovery.moving_load import fitted_together, goes_by_load
+from jaxswarm.diagnose.discovery.moving_load import (
+    REFINING,
+    Together,
+    fitted_together,
+    goes_by_load,
+)
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.screening import Trial
@@ -16,8 +21,6 @@ from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.postfix import Program
 
-# Steps of the refinement of all constants at once: it starts at a swarm's best.
-_STEPS = 40
 # The part of a load's variation by which it has to move to be seen otherwise.
 _MOVED = 0.1
 
@@ -63,7 +66,7 @@ def without_term(formula: Sum, k: int) -> Sum:
     return Sum(pieces, dict(zip(names, given, strict=True)))
 
 
-def polished(problem: Joint, formula: Sum, fold: Fold, steps: int = _STEPS) -> Sum:
+def polished(problem: Joint, formula: Sum, fold: Fold, steps: int = REFINING) -> Sum:
     """The formula with all inner constants refined on the rows that a fold was trained on."""
     table = formula.constants
     if not table:
@@ -95,6 +98,11 @@ def free_columns(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
     return fold.free_rows(columns, problem.joint)
 
 
+def held_together(problem: Joint, formula: Sum, fold: Fold) -> Together:
+    """The model and its load fitted with a formula at its inner constants to the rows of a fold."""
+    return fitted_together(problem, formula.programs, (), formula.values, fold)
+
+
 def seen_beside(problem: Joint, formula: Sum) -> Joint | None:
     """The joint with the loads of the model that holds a formula; None: they are as they were.
 
@@ -103,8 +111,7 @@ def seen_beside(problem: Joint, formula: Sum) -> Joint | None:
     a product of positions that left 0.03 of the squared error it was 0.96.
     """
     lin = problem.lin
-    args = (problem, formula.programs, (), formula.values, lin.crossfit.whole)
-    told = fitted_together(*args)
+    told = held_together(problem, formula, lin.crossfit.whole)
     moved = [np.std(x - problem.data[name]) > _MOVED * np.std(x) for name, x in told.loads.items()]
     if not any(moved):
         return None
@@ -115,7 +122,7 @@ def seen_beside(problem: Joint, formula: Sum) -> Joint | None:
 def linear(problem: Joint, formula: Sum, fold: Fold, free: np.ndarray) -> np.ndarray:
     """Linear constants (k,) on the rows that a fold was trained on."""
     if goes_by_load(problem, formula.programs):
-        return fitted_together(problem, formula.programs, (), formula.values, fold, _STEPS).factors
+        return held_together(problem, formula, fold).factors
     own = fold.residual[:, [problem.joint]]
     return coefficients(free[:, None, :], fold, own)
 
@@ -131,7 +138,6 @@ def unexplained(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
 def said(problem: Joint, formula: Sum, fold: Fold) -> np.ndarray:
     """What a formula fitted to a fold says of all rows of the joint, weighted, (T,)."""
     if goes_by_load(problem, formula.programs):
-        fixed = fitted_together(problem, formula.programs, (), formula.values, fold, _STEPS)
-        return fold.residual[:, problem.joint] - fixed.left
+        return fold.residual[:, problem.joint] - held_together(problem, formula, fold).left
     free = free_columns(problem, formula, fold)
     return free @ linear(problem, formula, fold, free)

@@ -164,9 +164,9 @@ def cross_fit(
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
     folds = [_fold(columns, torque, rows, size) for rows in (everything, odd, ~odd)]
-    slopes = width_slopes(found) * weight[:, :, None]
-    if slopes.shape[2] and not frozen:
+    if not frozen and (slopes := width_slopes(found)).shape[2]:
         # What the widths take up is no change of the base parameters.
+        slopes = slopes * weight[:, :, None]
         folds = [fold.with_columns(slopes, known=True) for fold in folds]
     whole, first, second = folds
     halves = (first, second)
@@ -216,8 +216,8 @@ def _fold(
     """
     joints, size = columns.shape[1:]
     if size == 0:
-        nothing = np.zeros((parameters, 0))
-        return Fold(train, columns, columns, torque, nothing, nothing.sum(axis=1))
+        solve = np.zeros((parameters, 0))
+        return Fold(train, columns, columns, torque, solve, np.zeros(parameters))
     rows = columns[train].reshape(-1, size)
     if known:
         rows = np.concatenate([rows, np.eye(size)])

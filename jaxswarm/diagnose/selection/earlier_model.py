@@ -13,7 +13,7 @@ from jaxswarm.identify.estimation.clock_skew import with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.estimation.standing import held, leave_out, mixed_with, standing
-from jaxswarm.identify.forward.columns import rigid_of
+from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.measuring_chain import term_block
 from jaxswarm.identify.forward.model import Model, linear_values, smooth_torque
 from jaxswarm.identify.forward.regression import build_regression
@@ -27,9 +27,14 @@ _WIDTHS = np.geomspace(1.0 / 64.0, 4.0, 17)
 _CLEAR = 1.0 - Rules.share
 
 
-def freeze(model: Model, motions: Sequence[Motion]) -> Estimate:
-    """An earlier model on new logs, as an estimate in which nothing was fitted."""
-    rigids = tuple(rigid_of(model.robot, m) for m in motions)
+def freeze(
+    model: Model, motions: Sequence[Motion], rigids: tuple[Rigid, ...] | None = None
+) -> Estimate:
+    """An earlier model on new logs, as an estimate in which nothing was fitted.
+
+    ``rigids`` are the rigid columns of the logs where known.
+    """
+    rigids = rigids or tuple(rigid_of(model.robot, m) for m in motions)
     pi = np.asarray(model.robot.parameters).ravel()
     # A body that was added is in the last link's parameters.
     terms = tuple(t for t in model.terms if not (t.law.reference_only and not t.law.recurring))
@@ -61,10 +66,10 @@ def on_new_logs(model: Model, motions: Sequence[Motion], seed: int = 0) -> Estim
     rest = standing(motions)
     mixed = mixed_with(motions, rest)
     moving = [replace(m, held=r) for m, r in zip(motions, mixed, strict=True)]
-    found = freeze(_with_widths(freeze(model, moving)).model, motions)
-    left = [found.fit.residual[found.regression.log == k] for k in range(len(motions))]
+    found = _with_widths(freeze(model, moving))
+    left = freeze(found.model, motions, found.rigids).fit.residual
     fitted = leave_out(motions, rest, held(left, rest, mixed))
-    found = _with_widths(freeze(model, fitted))
+    found = _with_widths(freeze(model, fitted, found.rigids))
     return with_doubt(with_clocks(found, moved_by=_moved), seed)
 
 
@@ -95,13 +100,15 @@ def _with_widths(found: Estimate) -> Estimate:
             for m, r in zip(found.motions, found.rigids, strict=True)
         ])  # fmt: skip
 
-    whole, used = found.fit.residual + directed(1.0), found.regression.used_rows
-    cost = np.array([(np.where(used, whole - directed(x), 0.0) ** 2).sum(axis=0) for x in _WIDTHS])
-    now = np.where(used, found.fit.residual, 0.0)
-    clear = cost.min(axis=0) < _CLEAR * (now**2).sum(axis=0)
+    rms, residual = found.regression.rms, found.fit.residual
+    whole = residual + directed(1.0)
+    cost = np.array([rms(whole - directed(part)) ** 2 for part in _WIDTHS])
+    clear = cost.min(axis=0) < _CLEAR * rms(residual) ** 2
+    if not clear.any():
+        return found
     part = np.where(clear, _WIDTHS[cost.argmin(axis=0)], 1.0)
     width = tuple(map(float, part * np.asarray(model.width)))
-    return freeze(replace(model, width=width), found.motions) if clear.any() else found
+    return freeze(replace(model, width=width), found.motions, found.rigids)
 
 
 def with_doubt(found: Estimate, seed: int = 0) -> Estimate:

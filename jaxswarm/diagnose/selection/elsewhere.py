@@ -84,7 +84,7 @@ def _held(motion: Motion, left: np.ndarray) -> np.ndarray:
     rest = standing([motion])
     mixed = mixed_with([motion], rest)[0][_inside(motion)]
     still = rest[0][_inside(motion)]
-    return still & held_at_rest([left], [still], [mixed])
+    return still & held_at_rest(left, [still], [mixed])
 
 
 def _eventful(

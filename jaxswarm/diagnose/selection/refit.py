@@ -88,13 +88,15 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     def cost(one: Estimate) -> float:
         return float((chosen.candidate.view(one.fit.residual * weight) ** 2).sum())
 
+    whole, part = cost(current), left_on(current, chosen.joint, weight)
+
     def stands(after: Estimate) -> bool:
-        fall = 1.0 - cost(after) / cost(current)
-        own = 1.0 - left_on(after, chosen.joint, weight) / left_on(current, chosen.joint, weight)
+        fall = 1.0 - cost(after) / whole
+        own = 1.0 - left_on(after, chosen.joint, weight) / part
         held = fall > 0.0 and _holds(after, term, own)
         if not held or unphysical_beside(current, after, term):
             return False
-        within = 1.0 - cost(_within_own_bounds(after, term)) / cost(current)
+        within = 1.0 - cost(_within_own_bounds(after, term)) / whole
         return within >= WITHIN_BOUNDS * fall
 
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in dropped)]

@@ -46,8 +46,8 @@ def with_rest(
     again = searched(every, _MORE_ROUNDS + (0 if loud else len(search.steps)))
     if again.ended or again.budget.spent or again.sticking or not again.steps:
         return search
-    left = np.split(again.current.fit.residual, np.cumsum([len(r) for r in rest])[:-1])
     near = over_noise(again.current).max() <= NEAR
+    left = again.current.fit.residual
     explained = near and not held(left, rest, mixed_with(motions, rest)).any()
     return again if explained and (loud or _numbers(again) <= _numbers(search)) else search
 

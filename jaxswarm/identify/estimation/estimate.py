@@ -145,8 +145,7 @@ def _without_rest(
         here = settle(Problem(robot, tuple(trial), tuple(rigids), False), Place(terms, width), pi)
         every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
         left = every.target - every.columns @ here.theta
-        ends = np.cumsum([len(r) for r in rest])[:-1]
-        found = held(np.split(left, ends), rest, mixed)
+        found = held(left, rest, mixed)
     return leave_out(motions, rest, found)
 
 

@@ -71,27 +71,25 @@ def _decimated(motions: Sequence[Motion], flags: Iterable[np.ndarray]) -> list[n
     return [f[m.decimator.kept(len(m.t))] for m, f in zip(motions, flags, strict=True)]
 
 
-def held(
-    left: Sequence[np.ndarray], rest: Sequence[np.ndarray], mixed: Sequence[np.ndarray]
-) -> np.ndarray:
+def held(left: np.ndarray, rest: Sequence[np.ndarray], mixed: Sequence[np.ndarray]) -> np.ndarray:
     """Whether what a model leaves at rest is dry friction's and not the model's, (n,).
 
     Args:
-        left: What the model leaves on the rows of every log, (T', n) each.
-        rest: Whether each joint stands there.
+        left: What the model leaves on the rows of all logs, (T, n).
+        rest: Whether each joint stands on the rows of every log, (T', n) each.
         mixed: The rest with what the low-pass mixes with it, which counts on neither side: the torque that
             holds a joint, on either side of every stop, hid itself.
 
     >>> still, seen = np.array([[True]] * 4 + [[False]] * 5), np.array([[True]] * 5 + [[False]] * 4)
     >>> stuck = np.array([[9.0], [-7.0], [8.0], [6.0], [9.0], [0.1], [-0.1], [0.2], [0.1]])
-    >>> held([stuck], [still], [seen]).tolist()
+    >>> held(stuck, [still], [seen]).tolist()
     [True]
-    >>> held([np.where(still, 0.3, stuck)], [still], [seen]).tolist()
+    >>> held(np.where(still, 0.3, stuck), [still], [seen]).tolist()
     [False]
     """
-    error, still, moves = np.concatenate(left), np.concatenate(rest), ~np.concatenate(mixed)
+    still, moves = np.concatenate(rest), ~np.concatenate(mixed)
     told = []
-    for e, s, m in zip(error.T, still.T, moves.T, strict=True):
+    for e, s, m in zip(left.T, still.T, moves.T, strict=True):
         known = s.any() and m.mean() >= MOVES
         told.append(known and np.median(np.abs(e[s])) > _HELD * np.sqrt(np.mean(e[m] ** 2)))
     return np.array(told, dtype=bool)
