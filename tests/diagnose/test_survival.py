@@ -8,15 +8,17 @@ from planted import BAND, blank, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import KNOWN
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
+from jaxswarm.diagnose.selection import elsewhere
+from jaxswarm.diagnose.selection.elsewhere import added_columns, errors_elsewhere
 from jaxswarm.diagnose.selection.refit import can_swing, refit
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import harmful, survives
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.estimation.validate import least_known, time_blocks
+from jaxswarm.identify.estimation.validate import known_without, least_known, time_blocks
 from jaxswarm.logs.motion import prepare
 
 SPRING = Term("cubic_spring", 1, values={"q0": 0.2, "k3": 25.0})
@@ -160,3 +162,20 @@ def test_a_transmission_damped_beyond_the_critical_is_none(fits):
     assert can_swing(fits[0], soft(5.0))
     assert not can_swing(fits[0], soft(500.0))
     assert can_swing(fits[0], SPRING)
+
+
+def test_a_region_that_alone_tells_of_an_addition_does_not_judge_it(monkeypatch):
+    """A joint went up in one region alone: without it nothing is known of the friction that way."""
+    own = Term(
+        "asymmetric_friction", 1, values={"fc_pos": 1.0, "fc_neg": 0, "b_pos": 0.5, "b_neg": 0}
+    )
+    motion = prepare(log_with(own), BAND)
+    before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    true = refit(before, (*before.model.terms, replace(own, values={})))
+    up = motion.dq[motion.decimator.kept(len(motion.t)), 1] > -0.1
+    label = np.where(up, 3, time_blocks(true.regression.log, 3))
+    monkeypatch.setattr(elsewhere, "regions", lambda found: label)
+    known = known_without(true, added_columns(before, true), label)
+    assert [k > KNOWN for k in known] == [True, True, True, False]
+    ((one, two, falls, *_),) = errors_elsewhere(before, true, ())
+    assert falls[1] and two[1] < 0.5 * one[1]

@@ -4,12 +4,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import CERTAIN, EVENTFUL, GAIN
+from jaxswarm.diagnose.decision.rules import CERTAIN, EVENTFUL, GAIN, KNOWN
 from jaxswarm.diagnose.folds.other_motion import regions
+from jaxswarm.effects.alike import lacking
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held as held_at_rest
 from jaxswarm.identify.estimation.standing import mixed_with, standing
-from jaxswarm.identify.estimation.validate import held_out_residual, outside
+from jaxswarm.identify.estimation.validate import held_out_residual, known_without, outside
 from jaxswarm.identify.forward.link_lag import slope_terms, unseen_rows
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -36,11 +37,30 @@ def errors_elsewhere(
     if label is None or len(label) != len(after.regression.torque):
         return
     used = rows_of_both(before, after)
-    rows = used.any(axis=1)
+    rows = used.any(axis=1) & np.isin(label, _telling(before, after, label))
+    if not rows.any():
+        return
     left = (np.where(used, held_out_residual(e, block=label), 0.0) for e in (before, after))
     one, two = (x[rows] for x in left)
     moving = before.regression.moving[rows]
     yield *compared(one, two, moving), "on held-out regions of the motion"
+
+
+def added_columns(before: Estimate, after: Estimate) -> set[str]:
+    """Names of the columns of what a fit has and one before it has not."""
+    joints = after.model.robot.joints
+    added = lacking(after.model.terms, before.model.terms)
+    return {name for term in added for name in term.columns(joints)}
+
+
+def _telling(before: Estimate, after: Estimate, label: np.ndarray) -> np.ndarray:
+    """The regions without which the rest of the log still tells of what was added.
+
+    A joint that went up in two moves of one region and down in all others was refused the friction of its
+    direction, which took 92 to 99.6 % off their squared errors, for what the rest knew nothing of.
+    """
+    known = known_without(after, added_columns(before, after), label)
+    return np.unique(label)[np.array(known) > KNOWN]
 
 
 def residuals_on(

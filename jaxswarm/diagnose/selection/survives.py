@@ -41,13 +41,13 @@ from jaxswarm.diagnose.decision.unexplained import (
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.elsewhere import (
+    added_columns,
     errors_elsewhere,
     log_residual,
     rms,
     rows_of_both,
 )
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.effects.alike import lacking
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual, least_known, time_blocks
@@ -149,9 +149,7 @@ def _predicted_stretches(
     so where it leaves less of them than the fit without it leaves where it was fitted: two laws took 99.7 % off
     a joint's error on every third of a log that no model without them predicted.
     """
-    robot = after.model.robot
-    terms = lacking(after.model.terms, before.model.terms)
-    added = {name for term in terms for name in term.columns(robot.joints)}
+    added = added_columns(before, after)
     used = rows_of_both(before, after)[:, joint]
     fitted, pairs = rms(before.fit.residual[used, joint]), []
     for count in STRETCHES:

@@ -116,9 +116,14 @@ def held_out_residual(
 
 
 def least_known(found: Estimate, names: Collection[str], block: np.ndarray) -> float:
-    """Least part of what a log tells of some columns that is left where one of its blocks is held out.
+    """The least of :func:`known_without`; 1 for no columns."""
+    return min(known_without(found, names, block), default=1.0)
 
-    Of what the other columns cannot imitate, in the direction that is known least; 1 for no columns.
+
+def known_without(found: Estimate, names: Collection[str], block: np.ndarray) -> list[float]:
+    """Parts of what a log tells of some columns that are left where each of its blocks is held out, in order.
+
+    Of what the other columns cannot imitate, in the direction that is known least; 1 each for no columns.
 
     Args:
         found: The fit.
@@ -126,24 +131,24 @@ def least_known(found: Estimate, names: Collection[str], block: np.ndarray) -> f
         block: Number of every row's block, (T,).
     """
     regression, base = found.regression, found.fit.base
-    own = [k for k, name in enumerate(regression.names) if name in names]
+    # Of columns that others hold whole nothing is told anywhere.
+    own = [k for k in base.kept if regression.names[k] in names]
+    numbers = np.unique(block)
     if not own:
-        return 1.0
+        return [1.0] * len(numbers)
     order = [k for k in base.kept if k not in own] + own
     columns = regression.columns[:, :, order] / found.fit.sigma[:, None]
-    factors = [
-        triangular_factor(columns[block == b].reshape(-1, len(order))) for b in np.unique(block)
-    ]
+    factors = [triangular_factor(columns[block == b].reshape(-1, len(order))) for b in numbers]
 
     def free(parts: list[np.ndarray]) -> np.ndarray:
         return triangular_factor(np.concatenate(parts))[-len(own) :, -len(own) :]
 
     whole = free(factors)
-    rest = [free(factors[:k] + factors[k + 1 :]) for k in range(len(factors))]
     if len(factors) < 2 or not np.diag(whole).all():
-        return 0.0
+        return [0.0] * len(numbers)
+    rest = [free(factors[:k] + factors[k + 1 :]) for k in range(len(factors))]
     left = [scipy.linalg.solve_triangular(whole, r.T, trans="T") for r in rest]
-    return min(float(np.linalg.norm(x, -2) ** 2) for x in left)
+    return [float(np.linalg.norm(x, -2) ** 2) for x in left]
 
 
 def held_out_errors(found: Estimate, count: int = 5) -> dict:
