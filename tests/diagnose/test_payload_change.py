@@ -1,13 +1,16 @@
 """A load picked up or put down in a log is named with its times and its mass, and is nothing of the robot's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from elbow import ask, elbow_log, fitted, passing
 
 from jaxswarm.diagnose.candidates.window import _untold
-from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.events import window_errors
 from jaxswarm.identify.forward.model import load_model, model_torque, save_model
 
 DOUBLES = ("contact", "friction_change", "torque_offset", "drive_gain", "encoder_offset")
@@ -63,3 +66,22 @@ def test_a_push_is_no_load():
     truth = Term("contact", values={**push, "tau_joint3": 1.0})
     best = passing(ask(fitted(elbow_log(truth)), "payload_change", "contact"))[0]
     assert best.candidate.term.effect == "contact"
+
+
+def test_the_times_of_a_small_load_are_as_uncertain_as_edges_are():
+    """A begin 25 ms off was told as known to 10 ms, by a slope that holds no further than a pick-up takes."""
+    times = {"start": 4.3, "end": 6.9}
+    small = {k: 0.02 * v for k, v in BODY.items() if k != "log"}
+    truth = Term("payload_change", values={**BODY, **small, **times})
+    found = fitted(elbow_log(truth))
+    after = refit(found, (*found.model.terms, Term("payload_change", values={**times, "log": 0.0})))
+    own, errors = after.model.terms[-1], after.std_errors[-1]
+    for edge in times:
+        assert abs(own.values[edge] - times[edge]) < 1.96 * errors[edge], edge
+    # Twice the torque is known four times as well, as edges are; by its slope it would be twice.
+    double = replace(own, values={**own.values, **{k: 2.0 * own.values[k] for k in small}})
+    given = after.fit, after.regression, after.motions, after.rigids
+    once, twice = (window_errors(t, after.model, *given) for t in (own, double))
+    assert once["start"] == pytest.approx(4.0 * twice["start"], rel=0.1)
+    assert errors["start"] >= once["start"] and errors["end"] >= once["end"]
+    assert window_errors(after.model.terms[0], after.model, *given) == {}

@@ -9,7 +9,7 @@ import numpy as np
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
-from jaxswarm.identify.estimation.events import with_event_torques
+from jaxswarm.identify.estimation.events import window_errors, with_event_torques
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
@@ -234,6 +234,9 @@ def _finish(
         pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
         if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
+        logs = problem.motions, problem.rigids
+        for edge, error in window_errors(term, model, solution, here.regression, *logs).items():
+            own[edge] = float(np.fmax(own[edge], error))
         if isinstance(term.law, MeasurementLaw) and term.law.clock:
             apart = CLOCKS_APART * min(m.interval for m in problem.motions)
             own.update({p: float(np.hypot(value, apart)) for p, value in own.items()})

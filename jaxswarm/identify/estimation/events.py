@@ -1,10 +1,11 @@
-"""Torques of events in a log, such as contacts, from what the model leaves while they last."""
+"""Torques of events in a log, such as contacts, from what the model leaves while they last, and their times."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.least_squares import Fit
@@ -90,6 +91,62 @@ def edge_error(torque: np.ndarray, sigma: np.ndarray, memory: float) -> float:
     1.4
     """
     return float(_WITHIN * memory / max(((torque / sigma) ** 2).sum(), 1e-12) / _NORMAL)
+
+
+def window_errors(
+    term: Term,
+    model: Model,
+    solution: Fit,
+    regression: Regression,
+    motions: Sequence[Motion],
+    rigids: Sequence[Rigid],
+) -> dict[str, float]:
+    """Standard errors [s] of a body's pick-up and put-down, as :func:`edge_error`; none for other laws.
+
+    That torque goes by the motion: a misplaced begin costs what the body would need on the rows between. The
+    slope of the fit holds within the few hundredths of a second that a pick-up takes, and tells of no further
+    ones: one of three times the noise was 23 ms off, where the slope told 21 at 95 %.
+
+    Args:
+        term: One of the model, with its values.
+        model, solution, regression: The fit.
+        motions, rigids: The logs.
+    """
+    if not (isinstance(term.law, BodyChange) and term.law.window):
+        return {}
+    number = int(term.values.get("log", 0))
+    bounds = {p.name: (p.lower, p.upper) for p in term.law.nonlinear}
+    always = {"start": bounds["start"][0], "end": bounds["end"][1]}
+    columns = assemble(
+        model.robot,
+        (replace(term, values={**term.values, **always}),),
+        motions[number],
+        model.width,
+        np.asarray(model.robot.parameters).ravel(),
+        rigids[number],
+        decimate=True,
+    )
+    names = term.linear_names(model.robot.joints)
+    torque = columns[:, :, -len(names) :] @ [term.values[n] for n in names]
+    cost = ((torque / solution.sigma) ** 2).sum(axis=1)
+    memory = correlation_length(solution.residual / solution.sigma, regression.log)
+    t, step = regression.t[regression.log == number], regression.step[number]
+    errors = {}
+    for edge in ("start", "end"):
+        place = int(np.searchsorted(t, term.values[edge]))
+        if 0 < place < len(t):
+            sides = cost[:place][::-1], cost[place:]
+            errors[edge] = step / _NORMAL * np.mean([_reach(x, _WITHIN * memory) for x in sides])
+    return errors
+
+
+def _reach(cost: np.ndarray, enough: float) -> float:
+    """Rows after which their costs (T,), the first row's first, come to so much; all of them if they do not.
+
+    >>> _reach(np.array([2.0, 2.0, 4.0]), 6.0), _reach(np.array([2.0, 2.0]), 6.0)
+    (2.5, 2.0)
+    """
+    return float(np.interp(enough, np.append(0.0, np.cumsum(cost)), np.arange(len(cost) + 1.0)))
 
 
 def _columns_of(model: Model, held: Sequence[Term]) -> np.ndarray:
