@@ -11,7 +11,6 @@ from planted import BAND, blank, declared_fit, log_with, small_arm
 from jaxswarm.diagnose.candidates.backlash import _curves, _Point
 from jaxswarm.diagnose.candidates.best_of import Task, best_of
 from jaxswarm.diagnose.candidates.journal import fingerprint
-from jaxswarm.diagnose.candidates.lattice import lattice_of
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.search import _late, searching
 from jaxswarm.diagnose.candidates.whole_model import body_candidate
@@ -19,6 +18,7 @@ from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects import Law, Parameter, make_sample
 from jaxswarm.effects.deflection import contact_stiffness
+from jaxswarm.effects.lattice import lattice_of
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate

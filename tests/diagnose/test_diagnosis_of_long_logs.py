@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from jaxswarm.diagnose.candidates import link_lag
-from jaxswarm.diagnose.candidates.lattice import batch_of
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import lag_torque
 from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.effects.lattice import batch_of
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.identify.estimation.estimate import estimate
 from jaxswarm.identify.forward import columns, sensitivity
@@ -33,7 +33,7 @@ def motion():
 
 @pytest.fixture
 def in_parts(monkeypatch):
-    lattice = importlib.import_module("jaxswarm.diagnose.candidates.lattice")
+    lattice = importlib.import_module("jaxswarm.effects.lattice")
     monkeypatch.setattr(columns, "_KEPT", 0)
     monkeypatch.setattr(sensitivity, "_BLOCK", 77)
     monkeypatch.setattr(link_lag, "MOST_NUMBERS", 20_000)

@@ -10,11 +10,11 @@ import pytest
 from planted import log_with, small_arm
 
 from jaxswarm.diagnose.candidates import search
-from jaxswarm.diagnose.candidates.lattice import lattice_of, ordered, points_of, seen_of
 from jaxswarm.diagnose.candidates.search import searching
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimate, explained
 from jaxswarm.effects import REGISTRY, get_law
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.lattice import lattice_of, ordered, points_of, seen_of
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term

@@ -15,9 +15,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.diagnose.candidates.lattice import ordered
 from jaxswarm.diagnose.folds.fold_data import FoldData, decimating, explained
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.lattice import ordered
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.programs import program

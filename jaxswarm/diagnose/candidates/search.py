@@ -12,10 +12,10 @@ import jax
 import numpy as np
 
 from jaxswarm.diagnose.candidates.best_of import PARTICLES, Task, best_of, decoded
-from jaxswarm.diagnose.candidates.lattice import batch_of, lattice_of, points_of, seen_of
 from jaxswarm.diagnose.folds.fold_data import FoldData
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.lattice import batch_of, lattice_of, points_of, seen_of
 from jaxswarm.effects.measurement import shifted
 from jaxswarm.effects.sample import Sample
 from jaxswarm.identify.forward.columns import Load, joint_series

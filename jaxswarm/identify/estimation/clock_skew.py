@@ -21,6 +21,7 @@ from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.starts import with_starts
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs.motion import Motion, shift_motion, stretch
@@ -112,10 +113,12 @@ def estimate_with_clocks(robot: Robot, terms: tuple[Term, ...], motions: list[Mo
     """
     longest = max(motions, key=lambda m: len(m.t))
     if len(longest.t) <= _LONG * longest.decimator.factor:
+        terms = with_starts(robot, terms, motions)
         return with_clocks(estimate(robot, terms, motions), bounded=True)
     reach = _ROWS * longest.decimator.factor // 2
     middle = len(longest.t) // 2
     part = stretch(longest, middle - reach, middle + reach)
+    terms = with_starts(robot, terms, [part])
     late = with_clocks(estimate(robot, terms, [part]), bounded=True).motions[0].skew - part.skew
     moved = []
     while motions:
