@@ -77,7 +77,9 @@ def worse(before: Estimate, current: Estimate, changes: tuple[Change, ...]) -> s
     one, two = (weighted_cost(e.fit.residual, noise_of(before)) for e in (current, after))
     if two >= one:
         return "leaves more with the values found for it than without it"
-    taken = np.mean(current.fit.residual**2 - after.fit.residual**2, axis=0)
+    # On the rows in use, as what the earlier model left of its own log.
+    size, left = (current.regression.rms(e.fit.residual) for e in (current, after))
+    taken = size**2 - left**2
     event = any(c.term.law.in_one_log for c in changes[-1:])
     if event or (taken > lacking(before) ** 2).any():
         return None
