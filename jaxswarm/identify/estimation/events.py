@@ -131,12 +131,13 @@ def window_errors(
     cost = ((torque / solution.sigma) ** 2).sum(axis=1)
     memory = correlation_length(solution.residual / solution.sigma, regression.log)
     t, step = regression.t[regression.log == number], regression.step[number]
-    errors = {}
+    errors: dict[str, float] = {}
     for edge in ("start", "end"):
         place = int(np.searchsorted(t, term.values[edge]))
         if 0 < place < len(t):
             sides = cost[:place][::-1], cost[place:]
-            errors[edge] = step / _NORMAL * np.mean([_reach(x, _WITHIN * memory) for x in sides])
+            rows = sum(_reach(x, _WITHIN * memory) for x in sides) / 2.0
+            errors[edge] = step / _NORMAL * rows
     return errors
 
 
