@@ -73,11 +73,11 @@ SWARM_ORDER = ("leaves", "optimizers", "minimize", "tools")
 SWARM_LEVEL = {
     **dict.fromkeys(("space", "bounds", "scales", "forward"), "leaves"),
     **dict.fromkeys(
-        ("schedules", "random", "quantile", "pytree", "fingerprint", "lanes"), "leaves"
+        ("schedules", "random", "quantile", "pytree", "fingerprint", "lanes", "calling"), "leaves"
     ),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "in_turn", "repeating", "loop", "batches"), "minimize"),
-    **dict.fromkeys(("start", "standing", "stopping", "result", "needed", "calling"), "minimize"),
+    **dict.fromkeys(("start", "standing", "stopping", "result", "needed"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding"), "tools"),
     **dict.fromkeys(("contract", "endurance"), "tools"),
     **dict.fromkeys(("driver", "workers", "noise", "handling", "constraints"), "tools"),

@@ -20,6 +20,7 @@ __all__ = [
     "name_of",
     "names_in",
     "one_each",
+    "point_of",
     "searched",
     "vectors",
 ]
@@ -178,11 +179,26 @@ def _floats(name, value):
         return value if jnp.issubdtype(value.dtype, jnp.floating) else value.astype(float)
     try:
         array = np.asarray(value)
-        if np.iscomplexobj(array):
-            raise TypeError("complex")
+        if np.iscomplexobj(array) or array.dtype == bool:
+            raise TypeError(array.dtype)
         return array if np.issubdtype(array.dtype, np.floating) else array.astype(float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: {value!r} is no number and no array of numbers.") from error
+        yes_or_no = isinstance(value, bool | np.bool_)
+        remedy = " A yes or no is Choice((False, True))." if yes_or_no else ""
+        raise InputError(
+            f"{name}: {value!r} is no number and no array of numbers.{remedy}"
+        ) from error
+
+
+def point_of(position: Any, size: int, *, flat: bool) -> jax.Array:
+    """A point of the cube as an array (d,); of a flat vector a population (..., d), too."""
+    position = jnp.asarray(position)
+    if position.shape[-1:] != (size,) or (position.ndim > 1 and not flat):
+        raise InputError(
+            f"position has shape {position.shape}, the space {size} coordinates: decode one point "
+            f"({size},), and a population by jax.vmap(space.decode)."
+        )
+    return position
 
 
 def array_of(name: str, leaf: Any, options: tuple | None) -> jax.Array:

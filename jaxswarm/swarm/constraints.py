@@ -13,7 +13,7 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.handling import epsilon_level, feasibility_rules, feasible_first, total
-from jaxswarm.swarm.optimizers.base import as_optimizer, at_least, candidate_info
+from jaxswarm.swarm.optimizers.base import as_optimizer, at_least, candidate_info, num_values
 from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.optimizers.remembered import same_rows
 from jaxswarm.swarm.pytree import pytree, replace, static
@@ -202,6 +202,11 @@ def constrained(
         raise InputError(f"num_equalities={equal} is more than num_constraints={num}.")
     limit = coefficient("tolerance", tolerance, lower=0.0)
     inner = as_optimizer(inner)
+    if num_values(inner) is not None:
+        raise InputError(
+            f"inner={type(inner).__name__} compares several numbers a candidate, constraints are for one: "
+            "add what is broken to every objective instead."
+        )
     if hasattr(inner, "among_constraints"):
         inner = inner.among_constraints()
     handling = handling or (epsilon_level() if equal else feasibility_rules())

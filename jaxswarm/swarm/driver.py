@@ -9,7 +9,7 @@
 """
 
 import concurrent.futures
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from typing import Any
 
 import jax
@@ -117,6 +117,10 @@ class Driver:
         For an optimizer with several numbers a candidate, (n, k), or n times what an objective returns.
         """
         width = num_values(self._optimizer)
+        if isinstance(value, Mapping | Set):
+            raise InputError(
+                f"value is a {type(value).__name__}: tell a list in the order of ask()."
+            )
         try:
             told = jnp.asarray(np.asarray([_floats(one, width) for one in value]))
         except (TypeError, ValueError) as error:

@@ -18,6 +18,7 @@ import jax
 
 from jaxswarm.errors import InputError
 from jaxswarm.swarm.batches import batch_of, search_in_batches
+from jaxswarm.swarm.calling import check_args
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import Info
 from jaxswarm.swarm.result import Result
@@ -93,7 +94,7 @@ def minimize(
     """
     telling = dict(record=record, progress=progress, progress_every=progress_every)
     loop = the_loop(fn, space, num_steps, vectorized=vectorized, noisy=noisy, **telling)
-    optimizer = optimizer_for(optimizer, num_steps, state)
+    optimizer, args = optimizer_for(optimizer, num_steps, state), check_args(args)
     refuse_too_many(optimizer, space, loop.num_steps)
     stop, begin = rule(stop), start_for(space, start, state)
     return search_one(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]
@@ -162,6 +163,7 @@ def minimize_runs(
 
 def axes_of_runs(args: Any, axes: Any, keys: jax.Array) -> Any:
     """Check that data of their own have as many rows as there are runs; the axes, hashable."""
+    check_args(args)
     if isinstance(axes, list):
         axes = tuple(axes)
     if axes is None:

@@ -16,13 +16,15 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.calling import check_shape, part_of
 from jaxswarm.swarm.objectives import lowest_mean, objectives_of
 from jaxswarm.swarm.optimizers.base import at_least, candidate_info, dimensions
 from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.operators import polynomial
+from jaxswarm.swarm.optimizers.particles import BOUNDARY, RULE, within
 from jaxswarm.swarm.optimizers.rules import Swarm, canonical
 from jaxswarm.swarm.pareto import crowding, dominates, ranks
-from jaxswarm.swarm.pytree import as_part, facts, pytree, static
+from jaxswarm.swarm.pytree import facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient, evaluate
 
@@ -105,8 +107,8 @@ class MOPSO:
         )
         names = ("inertia", "cognitive", "social")
         hyper = {name: evaluate(name, getattr(self, name), state.count, dtype) for name in names}
-        velocity = self.rule(random, swarm, hyper)
-        moved = self.boundary(random, state.position + velocity, velocity)
+        velocity = check_shape("rule", self.rule(random, swarm, hyper), state.position.shape)
+        moved = within(self.boundary, random, state.position + velocity, velocity)
         disturbed = random.uniform("turbulent", (n, 1), dtype) < self.turbulent
         position = jnp.where(disturbed, self.mutation(random, moved[0]), moved[0])
         info = candidate_info(state.position, value.mean(axis=1), best[1], improved, hyper)
@@ -169,9 +171,9 @@ def mopso(
         cognitive=coefficient("cognitive", cognitive),
         social=coefficient("social", social),
         turbulent=coefficient("turbulent", turbulent, lower=0.0, upper=1.0),
-        rule=as_part(rule or canonical()),
-        boundary=as_part(boundary or reflect(0.5)),
-        mutation=as_part(mutation or polynomial()),
+        rule=part_of("rule", rule or canonical(), *RULE),
+        boundary=part_of("boundary", boundary or reflect(0.5), *BOUNDARY),
+        mutation=part_of("mutation", mutation or polynomial(), "random", "position"),
         num_values=at_least("num_objectives", num_objectives, 2, "one objective has no front"),
         num_particles=at_least(
             "num_particles", num_particles, 2, "particles learn from each other"

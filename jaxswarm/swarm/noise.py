@@ -150,10 +150,10 @@ def recommend(result: Any, space: Any) -> Any:
     any: a new one may be the luckiest still. Else the best position.
 
     Args:
-      result: a ``Result`` of one run.
+      result: a ``Result`` of one run, or its final state.
       space: the space of the search.
     """
-    state = result.state
+    state = getattr(result, "state", result)
     if isinstance(state, ReevaluateState):
         places, values = (getattr(state.inner, name) for name in state.inner.MEMORY)
         proven = state.seen >= ENOUGH * state.seen.max()

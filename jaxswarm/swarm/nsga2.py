@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.swarm.calling import part_of
 from jaxswarm.swarm.objectives import lowest_mean, objectives_of
 from jaxswarm.swarm.optimizers.base import at_least, candidate_info, dimensions
 from jaxswarm.swarm.optimizers.operators import polynomial, sbx, tournament
 from jaxswarm.swarm.pareto import survivors
-from jaxswarm.swarm.pytree import as_part, facts, pytree, static
+from jaxswarm.swarm.pytree import facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 
 __all__ = ["NSGA2", "NSGA2State", "nsga2"]
@@ -101,9 +102,9 @@ def nsga2(
     True
     """
     return NSGA2(
-        selection=as_part(selection or tournament(2)),
-        crossover=as_part(crossover or sbx()),
-        mutation=as_part(mutation or polynomial()),
+        selection=part_of("selection", selection or tournament(2), "random", "value"),
+        crossover=part_of("crossover", crossover or sbx(), "random", "first", "second"),
+        mutation=part_of("mutation", mutation or polynomial(), "random", "position"),
         num_values=at_least("num_objectives", num_objectives, 2, "one objective has no front"),
         num_particles=at_least(
             "num_particles", num_particles, 4, "two pairs of parents are needed"

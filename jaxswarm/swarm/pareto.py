@@ -98,10 +98,10 @@ def front(result: Any, space: Any) -> Front:
     """The front of a search with ``nsga2`` or ``mopso``; of many runs the front of all together.
 
     Args:
-      result: a ``Result``.
+      result: a ``Result``, or its final state.
       space: the space of the search.
     """
-    state = result.state
+    state = getattr(result, "state", result)
     while not hasattr(state, "FRONT") and hasattr(state, "inner"):
         state = state.inner
     if not hasattr(state, "FRONT"):

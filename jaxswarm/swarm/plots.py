@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.result import by_name
 from jaxswarm.swarm.scales import to_values
 
 __all__ = ["convergence_bands", "ecdf", "front_plot", "swarm_over_time", "sweep_map"]
@@ -26,7 +27,7 @@ def convergence_bands(
     """Median best value over the evaluations, with the band of the middle half of the runs.
 
     Args:
-      histories: by name, best values (runs, steps) such as ``minimize_runs(...).history``, or (steps,).
+      histories: by name, results, or best values (runs, steps) or (steps,) such as their ``history``.
       per_step: evaluations in a step, one number or by name; default counts steps.
       floor: the known optimum, which is subtracted; a line ends where it is reached. Without one, values
         below zero are drawn on a straight axis.
@@ -36,6 +37,7 @@ def convergence_bands(
     'log'
     """
     figure, (axis,) = _figure(1, 6.4, 4.0)
+    histories = by_name(histories, "history")
     runs = {name: _runs(name, history) - (floor or 0.0) for name, history in histories.items()}
     straight = floor is None and any((values < 0.0).any() for values in runs.values())
     for color, (name, values) in zip(_colors(histories), runs.items(), strict=True):
@@ -171,7 +173,7 @@ def front_plot(fronts: Mapping[str, Any], *, names: Sequence[str] | None = None)
       fronts: by name, values (m, k), or what ``front(result, space)`` gives.
       names: of the objectives.
     """
-    fronts = {name: getattr(one, "values", one) for name, one in fronts.items()}
+    fronts = by_name(fronts, "values")
     sizes = {np.shape(values)[1] for values in fronts.values() if np.ndim(values) == 2}
     if len(sizes) != 1:
         raise InputError("fronts must hold arrays (m, k) with the same number of objectives.")

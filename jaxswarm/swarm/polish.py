@@ -26,7 +26,7 @@ import jax.numpy as jnp
 
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.room import room_for_programs
-from jaxswarm.swarm.calling import check_takes
+from jaxswarm.swarm.calling import check_args, check_takes
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.space import Space
@@ -64,8 +64,8 @@ def polish(
       fn: objective for one candidate, as for ``minimize``: ``fn(params, args) -> scalar``; for
         ``method="levenberg_marquardt"`` the residuals (m,), whose sum of squares is the value.
       space: names and bounds.
-      state: a search's result or final state (``result.state``), or starting points of the cube, (d,) or (k,
-        d), all of which are polished.
+      state: a search's result or final state (``result.state``; of many runs all of them), or starting
+        points of the cube, (d,) or (k, d), all of which are polished.
       args: data handed to ``fn``.
       method: ``"lbfgs"``, ``"adam"`` or ``"levenberg_marquardt"``.
       num_steps: iterations of the method.
@@ -94,6 +94,7 @@ def polish(
         raise InputError(f"space={space!r} must be a Space: polish(fn, space, result.state).")
     state = state.state if isinstance(state, Result) else state
     check_takes(fn, "params", "args")
+    check_args(args)
     at_least("num_steps", num_steps, 1, "a method needs a step")
     points = _candidates(state)
     top = min(at_least("top", top, 1, "a start is needed"), points.shape[0])
@@ -211,7 +212,7 @@ def _candidates(state):
     points = getattr(inner, inner.MEMORY[0]) if hasattr(inner, "MEMORY") else state.position
     if points.shape[-1] != dims:  # of a search in some of the coordinates
         points = state.position
-    return jnp.concatenate([state.best_position[None], points.reshape(-1, dims)])
+    return jnp.concatenate([part.reshape(-1, dims) for part in (state.best_position, points)])
 
 
 def _distinct(points, values, top):

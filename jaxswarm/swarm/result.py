@@ -1,14 +1,16 @@
 """What a search returns: the parameters, and enough to assess and to continue it."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import jax
 import numpy as np
 
+from jaxswarm.errors import InputError
 from jaxswarm.swarm.pytree import pytree
-from jaxswarm.swarm.standing import MESSAGES, NO_FINITE_VALUE, NOTHING_FEASIBLE
+from jaxswarm.swarm.standing import CUSTOM, MESSAGES, NO_FINITE_VALUE, NOTHING_FEASIBLE
 
-__all__ = ["Result", "Status"]
+__all__ = ["Result", "Status", "by_name"]
 
 
 @pytree
@@ -28,7 +30,8 @@ class Status:
         Of runs that are spread over several hosts, the list tells those of this one.
         """
         codes = _here(self.code)
-        return MESSAGES[int(codes)] if codes.ndim == 0 else [MESSAGES[c] for c in codes.ravel()]
+        said = [_message(int(code)) for code in codes.ravel()]
+        return said[0] if codes.ndim == 0 else said
 
     @property
     def ok(self) -> Any:
@@ -87,6 +90,24 @@ class Result:
             f"Result({head}, {reasons}, num_steps={_here(self.num_steps).max()}, "
             f"num_evaluations={_here(self.num_evaluations).sum()}, state={type(self.state).__name__})"
         )
+
+
+def _message(code: int) -> str:
+    """The text of a code; one that is not in the list is that of somebody's own stop rule."""
+    return MESSAGES[code] if 0 <= code < len(MESSAGES) else f"{MESSAGES[CUSTOM]}, code {code}"
+
+
+def by_name(given: Any, field: str) -> dict[str, Any]:
+    """What a picture shows, by name: of results (or fronts) the field, arrays as they are.
+
+    Raises:
+      InputError: one of them without a name.
+    """
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"a {type(given).__name__} has no name in the picture: give {{name: {field}}}, one or several."
+        )
+    return {name: getattr(one, field, one) for name, one in given.items()}
 
 
 LONGEST = 200

@@ -182,6 +182,8 @@ def coefficient(
         _require_scalar(name, value)
         return value
     try:
+        if isinstance(value, str):
+            raise TypeError("text")  # which NumPy would read
         number = np.asarray(value, float)
     except (TypeError, ValueError) as error:
         raise InputError(

@@ -10,7 +10,7 @@ from jax.tree_util import keystr, tree_flatten_with_path
 
 from jaxswarm.errors import InputError
 from jaxswarm.room import room_for_programs
-from jaxswarm.swarm.calling import check_takes
+from jaxswarm.swarm.calling import check_not_varying, check_takes, part_of
 from jaxswarm.swarm.in_turn import InTurn
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
@@ -52,6 +52,7 @@ def search(
       start: None, or ``(points (k, d), spread)``; see ``begin``.
       carry: of a search that goes on; its history is the caller's to join.
     """
+    check_not_varying((optimizer, space, key, args, stop, start, carry))
     if carry is None:
         carry = first(loop.map(lambda k: begun(optimizer, k, space, start))(key), stop)
     else:
@@ -100,6 +101,10 @@ def the_loop(
     if not callable(fn):
         raise InputError(f"fn={fn!r} must be a function of (params, args).")
     check_takes(fn, *(("key",) if noisy else ()), "params", "args")
+    if record is not None:
+        check_takes(record, "state", "info", what="record")
+    if progress is not None:
+        check_takes(progress, "count", "value", what="progress")
     if not isinstance(space, Space):
         raise InputError(f"space={space!r} must be a Space, e.g. Space(x=(-5.0, 5.0)).")
     return Loop(
@@ -133,7 +138,10 @@ def rule(stop):
         raise InputError(
             f"stop={stop!r} must be a rule such as target(1e-6), stalled(50) or any_of(...)."
         )
-    return None if stop is None else as_part(stop)
+    if stop is None:
+        return None
+    memory = ("memory",) if hasattr(stop, "start") else ()
+    return part_of("stop", stop, "progress", *memory)
 
 
 def going_on(state, stop):

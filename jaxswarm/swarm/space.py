@@ -23,6 +23,7 @@ from jaxswarm.swarm.bounds import (
     name_of,
     names_in,
     one_each,
+    point_of,
     searched,
     vectors,
 )
@@ -71,7 +72,7 @@ class Space:
     structure: Any
     options: tuple[Any, ...]
 
-    def __init__(self, **bounds: Any):
+    def __init__(self, /, **bounds: Any):
         leaves, structure = jax.tree_util.tree_flatten_with_path(bounds, is_leaf=is_bound)
         if not leaves:
             raise InputError("Space() has no parameters: name at least one, Space(x=(0.0, 1.0)).")
@@ -108,9 +109,7 @@ class Space:
         """
         lower, upper = vectors(lower, upper)
         names = one_each("names", names, lower.size)
-        scales, units = (
-            one_each(*pair, lower.size) for pair in (("scale", scale), ("units", units))
-        )
+        scales, units = one_each("scale", scale, lower.size), one_each("units", units, lower.size)
         bounds = map(Bound, lower, upper, scales, units)
         return cls(**dict(zip(names, bounds, strict=True)))
 
@@ -161,6 +160,7 @@ class Space:
 
         Parameters on an integer scale and choices are int32, in a flat vector floats.
         """
+        position = point_of(position, self.size, flat=self.structure is None)
         flat = to_values(position, *self._bounds(position.dtype), self.scales)
         if self.structure is None:
             return flat

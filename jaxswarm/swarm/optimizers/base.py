@@ -8,6 +8,7 @@ population is evaluated like any other. ``state`` is what the next step needs, `
 observer may want; unused parts of ``info`` cost nothing under ``jit``.
 """
 
+import inspect
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
@@ -161,9 +162,24 @@ def as_optimizer(thing: Any) -> Any:
             f"optimizer={thing!r} has no init and update: use a factory such as pso(), or an object "
             "with these two functions (check_optimizer tells the rest)."
         )
+    _check_init(thing.init)
     if jax.tree_util.all_leaves([thing]):
         return Functions(jax.tree_util.Partial(thing.init), jax.tree_util.Partial(thing.update))
     return jax.tree.map(as_part, thing)
+
+
+def _check_init(init):
+    try:
+        signature = inspect.signature(init)
+    except (TypeError, ValueError):
+        return  # compiled ones need not tell
+    try:
+        signature.bind("key", "num_dims", dtype=None)
+    except TypeError:
+        raise InputError(
+            f"optimizer: init takes {signature}, it is called as init(key, num_dims, dtype=None). What follows "
+            "gradients, as in optax, polishes what a search found: polish(fn, space, result)."
+        ) from None
 
 
 def num_values(optimizer: Any) -> int | None:

@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.calling import part_of
 from jaxswarm.swarm.optimizers.base import at_least, best_of, candidate_info, comparable, dimensions
 from jaxswarm.swarm.optimizers.operators import (
     arithmetic,
@@ -23,7 +24,7 @@ from jaxswarm.swarm.optimizers.operators import (
     tournament,
     uniform,
 )
-from jaxswarm.swarm.pytree import as_part, facts, pytree, static
+from jaxswarm.swarm.pytree import facts, pytree, static
 from jaxswarm.swarm.random import Random, check_source
 
 __all__ = ["GA", "GAState", "ga", "textbook_ga"]
@@ -114,9 +115,9 @@ def ga(
     if elites > size:
         raise InputError(f"num_elites={elites} is more than num_particles={size}.")
     return GA(
-        selection=as_part(selection or tournament(2)),
-        crossover=as_part(crossover or sbx()),
-        mutation=as_part(mutation or polynomial()),
+        selection=part_of("selection", selection or tournament(2), "random", "value"),
+        crossover=part_of("crossover", crossover or sbx(), "random", "first", "second"),
+        mutation=part_of("mutation", mutation or polynomial(), "random", "position"),
         num_particles=size,
         num_elites=elites,
         random=check_source(random),

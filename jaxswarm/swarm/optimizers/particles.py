@@ -16,6 +16,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.errors import InputError
+from jaxswarm.swarm.calling import check_shape
 from jaxswarm.swarm.lanes import laned
 from jaxswarm.swarm.optimizers.base import candidate_info, comparable, dimensions, once
 from jaxswarm.swarm.optimizers.boundaries import absorb, reflect
@@ -25,8 +27,12 @@ from jaxswarm.swarm.pytree import facts, pytree, static
 from jaxswarm.swarm.random import Random, fold
 from jaxswarm.swarm.schedules import ScalarOrSchedule, evaluate
 
-__all__ = ["PSO", "PSOState", "default_particles"]
+__all__ = ["BOUNDARY", "PSO", "PSOState", "RULE", "TOPOLOGY", "default_particles", "within"]
 
+TOPOLOGY = ("random", "memory_position", "memory_value")
+RULE = ("random", "swarm", "hyper")
+BOUNDARY = ("random", "position", "velocity")
+"""What the parts of a swarm are called with."""
 FEWEST, MOST = 20, 40
 PER_DIMENSION = 2
 """Particles: few, so that there are steps to make, but two a dimension, so that they do not collapse."""
@@ -62,6 +68,14 @@ class PSOState(NamedTuple):
     idle: jax.Array
     control: Any
     count: jax.Array  # type: ignore[assignment]  # not the method of a tuple
+
+
+def within(boundary: Any, random: Random, position: jax.Array, velocity: jax.Array):
+    """Positions and velocities (n, d) as a boundary gives them, checked."""
+    moved = boundary(random, position, velocity)
+    if not (isinstance(moved, tuple | list) and len(moved) == 2):
+        raise InputError(f"boundary returned {type(moved).__name__}: return (position, velocity).")
+    return tuple(check_shape("boundary", one, position.shape) for one in moved)
 
 
 @pytree
@@ -121,6 +135,7 @@ class PSO:
     def update(self, key: jax.Array, state: PSOState, value: jax.Array):
         """Remember, attract, move; begin anew at rest; see the head of this file."""
         random, dtype = Random(key, self.random), state.position.dtype
+        shape = state.position.shape
         value = comparable(value, state.position)
         fell = value < state.memory_value
         memory_value = jnp.where(fell, value, state.memory_value)
@@ -142,7 +157,9 @@ class PSO:
                 position=state.position,
                 velocity=state.velocity,
                 memory_position=memory_position,
-                attractor=self.topology(informants, memory_position, memory_value),
+                attractor=check_shape(
+                    "topology", self.topology(informants, memory_position, memory_value), shape
+                ),
                 value=value,
                 improved=fell,
                 memory_value=memory_value,
@@ -158,10 +175,12 @@ class PSO:
 
         def accelerate():
             limit = hyper["velocity_limit"]
-            return laned(jnp.clip(self.rule(random, swarm(), hyper), -limit, limit))
+            ruled = check_shape("rule", self.rule(random, swarm(), hyper), shape)
+            return laned(jnp.clip(ruled, -limit, limit))
 
-        velocity = once(accelerate).reshape(state.position.shape)
-        position, velocity = self.boundary(random, state.position + velocity, velocity)
+        velocity = once(accelerate).reshape(shape)
+        moved = within(self.boundary, random, state.position + velocity, velocity)
+        position, velocity = moved
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = PSOState(
             position=position,

@@ -33,12 +33,12 @@ References:
 
 from typing import Any
 
+from jaxswarm.swarm.calling import part_of
 from jaxswarm.swarm.optimizers.base import at_least
 from jaxswarm.swarm.optimizers.boundaries import absorb
-from jaxswarm.swarm.optimizers.particles import PSO
+from jaxswarm.swarm.optimizers.particles import BOUNDARY, PSO, RULE, TOPOLOGY
 from jaxswarm.swarm.optimizers.rules import paired
 from jaxswarm.swarm.optimizers.topologies import von_neumann
-from jaxswarm.swarm.pytree import as_part
 from jaxswarm.swarm.random import check_source
 from jaxswarm.swarm.schedules import ScalarOrSchedule, coefficient
 
@@ -81,7 +81,8 @@ def pso(
       An optimizer whose coefficients are leaves: change or map over them without compiling again.
 
     Raises:
-      InputError: too few particles, a coefficient that is no number and no schedule.
+      InputError: too few particles, a coefficient that is no number and no schedule, a part that takes
+        something else.
 
     >>> import jax
     >>> pso(20, inertia=0.5).init(jax.random.key(0), 3).position.shape
@@ -95,9 +96,9 @@ def pso(
         cognitive=coefficient("cognitive", cognitive),
         social=coefficient("social", social),
         velocity_limit=coefficient("velocity_limit", velocity_limit, lower=0.0),
-        topology=as_part(topology or von_neumann()),
-        boundary=as_part(boundary or absorb()),
-        rule=as_part(rule or paired()),
+        topology=part_of("topology", topology or von_neumann(), *TOPOLOGY),
+        boundary=part_of("boundary", boundary or absorb(), *BOUNDARY),
+        rule=part_of("rule", rule or paired(), *RULE),
         control=control,
         initial_velocity=coefficient("initial_velocity", initial_velocity, lower=0.0, upper=1.0),
         random=check_source(random),
