@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted import added, diagnose_log, log_with, small_arm
 
-from jaxswarm.diagnose.candidates.position_laws import leaves_room, strays
+from jaxswarm.diagnose.candidates.position_laws import is_unseen, leaves_room, strays
 from jaxswarm.diagnose.report.text import grouped
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.alike import number_of, without
@@ -62,6 +62,14 @@ def test_beside_an_order_seen_through_few_periods_only_its_multiples_may_stand(
     assert strays(asked, held, [motion]) is strays_there
     assert not strays(Term("torque_ripple", 1, values={"n": order}), held, [motion])
     assert leaves_room(held[0], [motion]) and not leaves_room(held[1], [motion])
+
+
+@pytest.mark.parametrize(("way", "unseen"), [(0.8, True), (1.6, False)])
+def test_an_order_of_which_no_whole_period_is_seen_is_a_bend(way, unseen):
+    """On a measured arm a ripple was told of 4.2 +- 1.7 periods a turn, on 0.8 rad."""
+    motion = SimpleNamespace(q=np.array([[0.0], [way]]))
+    assert is_unseen(Term("torque_ripple", 0, values={"n": 4.2}), [motion]) is unseen
+    assert not is_unseen(Term("joint_spring", 0), [motion])
 
 
 def test_few_periods_leave_no_room_at_all():

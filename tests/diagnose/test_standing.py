@@ -17,7 +17,13 @@ from jaxswarm.diagnose.selection.tenable import can_be_resolved
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation import estimate as estimate_module
-from jaxswarm.identify.estimation.standing import held_lines, held_shares, leave_out, standing
+from jaxswarm.identify.estimation.standing import held as held_at_rest
+from jaxswarm.identify.estimation.standing import (
+    held_lines,
+    held_shares,
+    leave_out,
+    standing,
+)
 from jaxswarm.identify.forward.metrics import moves_at
 from jaxswarm.identify.report.console import rest_lines
 from jaxswarm.logs.log import Log
@@ -86,6 +92,21 @@ def test_rest_is_left_out_where_friction_holds_it_at_any_torque():
     assert "joint2" in line
     # What is left is the noise's: with rest fitted it is several times as much.
     assert (found.fit.sigma < 0.4 * fitted(stopping(2.5), held=False).fit.sigma).all()
+
+
+@pytest.mark.parametrize(
+    ("levels", "told"),
+    [((9.0, 1.0), True), ((9.0, 0.2, 0.2), False)],
+    ids=["friction", "a push in one rest of three"],
+)
+def test_a_short_rest_counts_as_much_as_a_long_one(levels, told):
+    """A joint held at 960 N m before its first move was held for longer at 20 N m after its last one."""
+    motion = np.tile([1.0, -1.0], 50)
+    parts = [np.concatenate([np.full(20 + 40 * k, x), motion]) for k, x in enumerate(levels)]
+    left = np.concatenate(parts)[:, None]
+    rest = np.abs(left) != 1.0
+    rest[120:180] = True  # the second rest, whatever its level
+    assert held_at_rest(left, [rest], [rest]).tolist() == [told]
 
 
 def test_what_friction_holds_does_not_move_the_parameters():

@@ -13,9 +13,10 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import elsewhere
 from jaxswarm.diagnose.selection.elsewhere import added_columns, errors_elsewhere
-from jaxswarm.diagnose.selection.refit import can_swing, refit
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import harmful, survives
+from jaxswarm.diagnose.selection.tenable import can_swing
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.validate import known_without, least_known, time_blocks

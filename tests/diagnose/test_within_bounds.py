@@ -12,7 +12,12 @@ from jaxswarm.diagnose.decision.evaluate import score_on, score_terms
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.tenable import can_be, goes_beyond, unphysical_beside
+from jaxswarm.diagnose.selection.tenable import (
+    can_be,
+    goes_beyond,
+    is_within,
+    unphysical_beside,
+)
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -107,6 +112,27 @@ def test_a_law_of_two_directions_may_be_below_its_bound_in_one_by_chance(backwar
 def test_a_law_of_one_number_is_within_its_bound():
     drag = Term("quadratic_drag", 1, values={"c": -0.01})
     assert not can_be(drag, {"c": 0.02})
+
+
+@pytest.mark.parametrize(
+    ("x", "error", "possible", "within"),
+    [(0.1, 0.01, True, True), (0.9, 0.3, True, False), (0.9, 0.1, False, False)],
+)
+def test_a_law_may_be_above_its_bound_by_chance(x, error, possible, within):
+    """A joint 0.9 m off its drawing was told beside its bound of 0.2 m."""
+    values = {"x": x, "y": 0.0, "turn_x": 0.0, "turn_y": 0.0}
+    term = Term("link_geometry", 1, values=values)
+    assert can_be(term, dict.fromkeys(values, error)) is possible
+    assert is_within(term) is within
+
+
+@pytest.mark.parametrize(("turn", "stays"), [(0.2, True), (0.8, False)])
+def test_no_law_is_told_at_a_bound_that_the_log_is_far_beyond(turn, stays):
+    turned = Term("link_geometry", 1, values={"x": 0.0, "y": 0.0, "turn_x": turn, "turn_y": 0.0})
+    before = fitted(log_with(turned))
+    (score,) = score_on(before, [Term("link_geometry", 1)], 0)
+    assert score.share > 0.2
+    assert (refit_with(before, score) is not None) is stays
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,14 @@ _ANY, _MULTIPLES = 4.0, 2.0
 _FROM_MULTIPLE = 0.03
 
 
+def is_unseen(term: Term, motions: Sequence[Motion]) -> bool:
+    """Whether a term is an order of which no whole period is seen: a bend, which any law of the position has.
+
+    On a measured arm that moved its third joint by 0.8 rad a ripple was told of 4.2 +- 1.7 periods a turn.
+    """
+    return term.law.several and _periods(term, motions) < 1.0
+
+
 def leaves_room(term: Term, motions: Sequence[Motion]) -> bool:
     """Whether a term is one of several orders, and its joint goes through enough of its periods for more."""
     return term.law.several and _periods(term, motions) > _MULTIPLES

@@ -6,7 +6,6 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.rules import (
     IN_PLACE,
-    MOST_DAMPING,
     NEEDED,
     WITHIN_BOUNDS,
 )
@@ -16,8 +15,10 @@ from jaxswarm.diagnose.selection.tenable import (
     can_be,
     can_be_read,
     can_be_resolved,
+    can_swing,
     goes_beyond,
     is_certain,
+    is_within,
     stands_for_itself,
     unphysical_beside,
     within_chance,
@@ -29,9 +30,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths
-from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.regression import Diverged
-from jaxswarm.identify.forward.sensitivity import sensitivity_of
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
@@ -128,10 +127,13 @@ def _holds(after: Estimate, term: Term, fall: float) -> bool:
 
 
 def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
-    """The fit with all values held at their bounds, where chance has driven the term's own beyond them."""
+    """The fit with all values held at their bounds, where chance has driven the term's own beyond them.
+
+    A joint 0.9 +- 0.3 m off its drawing, which is no error of a drawing, took 44 % off its joint's squared
+    error on a measured arm, and 23 % where it was held within 0.2 m.
+    """
     fitted = after.model.terms[number_of(term, after.model.terms)]
-    beyond = any(fitted.values[p.name] < p.lower for p in fitted.law.linear)
-    return within_bounds(after) if beyond else after
+    return after if is_within(fitted) else within_bounds(after)
 
 
 def _starts(term: Term) -> list[Term]:
@@ -150,27 +152,6 @@ def _starts(term: Term) -> list[Term]:
         names, parts = [p.name for p in law.nonlinear if p.scale == "log"], _LOWER
     lower = ({n: part * term.values[n] for n in names} for part in parts)
     return [term, *(replace(term, values={**term.values, **values}) for values in lower)]
-
-
-def can_swing(found: Estimate, term: Term) -> bool:
-    """Whether a fitted transmission with a spring is one: true of every other term.
-
-    Gears and belts are damped far below the critical damping of their link. A fit beyond it has found no
-    swinging link but a lag, and its stiffness and inertia mean nothing on other motion.
-    """
-    law = term.law
-    if not isinstance(law, TransmissionLaw) or law.spring is None or law.gap is not None:
-        return True
-    pi, arm = _rigid(found), tilted(found.model.robot, found.model.terms)
-    inertia = np.median(
-        [
-            np.median(np.abs(sensitivity_of(arm, m, term.index, r).inertia(pi)))
-            for m, r in zip(found.motions, found.rigids, strict=True)
-        ]
-    )
-    k, d = law.spring(term.values)
-    ratio = d / (2.0 * np.sqrt(k * inertia))
-    return bool(ratio <= MOST_DAMPING)
 
 
 def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None = None) -> Estimate:

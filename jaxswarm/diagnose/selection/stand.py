@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from jaxswarm.diagnose.candidates.position_laws import imitates, strays
+from jaxswarm.diagnose.candidates.position_laws import imitates, is_unseen, strays
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.sharpness import (
     FoldsOf,
@@ -15,6 +15,7 @@ from jaxswarm.diagnose.selection.state import Search
 _ALONE = "shows in dry friction alone, which may be early or late by itself"
 _SHARP = "shows only where the motion is sharper than its samples"
 _STRAY = "is no multiple of an order seen through too few periods"
+_UNSEEN = "is an order of which no whole period is seen: move the joint further"
 _BENT = "would be, with another law, any torque of one place"
 
 
@@ -23,13 +24,14 @@ def that_may_stand(search: Search, passed: Sequence[Score]) -> list[Score]:
     model, motions = search.current.model, search.current.motions
     stray = [s for s in passed if strays(s.candidate.term, model.terms, motions)]
     bent = [s for s in passed if imitates(s.candidate.term, model.terms, motions)]
+    unseen = [s for s in passed if is_unseen(s.candidate.term, motions)]
     standing = in_all_motion(search, passed)
-    for found, why in ((stray, _STRAY), (bent, _BENT)):
+    for found, why in ((stray, _STRAY), (bent, _BENT), (unseen, _UNSEEN)):
         for one in found:
             search.refuse(one.candidate.term, why)
     # Should the law that is there be none, these are asked again.
     search.kept_out |= {one.candidate.term.joint for one in bent}
-    return [s for s in standing if s not in (*stray, *bent)]
+    return [s for s in standing if s not in (*stray, *bent, *unseen)]
 
 
 def in_all_motion(

@@ -4,31 +4,44 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE, CERTAIN
+from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE, CERTAIN, MOST_DAMPING
 from jaxswarm.effects import get_law
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw, TransmissionLaw
+from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.body import tilted
+from jaxswarm.identify.forward.sensitivity import sensitivity_of
 
 
 def can_be(term: Term, errors: dict[str, float]) -> bool:
-    """Whether linear coefficients are within their physical bounds, or below them by chance beside one that is.
+    """Whether linear coefficients are within their physical bounds, or beyond by chance beside one that is.
 
     A short log knows badly how viscous friction in one direction is: below zero by 2.4 standard errors it hid
     Coulomb friction that was three times as large in that direction. Chance is held at the bound in the end.
     """
     linear = term.law.linear
-    above = any(term.values[p.name] >= p.lower for p in linear)
-    return not linear or (above and within_chance(term, errors))
+    within = any(_beyond(term, p) <= 0.0 for p in linear)
+    return not linear or (within and within_chance(term, errors))
 
 
 def within_chance(term: Term, errors: dict[str, float]) -> bool:
-    """Whether no linear coefficient is below its physical bound by more than chance."""
+    """Whether no linear coefficient is beyond a physical bound by more than chance."""
     return all(
-        term.values[p.name] - p.lower >= -BEYOND_CHANCE * np.nan_to_num(errors[p.name])
-        for p in term.law.linear
+        _beyond(term, p) <= BEYOND_CHANCE * np.nan_to_num(errors[p.name]) for p in term.law.linear
     )
+
+
+def is_within(term: Term) -> bool:
+    """Whether every linear coefficient is within its physical bounds."""
+    return all(_beyond(term, p) <= 0.0 for p in term.law.linear)
+
+
+def _beyond(term: Term, parameter: Parameter) -> float:
+    """By how much a value is beyond its bounds; below zero within them."""
+    value = term.values[parameter.name]
+    return max(parameter.lower - value, value - parameter.upper)
 
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:
@@ -104,6 +117,28 @@ def can_be_resolved(found: Estimate, term: Term, errors: dict[str, float]) -> bo
     told = max((float(x[term.joint]) for x in noise if x is not None), default=0.0)
     doubt = CERTAIN * np.nan_to_num(errors[way.name])
     return bool(term.values[way.name] > max(way.lower + doubt, CERTAIN * told))
+
+
+def can_swing(found: Estimate, term: Term) -> bool:
+    """Whether a fitted transmission with a spring is one: true of every other term.
+
+    Gears and belts are damped far below the critical damping of their link. A fit beyond it has found no
+    swinging link but a lag, and its stiffness and inertia mean nothing on other motion.
+    """
+    law = term.law
+    if not isinstance(law, TransmissionLaw) or law.spring is None or law.gap is not None:
+        return True
+    pi = np.asarray(found.model.robot.parameters).ravel()
+    arm = tilted(found.model.robot, found.model.terms)
+    inertia = np.median(
+        [
+            np.median(np.abs(sensitivity_of(arm, m, term.index, r).inertia(pi)))
+            for m, r in zip(found.motions, found.rigids, strict=True)
+        ]
+    )
+    k, d = law.spring(term.values)
+    ratio = d / (2.0 * np.sqrt(k * inertia))
+    return bool(ratio <= MOST_DAMPING)
 
 
 def unphysical_beside(before: Estimate, after: Estimate, term: Term) -> bool:
