@@ -92,6 +92,17 @@ def test_a_refused_event_is_not_asked_again_and_another_one_is_no_reason(fitted)
     assert Term("contact").identity in search.banned
 
 
+@pytest.mark.parametrize(("changed", "left"), [(0, {1}), (1, {0}), (None, set())])
+def test_what_was_refused_is_asked_again_where_the_model_changed(fitted, changed, left):
+    """A law of the whole arm was refused for what another joint lacked, and never asked again."""
+    found, _ = fitted
+    search = search_of(found)
+    for term in (Term("torque_lag"), Term("joint_spring", 0), Term("joint_spring", 1)):
+        search.refuse(term)
+    search.ask_again(changed)
+    assert {key[1] for key in search.banned} == left
+
+
 def test_rules_that_decided_what_changed_are_told():
     motion = prepare(log_with(), BAND)
     model = diagnose(small_arm(), blank(), [motion]).final.model

@@ -211,8 +211,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         add_further(search, replace(added, values={}), MOST_EVENTS)
     if added.law.mutual:
         add_further(search, Term(added.effect, added.other, added.joint), 1)
-    # What was refused on this joint was refused without the new effect.
-    search.banned = {key for key in search.banned if key[1] != added.joint}
+    search.ask_again(added.joint)
     return True
 
 

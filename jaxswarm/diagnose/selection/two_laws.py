@@ -95,7 +95,7 @@ def _add(search: Search, found: _Pair) -> None:
     search.current = found.after
     search.pairs.add(found.places)
     # What was refused on this joint was refused without them, and every choice was made without them.
-    search.banned = {key for key in search.banned if key[1] != found.scores[0].joint}
+    search.ask_again(found.scores[0].joint)
     search.settled = False
 
 
