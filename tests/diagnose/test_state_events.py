@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from planted import BAND, blank, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.cache import Memory
@@ -31,9 +32,9 @@ def told_as_contacts(extra, count: int) -> Search:
     return told_as([Term("contact")] * count, lambda log: np.stack([0.0 * log.t, extra(log)], 1))
 
 
-def told_as(terms, extra) -> Search:
+def told_as(terms, extra, motion_seed: int = 7) -> Search:
     """As if terms had been added, one after the other, to a log with a further torque (T, 2) [N m]."""
-    log = log_with(duration=LONG)
+    log = log_with(duration=LONG, motion_seed=motion_seed)
     tau = log.tau + extra(log)
     motion = prepare(replace(log, tau=tau), BAND)
     declared = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
@@ -102,3 +103,28 @@ def test_what_a_law_hid_is_asked_again_once_that_is_taken_back():
     assert [s.score.joint for s in search.steps] == [1, 0]
     take_back_stand_ins(search)
     assert not search.steps
+
+
+def direction(log):
+    """Direction of joint 2, (T,)."""
+    return np.tanh(np.gradient(log.q[:, 1], log.t) / 0.01)
+
+
+def by_partner(log):
+    """Friction of joint 2 by the position of joint 1 [N m]."""
+    return np.stack([0.0 * log.t, 3.0 * log.q[:, 0] * direction(log)], 1)
+
+
+def change(log):
+    """Friction of joint 2 that changes at 14 s [N m]."""
+    return np.stack([0.0 * log.t, 1.5 * (log.t > 14.0) * direction(log)], 1)
+
+
+@pytest.mark.parametrize(("extra", "stays"), [(by_partner, False), (change, True)])
+def test_friction_by_the_partner_is_no_friction_that_changed(extra, stays):
+    """A law by the time was kept at 1.4 times the noise, and raised the error of other motion by half."""
+    search = told_as([Term("friction_change", 1)], extra, motion_seed=10)
+    take_back_events(search)
+    assert bool(search.steps) is stays
+    if not stays:
+        assert "no time is needed" in search.refused[0][1]

@@ -86,4 +86,6 @@ class Search:
         A filter of the torque was refused as it raised by chance what a spring explained in the next round, and
         was not asked again: a delay in its place left unseen motion with 5 to 68 times the floor.
         """
-        self.banned = {key for key in self.banned if joint is not None and key[1] not in (None, joint)}
+        self.banned = {
+            key for key in self.banned if joint is not None and key[1] not in (None, joint)
+        }

@@ -1,4 +1,4 @@
-"""Events of a log that are none: where the arm was says as much as when it was."""
+"""Events of a log and laws by the time that are none: where the arm was says as much as when it was."""
 
 from collections.abc import Sequence
 
@@ -45,6 +45,38 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
     return None
 
 
+def time_of_state(search: Search) -> tuple[Step, str] | None:
+    """A law by the time instead of which the arm's motion tells more, and why it is none; None if none is.
+
+    The function of the motion has to hold in regions of states it was not fitted to, to leave less than the law
+    does, and to take over what the law takes: friction by another joint's position was told as friction that
+    changed in the middle of the log, and the error of other motion grew by half.
+    """
+    current = search.current
+    for step in search.steps:
+        term, joint = step.added, step.added.joint
+        held = has(term, current.model.terms)
+        if joint is None or term.law.shown_against != "time" or not held:
+            continue
+        bare = refit(current, without(term, current.model.terms))
+        rest = with_motion_noise(bare, search.seed)
+        left = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
+        if not left or "t" in left[0].depends_on or (left[0].elsewhere or 0.0) < BY_STATE:
+            continue
+        before, by_time = (e.fit.residual[:, joint] for e in (rest, current))
+        taken = before - by_time
+        kept = taken @ _left_by(rest, left[0]) / max(float(taken @ taken), 1e-300)
+        leaves = np.sum(by_time**2) / max(float(np.sum(before**2)), 1e-300)
+        if kept < 1.0 - BY_STATE and 1.0 - left[0].share < leaves:
+            names = " and ".join(left[0].depends_on)
+            return step, (
+                f"takes {100 * (1.0 - leaves):.0f} % off the squared error of "
+                f"{current.model.robot.joints[joint]}, a function of {names} "
+                f"{100 * left[0].share:.0f} %: no time is needed"
+            )
+    return None
+
+
 def _lasts(term: Term) -> bool:
     """Whether a term is an event with a begin and an end."""
     return term.law.in_one_log and {"start", "end"} <= set(term.values)
@@ -57,6 +89,11 @@ def _share_within(rest: Estimate, left: Unexplained, events: Sequence[Term]) -> 
     for event in events:
         within = (regression.t >= event.values["start"]) & (regression.t <= event.values["end"])
         inside |= within & (regression.log == event.values["log"])
-    before = rest.fit.residual[:, joint]
-    after = before - left.smooth - regression.columns[:, joint] @ left.change
+    before, after = rest.fit.residual[:, joint], _left_by(rest, left)
     return 1.0 - float(np.sum(after[inside] ** 2) / max(np.sum(before[inside] ** 2), 1e-300))
+
+
+def _left_by(rest: Estimate, left: Unexplained) -> np.ndarray:
+    """What a smooth function leaves of its joint's residual, (T,)."""
+    columns = rest.regression.columns[:, left.joint]
+    return rest.fit.residual[:, left.joint] - left.smooth - columns @ left.change

@@ -20,7 +20,7 @@ from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.state_events import event_of_state
+from jaxswarm.diagnose.selection.state_events import event_of_state, time_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, find_term
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.effects.alike import has, without
@@ -53,8 +53,8 @@ def take_back_harm(search: Search) -> None:
 
 
 def take_back_events(search: Search) -> None:
-    """Take back events that a function of the arm's motion predicts as well, see :func:`event_of_state`."""
-    _take_back(search, lambda: event_of_state(search), events=True)
+    """Take back events and laws by the time that a function of the arm's motion predicts as well."""
+    _take_back(search, lambda: event_of_state(search) or time_of_state(search), events=True)
 
 
 def take_back_shadows(search: Search) -> None:
