@@ -169,6 +169,11 @@ def test_what_stood_beside_a_law_that_is_gone_gives_way_to_a_plainer_one(case):
     assert changed and [s.added.effect for s in steps] == ["quadratic_drag"]
     assert steps[0].added.values["c"] == pytest.approx(1.5, rel=0.05)
     assert {t.effect for t in found.model.terms if t.joint == 1} >= {"quadratic_drag"}
+    # Another law has taken the place of one that was added before: it is asked no more.
+    gone = replace(bent, added=Term("hysteresis", 1, values={"fc": 1.0, "x0": 0.05}))
+    instead = replace(bent, removed=(gone.added,))
+    steps, _, _ = reconsider([gone, instead, later], both, 60, Rules())
+    assert [s.added.effect for s in steps] == ["hysteresis", "quadratic_drag"]
     alone, _, again = reconsider([bent], bent.after, 60, Rules())
     assert not again and [s.added.effect for s in alone] == ["nonlinear_viscous_friction"]
 

@@ -177,7 +177,7 @@ def _alone(
     told = []
     for step in done:
         found = None
-        if step.added.joint in freed:
+        if step.added.joint in freed and has(step.added, current.model.terms):
             found = plainer(step.added, current, rules, seed, other)
         if found is not None:
             pick, current = found
