@@ -1,6 +1,7 @@
 """A window in which the position says as much as the time is no event; a push stays one."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection import state_events
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
@@ -80,6 +82,17 @@ def test_a_push_stays_one_beside_a_law_of_the_position_that_nobody_knows():
     assert abs(search.steps[0].added.values["start"] - 9.0) < 0.1
     take_back_events(search)
     assert [s.added.effect for s in search.steps] == ["contact"]
+
+
+@pytest.mark.parametrize(("share", "stays"), [(0.83, True), (0.9999, False)])
+def test_an_event_that_leaves_far_less_than_the_positions_do_is_one(monkeypatch, share, stays):
+    """Positions that were reached once told most of a load that was picked up, at 18 times the noise."""
+    search = told_as_contacts(push, 1)
+    told = SimpleNamespace(depends_on=("q_joint1", "q_joint2"), share=share)
+    monkeypatch.setattr(state_events, "find_unexplained", lambda *args: [told])
+    monkeypatch.setattr(state_events, "_share_within", lambda *args: share)
+    take_back_events(search)
+    assert bool(search.steps) is stays
 
 
 def test_laws_that_look_at_the_direction_are_told_from_those_of_the_position_alone():

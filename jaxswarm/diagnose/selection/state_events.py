@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import BY_STATE
+from jaxswarm.diagnose.decision.rules import BY_STATE, FAR_LESS
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -21,7 +21,8 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
 
     What is left without all events of its joint has to follow that function on blocks of the log that it was
     not fitted to, and so have their windows. A cushion at the end of the travel was told as five contacts, each
-    while the arm rested in it.
+    while the arm rested in it. Events that leave far less than that function are what it goes along with: on
+    motion from point to point two positions predicted 83 % of a load that was picked up for half a log.
     """
     current = search.current
     held = current.model.terms
@@ -34,6 +35,9 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
         rest = with_motion_noise(refit(current, terms), search.seed)
         left = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
         if not left or "t" in left[0].depends_on or left[0].share < BY_STATE:
+            continue
+        squares = [float(np.sum(e.fit.residual[:, joint] ** 2)) for e in (current, rest)]
+        if squares[0] < FAR_LESS * (1.0 - left[0].share) * squares[1]:
             continue
         share = _share_within(rest, left[0], [step.added for step in own])
         if share > BY_STATE:
