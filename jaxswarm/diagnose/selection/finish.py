@@ -8,6 +8,7 @@ from jaxswarm.diagnose.selection.clock import settle_clocks
 from jaxswarm.diagnose.selection.from_declared import fit_from_declared
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import settle_signs
+from jaxswarm.diagnose.selection.take_back import take_back_idle
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -19,13 +20,15 @@ def finish(search: Search, alone: Callable[[], Estimate]) -> None:
         search: With everything added.
         alone: Gives the fit of the declared model.
     """
-    if not search.steps and not search.sticking:
-        _as_identified(search, alone())
-        return
-    settle_clocks(search)
-    fit_from_declared(search, alone)
-    settle_signs(search, alone)
-    _hold_within_bounds(search)
+    if search.steps or search.sticking:
+        settle_clocks(search)
+    while search.steps or search.sticking:
+        fit_from_declared(search, alone)
+        settle_signs(search, alone)
+        if not take_back_idle(search):
+            _hold_within_bounds(search)
+            return
+    _as_identified(search, alone())
 
 
 def _as_identified(search: Search, found: Estimate) -> None:
