@@ -10,7 +10,9 @@ from jaxswarm.diagnose.discovery import proof
 from jaxswarm.diagnose.discovery.proof import stays_near
 from jaxswarm.diagnose.discovery.stand_ins import Discovery, bared, without_stand_ins
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.effects.alike import without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 
@@ -52,6 +54,31 @@ def test_a_law_of_the_whole_arm_may_stand_in_for_what_pulls_on_two_joints():
     assert [t.effect for t in bare.withdrawn] == ["base_tilt"] and not bare.kept
     assert "base_tilt" not in {t.effect for t in bare.final.model.terms}
     assert bared(outcome((0.01, 0.02)), 1, whole_arm=True) is None
+
+
+def uneven() -> Diagnosis:
+    """A diagnosis that told the Coulomb friction of a clean log as one that differs by direction."""
+    plain = outcome((0.01, 0.01))
+    model = plain.final.model
+    level = next(t for t in model.terms if (t.effect, t.joint) == ("coulomb_friction", 1))
+    law = Term("asymmetric_friction", 1, values={})
+    final = refit(plain.final, (*without(level, model.terms), law))
+    step = Step(
+        find_term(final, law), SimpleNamespace(joint=1), (), (), plain.final, final, (level,)
+    )
+    return replace(plain, final=final, steps=(step,))
+
+
+def test_a_law_in_place_of_a_declared_one_is_taken_away_and_that_one_comes_back():
+    told = uneven()
+    law = told.final.model.terms[0]
+    found = Discovery(law, None, None, (), (), 0, (), told.declared, told.final)
+    beside, _ = without_stand_ins(told, found, 0)
+    for one in (beside, bared(told, 1)):
+        assert [t.effect for t in one.withdrawn] == ["asymmetric_friction"] and not one.kept
+        assert {t.identity for t in one.final.model.terms} == {
+            t.identity for t in told.declared.model.terms
+        }
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """A found law, and the catalog laws that only stood in for it: what nobody needs beside it is taken back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.step import Step, chain, find_term
-from jaxswarm.effects.alike import without
+from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
@@ -83,8 +84,7 @@ def bared(diagnosis: Diagnosis, joint: int, whole_arm: bool = False) -> Diagnosi
     a tilt of the base to both; None then if there are none of these.
     """
     places = (joint, None) if whole_arm else (joint,)
-    own = [step for step in diagnosis.kept if step.added.joint in places and not step.removed]
-    gone = {step.added.identity for step in own}
+    own = [step for step in diagnosis.kept if step.added.joint in places]
     final = diagnosis.final
     width = _usual_width(final.model, joint)
     if whole_arm:
@@ -92,9 +92,9 @@ def bared(diagnosis: Diagnosis, joint: int, whole_arm: bool = False) -> Diagnosi
             return None
     elif not own and width is None:
         return None
-    terms = final.model.terms
+    terms, steps = final.model.terms, diagnosis.steps
     for step in own:
-        terms = without(step.added, terms)
+        terms, steps = _undone(diagnosis, step, terms, steps)
     if width is None:
         rest = refit(final, terms)
     else:
@@ -103,10 +103,29 @@ def bared(diagnosis: Diagnosis, joint: int, whole_arm: bool = False) -> Diagnosi
     return replace(
         diagnosis,
         final=rest,
-        steps=tuple(chain([s for s in diagnosis.steps if s.added.identity not in gone])),
+        steps=tuple(chain(steps)),
         crossfit=cross_fit(rest),
         withdrawn=(*diagnosis.withdrawn, *(step.added for step in own)),
     )
+
+
+def _undone(
+    diagnosis: Diagnosis, step: Step, terms: tuple[Term, ...], steps: Sequence[Step]
+) -> tuple[tuple[Term, ...], list[Step]]:
+    """A model's terms and its steps without one of these: declared terms that it had replaced come back.
+
+    What was added before and had been replaced by it goes too. Of a damper that holds one way only asymmetric
+    friction had taken the place of the declared Coulomb friction; with the damper's own formula its two levels
+    were one, and it was told beside it.
+    """
+    gone = [step]
+    for one in reversed(diagnosis.steps):
+        if any(has(one.added, s.removed) for s in gone):
+            gone.append(one)
+    declared = diagnosis.declared.model.terms
+    back = [t for s in gone for t in s.removed if has(t, declared) and not has(t, terms)]
+    left = [s for s in steps if all(s is not one for one in gone)]
+    return (*without(step.added, terms), *back), left
 
 
 def _usual_width(model: Model, joint: int) -> tuple[float, ...] | None:
@@ -136,15 +155,13 @@ def without_stand_ins(
     """
     after, steps, gone = found.after, list(diagnosis.steps), []
     for step in diagnosis.kept:
-        if step.removed:
-            continue
-        rest = refit(after, without(step.added, after.model.terms))
+        terms, left = _undone(diagnosis, step, after.model.terms, steps)
+        rest = refit(after, terms)
         lin = Linearization(rest, cross_fit(rest))
         scores = score_terms(lin, [replace(step.added, values={})], seed)
         if any(passes(s, diagnosis.asked, diagnosis.rules) for s in scores):
             continue
-        after = rest
-        steps = [s for s in steps if s is not step]
+        after, steps = rest, left
         gone.append(step.added)
     before = found.before
     if gone:
