@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
+from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.discovery import joint_search, refitted
-from jaxswarm.diagnose.discovery.front import Point
+from jaxswarm.diagnose.discovery.front import Point, point, region_folds
+from jaxswarm.diagnose.discovery.partner import named_partners
 from jaxswarm.diagnose.discovery.pieces import Piece
+from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.rivals import near_ones
 from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.parameter import Parameter
@@ -52,8 +55,8 @@ def asked(monkeypatch, leaves: dict, points: list[Point]) -> list[tuple]:
     monkeypatch.setattr(refitted, "without", lambda term, terms: terms)
     monkeypatch.setattr(refitted, "as_term", lambda problem, formula: formula.programs[0])
     after = model_that_leaves(leaves[points[0].formula.programs[0]])
-    told = refitted.shorter_refitted(None, points[0], points[1:], after, None)
-    return [p.formula.programs[0] for p in told]
+    fits = refitted.alike_refitted(None, points[0], points[1:], after, None)
+    return [p.formula.programs[0] for p in refitted.shorter(fits)]
 
 
 @pytest.mark.parametrize(
@@ -98,11 +101,39 @@ def test_it_has_to_prove_itself_as_the_first_did(monkeypatch, proved):
     sine, hinge = point_of(SINE, 8e-4, 43.0), point_of(HINGE, 9e-4, 38.0)
     first, second = ("first", None, model_that_leaves(1.0)), ("second", None, None)
     monkeypatch.setattr(joint_search, "find_term", lambda after, term: term)
-    monkeypatch.setattr(joint_search, "shorter_refitted", lambda *given: [hinge])
+    monkeypatch.setattr(joint_search, "alike_refitted", lambda *given: [])
+    monkeypatch.setattr(joint_search, "shorter", lambda fits: [hinge])
     monkeypatch.setattr(joint_search, "prove", lambda *given: second if proved else "it harms")
-    given = (None, None, None, sine, [sine, hinge], 10, ())
+    now = SimpleNamespace(final=None)
+    given = (now, SimpleNamespace(joint=0), None, sine, [sine, hinge], 10, ())
     told = joint_search._refitted(*given, first)
     assert told == ((hinge, second) if proved else (sine, first))
+
+
+@pytest.mark.parametrize(("worst", "told"), [(0.5, ["hinge"]), (0.99, []), (1.5, [])])
+def test_what_fits_alike_is_told_apart_by_other_motion(monkeypatch, worst, told):
+    """The best on every other log, though the first says more of the one that was fitted."""
+    left = {"sine": 1.0, "hinge": worst, "lever": 2.0}
+    monkeypatch.setattr(refitted, "left_elsewhere", lambda fit, *given: left[fit])
+    fits = [(name, name) for name in left]
+    assert refitted.better_elsewhere(fits, None, 0, ["another log"]) == told
+    assert refitted.better_elsewhere(fits, None, 0, ()) == []
+
+
+def test_a_temperature_is_asked_where_time_is_named_and_time_costs_more_beside_it():
+    assert named_partners(0, ("t",), ("a", "b")) == [(None, ["t", "temperature"])]
+    hot = log_with()
+    heat = np.repeat((20.0 + 30.0 * -np.expm1(-hot.t / 4.0))[:, None], 2, axis=1)
+    warm = replace(hot, channels={**hot.channels, "temperature": heat})
+    told = []
+    for log in (hot, warm):
+        fit, folds = declared_fit(log)
+        wanted = ["t", "temperature"]
+        problem = joint_problem(Linearization(fit, folds), 1, None, wanted)
+        formula = Sum((Piece(("t", "dq", "*")),), {})
+        whole = region_folds(folds.whole, folds.block)
+        told.append(point(problem, formula, whole).bits)
+    assert told[1] > told[0]
 
 
 def test_a_law_is_searched_again_with_the_load_of_the_model_that_it_led_to():

@@ -19,8 +19,8 @@ from jaxswarm.effects.postfix import evaluate, fields_of
 
 # Of unit size: a buffer from one side, a spring with play, a magnet whose tails are powers, an eddy-current
 # brake, a shoe that engages beyond a speed, belts to the partner, a rubber ball, a spring between two points, a
-# cable between them that hangs slack, dipoles and poles of the inverse square that pass on a lever, and a cam
-# that lifts from one side.
+# cable between them that hangs slack, dipoles and poles of the inverse square that pass on a lever, a cam
+# that lifts from one side, and a tendon that stiffens to either side.
 MECHANISMS = {
     "buffer": lambda q, dq, other: np.maximum(q - 0.1, 0.0) ** 2,
     "play": lambda q, dq, other: q - 0.1 - np.clip(q - 0.1, -0.15, 0.15),
@@ -40,6 +40,7 @@ MECHANISMS = {
     ),
     "poles on a lever": lambda q, dq, other: np.sin(q - 0.1) / (1.05 - np.cos(q - 0.1)) ** 1.5,
     "cam": lambda q, dq, other: np.maximum(np.sin(other - 0.1), 0.0),
+    "tendon": lambda q, dq, other: np.sinh((q - 0.1) / 0.25),
     "spring on a lever": lambda q, dq, other: np.sin(q + 0.7) / np.sqrt(1.3 - np.cos(q + 0.7)),
 }
 EXPLODING = {
@@ -79,6 +80,22 @@ def test_a_program_says_what_a_mechanism_does(name):
     hidden = fold.free_part(joint.lin.on_joint(truth[:, None], 1))[:, :, 0]
     best = screen(joint, replace(fold, residual=hidden), simple())[0]
     assert best.share > 0.995, best.piece.program
+
+
+def test_a_tendon_goes_on_behind_the_range_as_it_began():
+    joint = problem()
+    fold = joint.lin.crossfit.whole
+    truth = MECHANISMS["tendon"]
+    torque = truth(joint.data["q"], 0.0, 0.0)
+    hidden = fold.free_part(joint.lin.on_joint(torque[:, None], 1))[:, :, 0]
+    best = screen(joint, replace(fold, residual=hidden), simple())[0]
+    ends = np.quantile(joint.data["q"], (0.01, 0.99))
+    beyond = ends + np.array([-0.3, 0.3])
+    said = [
+        evaluate(best.piece.program, {"q": q, "q_other": 0.0, **best.values}, np)
+        for q in (ends, beyond)
+    ]
+    assert said[1] / said[0] == pytest.approx(truth(beyond, 0, 0) / truth(ends, 0, 0), rel=0.05)
 
 
 @pytest.mark.parametrize("name", [*EXPLODING, *CALM])

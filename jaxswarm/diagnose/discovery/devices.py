@@ -14,6 +14,7 @@ from jaxswarm.diagnose.discovery.pieces import (
     center,
     hinges,
     order,
+    rate,
     scale,
     width,
 )
@@ -39,7 +40,10 @@ def of_devices(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
     A ball or a rubber that is pressed holds by the power 3/2 (H. Hertz, 1881). A spring between two points has
     the length of a triangle's side, and a cable pulls from its free length on. The wells of magnets have the
     tails of a power law, poles that of the inverse square and dipoles two powers more; several poles repeat
-    every so many parts of a turn.
+    every so many parts of a turn. Tendons stiffen by an exponential of their stretch (Y. C. Fung,
+    American Journal of Physiology 213 (1967)), on either side of where they hang loose: of one without that
+    form three waves of a turn left no more in its range, and 19 times the error of the true law 0.2 rad
+    behind it.
     """
     for hinge in hinges((*x, "c", "-")):
         yield Piece((*hinge, "square"), (center(r, u),))
@@ -52,6 +56,9 @@ def of_devices(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
         for turned in ((*x, "c", "-"), (*x, "c", "-", "2", "*")):
             for program in _poles(turned):
                 yield Piece(program, (center(r, u), _LENGTH), named=True)
+    both = (*x, "c", "-", "k", "*")
+    table = (center(r, u), rate(_half(r), u))
+    yield Piece((*both, "exp", *both, "neg", "exp", "-"), table, named=True)
     near = (*x, "c", "-", "s", "/")
     yield Piece((*near, *near, "sat", "-"), (center(r, u), width(r, u)))
     table = (center(r, u), width(r, u))
@@ -82,6 +89,10 @@ def of_ratio(r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
     for hinge in hinges((*x, "c", "-")):
         yield Piece(hinge, (_RATIO, center(r, u)))
         yield Piece((*hinge, "square"), (_RATIO, center(r, u)))
+
+
+def _half(r: Range) -> Range:
+    return Range(0.5 * r.low, 0.5 * r.high, 0.5 * r.most)
 
 
 def _lever(turned: Program) -> Program:

@@ -15,7 +15,7 @@ from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.sums import Sum, polished, said
 from jaxswarm.diagnose.discovery.symmetry import Symmetry, symmetry_of
 from jaxswarm.diagnose.folds.partial_out import Fold
-from jaxswarm.effects.postfix import WORDS
+from jaxswarm.effects.postfix import WORDS, fields_of
 from jaxswarm.identify.estimation.covariance import correlation_length
 
 # Bits of a token, and of a form without a symmetry that physics knows: what two tokens cost.
@@ -65,6 +65,9 @@ def point(problem: Joint, formula: Sum, folds: Sequence[tuple[Fold, np.ndarray]]
     symmetry = symmetry_of(problem, formula)
     bits = _TOKEN * sum(one.tokens for one in formula.pieces)
     bits += 0.0 if symmetry.known else _ODD_FORM
+    # Nothing goes by the time since a log began where it may as well go by what was measured.
+    timed = any("t" in fields_of(p) for p in formula.programs)
+    bits += _ODD_FORM if timed and "temperature" in problem.data else 0.0
     return Point(formula, error, bits, left, symmetry)
 
 

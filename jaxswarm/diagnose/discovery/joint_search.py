@@ -26,7 +26,12 @@ from jaxswarm.diagnose.discovery.proof import (
     parts_held_out,
     prove,
 )
-from jaxswarm.diagnose.discovery.refitted import descriptions, shorter_refitted
+from jaxswarm.diagnose.discovery.refitted import (
+    alike_refitted,
+    better_elsewhere,
+    descriptions,
+    shorter,
+)
 from jaxswarm.diagnose.discovery.rivals import fit_alike
 from jaxswarm.diagnose.discovery.seen_again import (
     alike_in_form,
@@ -213,9 +218,14 @@ def _refitted(
     other: Sequence[Motion],
     outcome: Proved,
 ) -> tuple[Point, Proved]:
-    """Of formulas that fit alike and prove themselves the one that says most of the log with all refitted."""
+    """Of formulas that fit alike and prove themselves the one that other motion speaks for.
+
+    Without other logs, or where they do not tell, it is the one that says most of the log with all refitted.
+    """
     term, _, after = outcome
-    for point in shorter_refitted(problem, one, points, after, find_term(after, term)):
+    fits = alike_refitted(problem, one, points, after, find_term(after, term))
+    told = better_elsewhere(fits, diagnosis.final, left.joint, other)
+    for point in told or shorter(fits):
         proved = prove(diagnosis, left, problem, point, tried, other)
         if not isinstance(proved, str):
             return point, proved

@@ -22,12 +22,16 @@ _NEIGHBORS = 2
 def named_partners(joint: int, depends_on: Sequence[str], joints: Sequence[str]) -> list[Variables]:
     """Partners and further fields, as what a residual depends on names them: one search each.
 
+    A motor warms up with time, so that one log names either: where time is named its temperature is asked, too.
+
     >>> named_partners(0, ("q_elbow", "t"), ("shoulder", "elbow"))
-    [(1, ['t'])]
+    [(1, ['t', 'temperature'])]
     """
     own = joints[joint]
     named = [name.split("_", 1) if "_" in name else [name, own] for name in depends_on]
     wanted = [quantity for quantity, _ in named if quantity in ("t", "temperature")]
+    if "t" in wanted and "temperature" not in wanted:
+        wanted.append("temperature")
     partners = dict.fromkeys(joints.index(place) for _, place in named if place != own)
     return [(partner, wanted) for partner in partners] or [(None, wanted)]
 

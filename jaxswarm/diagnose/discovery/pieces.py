@@ -91,7 +91,8 @@ def order(x: Range, unit: Unit) -> Parameter:
     return Parameter("k", text, low, high, False, 0.5 * (low + high), "order", "linear")
 
 
-def _rate(x: Range, unit: Unit) -> Parameter:
+def rate(x: Range, unit: Unit) -> Parameter:
+    """The rate of an exponential growth."""
     low, high = (part / (x.high - x.low) for part in _GROWTH)
     return Parameter(
         "k", unit_text(over({}, unit)), low, high, False, _mid(low, high), "rate", "log"
@@ -121,8 +122,8 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
     yield Piece((*x, "c", "-", "s", "/", "sat"), (center(r, u), width(r, u)))
     yield Piece((*x, "c", "-", "abs"), (center(r, u),))
     yield Piece((*x, "c", "-", "cube"), (center(r, u),))
-    yield Piece((*x, "k", "*", "exp"), (_rate(r, u),))
-    yield Piece((*x, "k", "*", "neg", "exp"), (_rate(r, u),))
+    yield Piece((*x, "k", "*", "exp"), (rate(r, u),))
+    yield Piece((*x, "k", "*", "neg", "exp"), (rate(r, u),))
     yield from (Piece(one, (center(r, u),)) for one in hinges((*x, "c", "-")))
     if angle:  # what a lever bends or presses, from one side only
         yield from (Piece(one, (center(r, u),)) for one in hinges((*x, "c", "-", "sin")))
@@ -177,7 +178,7 @@ def of_product(x: Program, r: Range, u: Unit) -> Iterator[Piece]:
     yield Piece((*x, "abs"))
     yield Piece((*x, "s", "/", "square", "neg", "exp"), (scale(r, u),))
     yield Piece((*x, "abs", "s", "/", "neg", "exp"), (scale(r, u),))
-    yield Piece((*x, "k", "*", "exp"), (_rate(r, u),))
+    yield Piece((*x, "k", "*", "exp"), (rate(r, u),))
 
 
 def product(*pieces: Piece) -> Piece:

@@ -10,16 +10,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.rules import GAIN
 from jaxswarm.diagnose.discovery.as_term import as_term
 from jaxswarm.diagnose.discovery.front import Point
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.rivals import near_ones
 from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.effects.alike import without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.logs.motion import Motion
 
 # Formulas that are refitted beside the chosen one.
 _REFITTED = 4
@@ -27,10 +30,10 @@ _REFITTED = 4
 _SAME = 1e-6
 
 
-def shorter_refitted(
+def alike_refitted(
     problem: Joint, one: Point, points: Sequence[Point], after: Estimate, term: Term
-) -> list[Point]:
-    """Formulas that fit like a proved one and describe the log in fewer bits with all refitted, the best first.
+) -> list[tuple[Point, Estimate]]:
+    """A proved formula and those that fit like it, each with the model that it leads to, the best first.
 
     Args:
         problem: The joint.
@@ -50,9 +53,32 @@ def shorter_refitted(
             fits.append((point, refit(after, (*kept, as_term(problem, point.formula)))))
         except Diverged:
             continue
-    lengths = {id(p): bits for (p, _), bits in zip(fits, descriptions(fits), strict=True)}
-    better = [p for p in told if lengths.get(id(p), np.inf) < lengths[id(one)]]
-    return sorted(better, key=lambda p: lengths[id(p)])
+    return fits
+
+
+def shorter(fits: Sequence[tuple[Point, Estimate]]) -> list[Point]:
+    """Those that describe the log in fewer bits than the first, with all refitted, the best first."""
+    lengths = descriptions(fits)
+    better = [k for k in range(1, len(fits)) if lengths[k] < lengths[0]]
+    return [fits[k][0] for k in sorted(better, key=lambda k: lengths[k])]
+
+
+def better_elsewhere(
+    fits: Sequence[tuple[Point, Estimate]],
+    before: Estimate,
+    joint: int,
+    other: Sequence[Motion],
+) -> list[Point]:
+    """Those that leave clearly less than the first on the worst other log, the best first.
+
+    Forms that say the same in the range of one log part behind it: of friction that falls with the motor's
+    temperature a decay by time left as little on a log, and 25 times the true law's error on another one.
+    """
+    if len(fits) < 2 or not other:
+        return []
+    left = [left_elsewhere(fit, before, joint, other) for _, fit in fits]
+    better = [k for k in range(1, len(fits)) if left[k] <= GAIN * left[0]]
+    return [fits[k][0] for k in sorted(better, key=lambda k: left[k])]
 
 
 def descriptions(fits: Sequence[tuple[Point, Estimate]]) -> list[float]:

@@ -92,7 +92,7 @@ def bared(diagnosis: Diagnosis, joint: int, whole_arm: bool = False) -> Diagnosi
             return None
     elif not own and width is None:
         return None
-    terms, steps = final.model.terms, diagnosis.steps
+    terms, steps = final.model.terms, list(diagnosis.steps)
     for step in own:
         terms, steps = _undone(diagnosis, step, terms, steps)
     if width is None:
