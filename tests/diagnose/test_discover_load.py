@@ -105,3 +105,13 @@ def test_without_a_region_the_load_is_that_of_the_model_fitted_without_it(plante
     told = fitted_together(problem, fitted.programs, (), fitted.values, fold)
     for name, load in loads.items():
         assert np.std(told.loads[name] - load) < 0.1 * np.std(problem.data[name] - load)
+
+
+@pytest.mark.parametrize(("part", "varies"), [(4e-9, False), (1e-2, True)])
+def test_a_load_that_stands_still_but_for_digits_is_no_variable(part, varies):
+    """A weight on a slide: of a drag by the square of the speed it made one times that weight."""
+    lin = Linearization(*declared_fit(log_with()))
+    (load,) = lin.loads
+    still = -16.9 * (1.0 + part * np.sin(np.arange(len(load.static))))
+    lin.loads = [load._replace(static=np.repeat(still[:, None], 2, axis=1))]
+    assert ("static_load" in joint_problem(lin, 1, None).data) is varies

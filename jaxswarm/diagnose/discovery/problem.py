@@ -21,6 +21,9 @@ _ROWS = 800
 # Variables that the parameters of the arm move, rows of which columns are made at a time, and folds whose part
 # in them is kept.
 LOADS, _BLOCK, _FOLDS = ("load", "static_load"), 4096, 16
+# A load that varies by less than this part of itself is a constant: a factor of it says nothing that could be
+# told, unless the law is a thousand times the noise.
+_STILL_LOAD = 1e-3
 # A column whose free part is below this share of its square is one that the model holds already.
 OWN = 1e-3
 
@@ -166,13 +169,23 @@ def joint_problem(
         own["direction"] = motion.decimator.apply(series["direction"])
         parts.append(own)
     data = {name: np.concatenate([part[name] for part in parts]) for name in fields}
-    data = {name: x for name, x in data.items() if np.ptp(x) > 1e-9 and np.isfinite(x).all()}
+    data = {name: x for name, x in data.items() if np.isfinite(x).all() and _varies(name, x)}
     used = np.flatnonzero(lin.crossfit.weight.any(axis=1))
     rows = np.zeros(len(lin.crossfit.weight), bool)
     rows[used[:: max(1, -(-len(used) // _ROWS))]] = True
     kinds = lin.found.model.robot.kinds
     units = field_units(kinds[joint], None if other is None else kinds[other])
     return Joint(joint, other, data, units, lin, rows)
+
+
+def _varies(name: str, x: np.ndarray) -> bool:
+    """Whether a variable is none that stands still; of a load, but for the digits of the arm's description.
+
+    The weight on the slide of an arm whose axis was turned by 3.14159265 varied by 4e-9 of itself, and a drag
+    by the square of the speed was told as one times that weight, the same to 1e-9 of the noise.
+    """
+    still = _STILL_LOAD * np.abs(x).max() if name in LOADS else 0.0
+    return float(np.ptp(x)) > max(1e-9, still)
 
 
 def share_of(column: jax.Array, searched: SearchRows) -> jax.Array:

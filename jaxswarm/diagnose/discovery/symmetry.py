@@ -22,7 +22,7 @@ class Symmetry(NamedTuple):
 
     Attributes:
         kinds: Of every term ``potential force``, ``friction``, ``inertial``, ``coupling``, ``changing with
-            time`` or ``mixed``, each once.
+            time``, ``changing with the temperature`` or ``mixed``, each once.
         parity: ``odd``, ``even`` or ``neither``: under reversal of the joint's velocity.
         driving: Share of the moving samples in which the terms called friction drive the joint instead of
             braking it; None where there are none.
@@ -92,8 +92,10 @@ def _parity(here: np.ndarray, there: np.ndarray) -> str:
 
 def _kind(program: Program, parity: str) -> str:
     fields = set(fields_of(program))
-    if fields & {"t", "temperature"}:
+    if "t" in fields:
         return "changing with time"
+    if "temperature" in fields:
+        return "changing with the temperature"
     if fields == {"q"}:
         return POTENTIAL
     if parity == "odd" and not fields & {"ddq", "ddq_other"}:
