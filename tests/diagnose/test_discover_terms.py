@@ -16,7 +16,7 @@ from jaxswarm.diagnose.discovery.joint_search import NoFormula
 from jaxswarm.diagnose.discovery.open_joints import Open
 from jaxswarm.diagnose.discovery.pieces import Piece, Range, numbered, scale
 from jaxswarm.diagnose.discovery.problem import joint_problem
-from jaxswarm.diagnose.discovery.sums import Sum, without_term
+from jaxswarm.diagnose.discovery.sums import Sum, without_idle, without_term
 from jaxswarm.diagnose.folds.other_motion import regions
 
 BRAKE = Piece(("q", "sin", "dq", "*"))
@@ -40,6 +40,19 @@ def lacking():
     whole = replace(crossfit.whole, residual=crossfit.whole.free_part(torque)[:, :, 0])
     lin = Linearization(found, replace(crossfit, whole=whole))
     return joint_problem(lin, 1, None), region_folds(whole, regions(found))
+
+
+def test_a_factor_that_never_changes_is_left_out():
+    """A sign of a load that lies far on one side; of one that goes through zero it stays."""
+    found, crossfit = fit()
+    plain = joint_problem(Linearization(found, crossfit), 1, None)
+    drag = ("dq", "square")
+    signed = Piece((*drag, "load", "s", "/", "tanh", "*"), (scale(Range(-1.0, 1.0, 1.0), {}),))
+    for load, program in ((plain.data["load"] - 1e4, drag), (plain.data["load"], signed.program)):
+        problem = replace(plain, data={**plain.data, "load": load})
+        told = without_idle(problem, Sum((signed, CUBE), {"s": 0.5}))
+        assert told.programs == (program, CUBE.program)
+        assert set(told.values) == {p.name for p in told.constants}
 
 
 def test_a_term_is_left_out_with_its_own_constants():

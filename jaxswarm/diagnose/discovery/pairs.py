@@ -17,7 +17,7 @@ from jaxswarm.diagnose.discovery.on_host import columns_at
 from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import OWN, Joint, SearchRows
 from jaxswarm.diagnose.discovery.screening import Trial, surveyed, values_at
-from jaxswarm.diagnose.discovery.sums import joined, polished
+from jaxswarm.diagnose.discovery.sums import joined, polished, without_idle
 from jaxswarm.diagnose.discovery.term_more import believed
 
 # Columns of which all pairs are looked at, those that take most off alone: three seconds of a core.
@@ -48,7 +48,8 @@ def pairs(problem: Joint, pieces: Sequence[Piece], folds: Sequence) -> tuple[lis
         if own in done:
             continue
         formula = joined(joined(None, trials[one][1]), trials[two][1])
-        done[own] = point(problem, polished(problem, formula, whole), folds)
+        formula = without_idle(problem, polished(problem, formula, whole))
+        done[own] = point(problem, formula, folds)
         if len(done) == _REFINED:
             break
     found = [p for p in done.values() if np.isfinite(p.error) and believed(problem, p)]

@@ -9,7 +9,7 @@ from jaxswarm.diagnose.discovery.pieces import Piece
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.reach import tame
 from jaxswarm.diagnose.discovery.screening import screen
-from jaxswarm.diagnose.discovery.sums import Sum, joined, polished
+from jaxswarm.diagnose.discovery.sums import Sum, joined, polished, without_idle
 
 # Programs of which a term more is tried.
 _TRIED = 30
@@ -51,7 +51,7 @@ def one_more(
         fold = whole.with_columns(problem.columns(lead.programs, lead.values))
     trials = [t for t in screen(problem, fold, pieces, seed) if t.share > 0.0]
     sums = [polished(problem, joined(lead, trial), whole) for trial in trials[:tried]]
-    done = [point(problem, formula, folds) for formula in sums]
+    done = [point(problem, without_idle(problem, formula), folds) for formula in sums]
     return [p for p in done if np.isfinite(p.error) and (wild or believed(problem, p))]
 
 
