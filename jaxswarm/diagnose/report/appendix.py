@@ -9,9 +9,9 @@ from jaxswarm.diagnose.report.text import grouped, log_notes, taken_out
 
 
 def not_added(result: dict) -> str:
-    """Candidates that did not survive, effects taken back, and those that came nearest."""
+    """Candidates that were not kept, effects taken back, and those that came nearest."""
     parts = []
-    lost = table(grids.refused(result), "candidates that did not survive on other motion")
+    lost = table(grids.refused(result), "candidates that were found and not kept")
     if lost:
         parts += [text("h2", "Did not survive on other motion"), lost]
     if result["removed"]:

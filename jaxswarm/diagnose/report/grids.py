@@ -197,9 +197,9 @@ def not_added(result: dict) -> Grid:
 
 
 def refused(result: dict) -> Grid:
-    """Candidates that explained the fitted log and did not survive on other motion."""
+    """Candidates that explained the fitted log and were not kept, and why."""
     rows = [(where(s), s["because"]) for s in result.get("refused", ())]
-    return Grid(("candidate", "did not survive on other motion because it"), rows)
+    return Grid(("candidate", "was found and not kept because it"), rows)
 
 
 def rivals(effect: dict) -> Grid:

@@ -140,7 +140,7 @@ def _error(outcome: Outcome) -> dict:
 
 
 def _refusals(diagnosis: Diagnosis, rules: Rules, joints: tuple[str, ...]) -> dict:
-    """What did not survive, and the candidates that came nearest without being added."""
+    """What was not kept, and the candidates that came nearest without being added."""
     rejected = [
         {
             **place(s.candidate.term, joints),

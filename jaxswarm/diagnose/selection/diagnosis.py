@@ -27,7 +27,7 @@ class Diagnosis:
         withdrawn: What was added and later exchanged or dropped, with all effects in place.
         ended: Whether the search ended by its number of rounds, and more might be added.
         rules: Thresholds that decided.
-        refused: What would have been added but did not survive on other motion, and why.
+        refused: What was found and not kept, and why.
         spent: The budget that ended the search; None: it came to its own end.
     """
 
