@@ -145,7 +145,7 @@ OTHER_FORMS = [
     (SPRING, lambda log: 2.0 * np.exp(_position(log) / 0.4)),
     (DRAG, lambda log: 3.0 * _velocity(log) * np.sin(0.9 * np.abs(_velocity(log))) ** 4),
     (COUPLING, lambda log: 3.0 * np.sin(2.5 * _velocity(log, 0))),
-    (LOAD, lambda log: 16.0 * _by_load(log) * np.abs(_by_load(log))),
+    (LOAD, lambda log: 6.0 * _by_load(log) * np.abs(_by_load(log))),
 ]
 
 
