@@ -8,12 +8,19 @@ import pytest
 from planted import BAND, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection import with_rest as with_rest_module
+from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import _may_be_friction
 from jaxswarm.diagnose.selection.tenable import can_be_resolved
+from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation import estimate as estimate_module
@@ -145,6 +152,26 @@ def test_rest_that_a_missing_law_tells_is_fitted_once_it_is_found(monkeypatch, l
     rest = standing(motions)[0]
     assert found.final.regression.used_rows[rest].any() == (level == 0.0)
     assert bool(held_shares(found.final.motions)) == (level > 0.0)
+
+
+@pytest.mark.parametrize("near", [True, False])
+def test_rest_may_be_all_that_was_missing(monkeypatch, near):
+    """A slide that creeps at rest tells the width of its sign there: else 3.4 times the noise was left."""
+
+    def searched(held):
+        found = with_motion_noise(fitted(stopping(0.0), held))
+        search = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+        search.crossfit = cross_fit(found)
+        return search
+
+    motion = fitted(stopping(0.0)).motions[0]
+    out = leave_out([motion], standing([motion]), np.ones(2, bool))
+    first, second = searched(True), searched(False)
+    first.current = replace(first.current, motions=tuple(out))
+    size = {id(first.current): 3.4, id(second.current): 0.3 if near else 3.4}
+    monkeypatch.setattr(with_rest_module, "over_noise", lambda found: np.array([size[id(found)]]))
+    told = with_rest(first, [motion], lambda motions, most: second)
+    assert told is (second if near else first)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,8 @@ What a model leaves at rest is taken for dry friction's before anything is added
 (:mod:`jaxswarm.identify.estimation.standing`). A law of the position that is missing looks the same there, and
 rest is where it is seen best: on a cycle of four points two of five joints were taken for held, and a wrong
 reading of one of them was told as two others, beside which the error on other motion grew three times. With the
-rest it was named, and all was left within its noise.
+rest it was named, and all was left within its noise. Nor need any law be missing: of a clean arm a slide creeps
+at rest, by a sign whose width motion alone does not tell, and was left at 3.4 times its noise; with it at 0.3.
 """
 
 from collections.abc import Callable, Sequence
@@ -44,7 +45,7 @@ def with_rest(
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]
     # A model that is far from the noise in motion gets there by what rest shows, or not at all.
     again = searched(every, _MORE_ROUNDS + (0 if loud else len(search.steps)))
-    if again.ended or again.budget.spent or again.sticking or not again.steps:
+    if again.ended or again.budget.spent or again.sticking:
         return search
     near = over_noise(again.current).max() <= NEAR
     left = again.current.fit.residual
