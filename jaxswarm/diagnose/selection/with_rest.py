@@ -45,7 +45,8 @@ def with_rest(
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]
     # A model that is far from the noise in motion gets there by what rest shows, or not at all.
     again = searched(every, _MORE_ROUNDS + (0 if loud else len(search.steps)))
-    if again.ended or again.budget.spent or again.sticking:
+    nothing = not again.steps and not loud  # what was near with something added lacked it
+    if again.ended or again.budget.spent or again.sticking or nothing:
         return search
     near = over_noise(again.current).max() <= NEAR
     left = again.current.fit.residual
