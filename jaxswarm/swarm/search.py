@@ -98,8 +98,6 @@ def the_loop(
 ) -> Loop:
     """Check and collect what a search depends on besides numbers; room is made for its program."""
     room_for_programs()
-    if not callable(fn):
-        raise InputError(f"fn={fn!r} must be a function of (params, args).")
     check_takes(fn, *(("key",) if noisy else ()), "params", "args")
     if record is not None:
         check_takes(record, "state", "info", what="record")

@@ -4,11 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import (
-    IN_PLACE,
-    NEEDED,
-    WITHIN_BOUNDS,
-)
+from jaxswarm.diagnose.decision.rules import IN_PLACE, NEEDED, WITHIN_BOUNDS
 from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.selection.tenable import (
@@ -112,6 +108,12 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
 def left_on(found: Estimate, joint: int | slice, weight: np.ndarray) -> float:
     """Squared error of a joint, or of several, by the weights of the rows (T, n)."""
     return float(np.square(found.fit.residual * weight)[:, joint].sum())
+
+
+def share_left(current: Estimate, rest: Estimate) -> np.ndarray:
+    """Shares (n,) of the squared errors without an addition that are left with it."""
+    with_it, bare = (np.square(e.fit.residual).sum(axis=0) for e in (current, rest))
+    return with_it / np.maximum(bare, 1e-300)
 
 
 def _holds(after: Estimate, term: Term, fall: float) -> bool:

@@ -86,6 +86,6 @@ class Search:
         A filter of the torque was refused as it raised by chance what a spring explained in the next round, and
         was not asked again: a delay in its place left unseen motion with 5 to 68 times the floor.
         """
-        self.banned = {
-            key for key in self.banned if joint is not None and key[1] not in (None, joint)
-        }
+        if joint is None:
+            self.banned = set()
+        self.banned = {key for key in self.banned if key[1] not in (None, joint)}

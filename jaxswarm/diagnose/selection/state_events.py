@@ -8,7 +8,7 @@ from jaxswarm.diagnose.decision.rules import BY_STATE, FAR_LESS
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import refit, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.alike import has, without
@@ -36,8 +36,7 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
         left = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
         if not left or "t" in left[0].depends_on or left[0].share < BY_STATE:
             continue
-        squares = [float(np.sum(e.fit.residual[:, joint] ** 2)) for e in (current, rest)]
-        if squares[0] < FAR_LESS * (1.0 - left[0].share) * squares[1]:
+        if share_left(current, rest)[joint] < FAR_LESS * (1.0 - left[0].share):
             continue
         share = _share_within(rest, left[0], [step.added for step in own])
         if share > BY_STATE:
@@ -70,7 +69,7 @@ def time_of_state(search: Search) -> tuple[Step, str] | None:
         before, by_time = (e.fit.residual[:, joint] for e in (rest, current))
         taken = before - by_time
         kept = taken @ _left_by(rest, left[0]) / max(float(taken @ taken), 1e-300)
-        leaves = np.sum(by_time**2) / max(float(np.sum(before**2)), 1e-300)
+        leaves = share_left(current, rest)[joint]
         if kept < 1.0 - BY_STATE and 1.0 - left[0].share < leaves:
             names = " and ".join(left[0].depends_on)
             return step, (

@@ -18,7 +18,7 @@ from jaxswarm.diagnose.decision.rules import (
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import refit, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.state_events import event_of_state, time_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, with_errors
@@ -143,12 +143,6 @@ def _without(current: Estimate, step: Step) -> Estimate:
     return refit(current, without(step.added, current.model.terms))
 
 
-def _leaves(current: Estimate, rest: Estimate) -> np.ndarray:
-    """Shares (n,) of the squared errors without an addition that are left with it."""
-    with_it, bare = (np.square(e.fit.residual).sum(axis=0) for e in (current, rest))
-    return with_it / np.maximum(bare, 1e-300)
-
-
 def _over_noise(current: Estimate) -> np.ndarray:
     """What is left on every joint over its noise, (n,)."""
     return current.fit.sigma / noise_of(current)
@@ -178,7 +172,7 @@ def _shadow(search: Search) -> tuple[Step, str] | None:
         far = [j for j in acts if j is not None and left[j] > NEAR]
         if law.in_one_log or law.everyday or not far:
             continue
-        leaves = _leaves(current, _without(current, step))
+        leaves = share_left(current, _without(current, step))
         for j in far:
             lost = left[j] > LOST and not law.several
             told.append((1.0 - leaves[j], LOST_SHARE if lost else search.rules.share, j, step))
@@ -204,7 +198,7 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
             continue
         if left[joint] * np.sqrt(share) < NEAR:
             continue
-        if _leaves(current, _without(current, step))[joint] > OF_TAKEN**2:
+        if share_left(current, _without(current, step))[joint] > OF_TAKEN**2:
             told.append((share, joint, step))
     if not told:
         return None
@@ -224,7 +218,7 @@ def _poor(search: Search) -> tuple[Step, str] | None:
         if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:
             continue
         rest = _without(current, step)
-        leaves = _leaves(current, rest)[joint]
+        leaves = share_left(current, rest)[joint]
         if leaves < A_THIRD:
             continue
         smooth = find_unexplained(rest, cross_fit(rest), search.seed, [joint])

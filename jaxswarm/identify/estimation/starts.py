@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxswarm.decomposition import lstsq
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.lattice import lattice_of, ordered, seen_of
+from jaxswarm.effects.lattice import lattice_of, ordered, points_of, seen_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.least_squares import solved
 from jaxswarm.identify.estimation.sign_width import best_widths
@@ -82,7 +82,7 @@ def _placed(
     left = fit.residual[:, joint] / fit.sigma[joint]
     used = regression.used_rows[:, joint]
     names = [p.name for p in ordered(law)]
-    dims, points = len(names), law.grid_size or 1
+    dims, points = len(names), points_of(law)
     low, span = seen_of(law, [m.q[:, joint] for m in motions], dims)
     best, values = -1.0, {}
     for point in lattice_of(dims, points, (points, dims))[0]:
