@@ -16,6 +16,7 @@ from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import with_rest as with_rest_module
 from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import _may_be_friction
@@ -226,6 +227,18 @@ def test_a_joint_that_sticks_for_moments_is_fitted_where_it_moves(seed):
 def test_what_holds_a_joint_is_no_more_than_its_friction():
     found = diagnose(small_arm(), blank(), [prepare(sticking(level=15.0), BAND)])
     assert held_shares(found.final.motions) == {}
+
+
+@pytest.mark.parametrize(("part", "told"), [(3.0, True), (0.7, False)])
+def test_a_push_at_one_rest_is_told_by_more_than_friction_holds(part, told):
+    """A push of 8.5 N m on 1.8 N m of friction, while the arm stood, was left out with the rest of all joints."""
+    log = stopping(0.0, 2)
+    begin = 5 * (MOVE + REST) + MOVE + 0.1
+    during = (log.t > begin) & (log.t < begin + 0.4)
+    push = np.where(during, part, 0.0)[:, None] * FRICTION * [0.25, 1.0]
+    found = compare(truth(), [prepare(replace(log, tau=log.tau + push), BAND)])
+    assert [c.term.effect for c in found.changes] == ["contact"] * told
+    assert bool(held_shares(found.after.motions)) != told
 
 
 def test_rest_of_another_log_decides_nothing():
