@@ -1,20 +1,45 @@
 """Where a contact begins and ends is told to the row, and rows that do not count cut none in two."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
-from planted import declared_fit, log_with
+from planted import BAND, blank, declared_fit, log_with, small_arm
 from test_contacts import contact, pushed
 
-from jaxswarm.diagnose.candidates.contact import external_candidate
+from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.candidates.contact import external_candidate, loudest
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import Motion, prepare
 
 NUM_LOGS = 10
+# Begin of pushes by hand [s] in a log of 28 s, their length [s] and their highest torque [N m].
+BY_HAND = [
+    (2.5, 1.1, -3.6, -2.2), (5.0, 1.3, 7.5, 5.6), (8.0, 1.0, 7.6, -6.9), (12.0, 1.3, 2.2, -6.4),
+    (14.0, 1.3, -5.2, -3.8), (16.5, 0.4, 2.7, 6.0),
+]  # fmt: skip
+
+
+def by_hand(number: int) -> Motion:
+    """A log with so many pushes that swell and fade."""
+    log = log_with(duration=28.0, motion_seed=9)
+    tau = log.tau.copy()
+    for begin, length, *torque in BY_HAND[:number]:
+        phase = np.clip((log.t - begin) / length, 0.0, 1.0)[:, None]
+        tau += np.sin(np.pi * phase) ** 2 * np.array(torque)
+    return prepare(replace(log, tau=tau), BAND)
+
+
+@cache
+def unpushed():
+    return estimate(small_arm(), blank(), [prepare(log_with(duration=28.0), BAND)]).model
 
 
 def window(found, crossfit) -> dict[str, float]:
@@ -35,6 +60,69 @@ def test_begin_and_end_are_within_their_intervals():
             within += abs(told[name] - true) < 1.96 * errors[name]
     # Of 20 edges at 95 %, as few as this happens once in three thousand.
     assert within >= 16
+
+
+def added(motion: Motion) -> list[Term]:
+    return [step.added for step in diagnose(small_arm(), blank(), [motion]).kept]
+
+
+def changed(motion: Motion) -> list[Term]:
+    return [change.term for change in compare(unpushed(), [motion]).changes]
+
+
+@pytest.mark.parametrize(("number", "told"), [(4, added), (6, changed)])
+def test_pushes_do_not_hide_each_other(number, told):
+    """Each was refused, as too small a share of the error beside the others, or no more than they remember."""
+    found = told(by_hand(number))
+    assert [term.effect for term in found] == ["contact"] * number
+    windows = sorted((term.values["start"], term.values["end"]) for term in found)
+    for (begin, length, *_), (start, end) in zip(BY_HAND, windows, strict=False):
+        assert begin < start < begin + 0.5 * length < end < begin + length
+
+
+def test_only_what_stands_out_may_be_another_event():
+    """Of a law that shows in a dozen places most are left, and of slow structure all is."""
+    rng = np.random.default_rng(0)
+    noise, log, push = rng.normal(size=(1200, 2)), np.zeros(1200), np.ones((1200, 2))
+
+    def rows(left):
+        return loudest(push, left, log, 5, lambda share, time: share > 4.0 * time)
+
+    def bumps(number):
+        left = noise.copy()
+        for k in range(number):
+            left[50 + 100 * k : 70 + 100 * k] += 10.0
+        return left
+
+    assert not rows(noise).any()
+    assert not rows(noise + 10.0 * np.sin(np.arange(1200.0) / 60.0)[:, None]).any()
+    for number in (1, 3, 12):
+        found = rows(bumps(number)).reshape(12, 100)[:, 50:70]
+        assert (found.mean(axis=1) > 0.8).sum() == min(number, 5)
+        assert rows(bumps(number)).sum() < 20 * min(number, 5) + 30  # chance finds a few rows
+
+
+def test_a_change_of_events_tells_their_doubt():
+    """Sandwiches over blocks of time gave a push that lasts a few rows half its size, and no doubt of when."""
+    within, wide = [], []
+    for k in range(NUM_LOGS):
+        start = 2.31 + 0.377 * k
+        push = {
+            "start": start,
+            "end": start + 0.6 + 0.17 * k,
+            "tau_joint1": 3.0,
+            "tau_joint2": -2.0,
+        }
+        log = pushed(log_with(seed=k + 1, duration=28.0, motion_seed=9), [tuple(push.values())])
+        (change,) = compare(unpushed(), [prepare(log, BAND)]).changes
+        for name, true in push.items():
+            within.append(abs(change.term.values[name] - true) < 1.96 * change.std_errors[name])
+        wide.append(
+            [change.std_errors[f"tau_joint{j}"] / abs(push[f"tau_joint{j}"]) for j in (1, 2)]
+        )
+    # Of 40 at 95 %, as few as this happens once in four hundred.
+    assert np.sum(within) >= 34
+    assert np.max(wide) < 0.06
 
 
 def test_a_joint_that_rests_within_a_contact_does_not_cut_it_in_two():

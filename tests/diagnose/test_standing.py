@@ -231,7 +231,7 @@ def test_what_holds_a_joint_is_no_more_than_its_friction():
 
 @pytest.mark.parametrize(("part", "told"), [(3.0, True), (0.7, False)])
 def test_a_push_at_one_rest_is_told_by_more_than_friction_holds(part, told):
-    """A push of 8.5 N m on 1.8 N m of friction, while the arm stood, was left out with the rest of all joints."""
+    """A push of 8.5 N m on 1.8 N m of friction, at rest, was left out with the rest of all joints."""
     log = stopping(0.0, 2)
     begin = 5 * (MOVE + REST) + MOVE + 0.1
     during = (log.t > begin) & (log.t < begin + 0.4)

@@ -28,24 +28,8 @@ def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
     regression, folds = lin.found.regression, lin.crossfit
     counts = np.where(_remembers(lin), 0.0, folds.timing)
     push, left = folds.weight * counts, folds.whole.residual * counts
-    total, size = (
-        np.concatenate([np.zeros((1, push.shape[1])), np.cumsum(x, axis=0)])
-        for x in (push * left, push**2)
-    )
-
-    def gain(first: np.ndarray, after: np.ndarray) -> np.ndarray:
-        """What windows from one row up to another one explain."""
-        said, known = (x[after] - x[first] for x in (total, size))
-        return (said**2 / np.maximum(known, _NOTHING * size[-1])).sum(axis=1)
-
-    best, pick = 0.0, None
-    for length in np.unique(np.geomspace(_SHORTEST, len(left) // 3, _LENGTHS).astype(int)):
-        first = np.arange(len(left) + 1 - length)
-        first = first[regression.log[first] == regression.log[first + length - 1]]
-        gains = gain(first, first + length)
-        if len(first) and gains.max() > best:
-            best, begin = gains.max(), int(first[np.argmax(gains)])
-            pick = begin, begin + length
+    gain = _gain_of(push, left)
+    pick = _best(gain, regression.log)
     if pick is None:
         return None
     log = regression.log[pick[0]]
@@ -62,6 +46,66 @@ def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
 
     columns = lin.stack(build)
     return Candidate(replace(term, values=values), lin.on_all(columns), 2 + push.shape[1])
+
+
+def loudest(
+    push: np.ndarray, left: np.ndarray, log: np.ndarray, most: int, stands_out: Callable[..., bool]
+) -> np.ndarray:
+    """The rows (T,) of the windows that explain most one after the other, if they stand out.
+
+    Args:
+        push: Columns of a constant torque on every joint, (T, n), in units of the noise.
+        left: The residual, (T, n), in the same.
+        log: The log of every row.
+        most: So many windows.
+        stands_out: ``stands_out(share, time)``: whether the share that is explained of the squares is much for
+            this share of the rows, of a window beside those before it or of all of them together.
+    """
+    rows, told, explained, each = np.zeros(len(left), bool), np.zeros(len(left), bool), 0.0, True
+    whole = max(float((left**2).sum()), 1e-300)
+    for _ in range(most):
+        keep = ~rows[:, None]
+        gain = _gain_of(push * keep, left * keep)
+        pick = _best(gain, log)
+        if pick is None:
+            break
+        more = float(gain(*np.array(pick)[:, None])[0])
+        each = each and stands_out(more / (whole - explained), (pick[1] - pick[0]) / keep.sum())
+        rows[slice(*pick)] = True
+        explained += more
+        if each or stands_out(explained / whole, rows.mean()):
+            told = rows.copy()
+    return told
+
+
+def _gain_of(push: np.ndarray, left: np.ndarray) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """What windows from one row up to another one explain of a residual, as a function of both."""
+    total, size = (
+        np.concatenate([np.zeros((1, push.shape[1])), np.cumsum(x, axis=0)])
+        for x in (push * left, push**2)
+    )
+    least = np.maximum(_NOTHING * size[-1], 1e-300)
+
+    def gain(first: np.ndarray, after: np.ndarray) -> np.ndarray:
+        said, known = (x[after] - x[first] for x in (total, size))
+        return (said**2 / np.maximum(known, least)).sum(axis=1)
+
+    return gain
+
+
+def _best(
+    gain: Callable[[np.ndarray, np.ndarray], np.ndarray], log: np.ndarray
+) -> tuple[int, int] | None:
+    """The first row and the one after the last of the best window of the lengths tried; None if none gains."""
+    best, pick = 0.0, None
+    for length in np.unique(np.geomspace(_SHORTEST, len(log) // 3, _LENGTHS).astype(int)):
+        first = np.arange(len(log) + 1 - length)
+        first = first[log[first] == log[first + length - 1]]
+        gains = gain(first, first + length)
+        if len(first) and gains.max() > best:
+            best, begin = gains.max(), int(first[np.argmax(gains)])
+            pick = begin, begin + length
+    return pick
 
 
 def _closer(

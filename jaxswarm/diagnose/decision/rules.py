@@ -39,6 +39,11 @@ WEIGHTY = 0.1
 # A window is the best of all its lengths and places, and residuals have heavier tails than the normal's: what
 # it explains counts by one over this.
 SELECTED = 2.0
+# Windows beside it that may be events, too, and then are no error that it has to take a share of, nor memory of
+# the noise: of four pushes the one found first took 19.8 % of its joint's squared error, and of three what was
+# left of another one remembered three times as long as the noise. Of a law that shows in a dozen places most
+# are left.
+OTHERS = 5
 # An event explains at least this many times what a window of its length does on average.
 DENSE = 4.0
 # An event that takes more than this part of all rows, tails included, leaves too little to fit the rest to.

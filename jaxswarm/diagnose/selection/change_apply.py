@@ -65,11 +65,13 @@ def changes_of(before: Estimate, picked: Sequence[Picked]) -> tuple[Change, ...]
     held = {t.identity: t for t in before.model.terms}
     found = fit_changes(before, [candidate for candidate, _, _ in picked])
     changes, start = [], 0
-    for candidate, worth, others in picked:
+    for number, (candidate, worth, others) in enumerate(picked):
         own = slice(start, start + candidate.columns[0].shape[2])
         start = own.stop
         term = candidate.term
         values, errors = _values(term, own, found, before.model.robot.joints)
+        if number in found.edges:
+            errors |= dict.fromkeys(("start", "end"), found.edges[number])
         term, further = replace(term, values=values), None
         told = len(term.law.candidate_names(before.model.robot.joints))
         if 0 < told < own.stop - own.start:
@@ -106,7 +108,8 @@ def doubt_of(change: Change, kinds: tuple[str, ...]) -> str | None:
                 f"{p.name} would be {values[p.name]:.3g} {unit}, outside "
                 f"[{p.lower:g}, {p.upper:g}]: no value that it can have"
             )
-    told = [n for n, e in errors.items() if np.isfinite(e)]
+    places = {p.name for p in term.law.nonlinear}
+    told = [n for n, e in errors.items() if np.isfinite(e) and n not in places]
     neutral = term.law.neutral()
     change_of = {n: term.values[n] - neutral.get(n, 0.0) for n in told}
     if told and not any(abs(change_of[n]) > CHANGE_DOUBT * errors[n] for n in told):

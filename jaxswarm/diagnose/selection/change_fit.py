@@ -2,7 +2,9 @@ r"""Fitting changes to what an earlier model leaves, with all that makes them un
 
 With X the columns of the changes and W those of the earlier model, the changes are :math:`A r`, A the
 weighted pseudo-inverse of X. Three errors enter: that of the new log (Newey-West, as everywhere), that of
-the earlier parameters, which A W carries into the changes, and that of the drive gains. An earlier model
+the earlier parameters, which A W carries into the changes, and that of the drive gains. An event is told by the
+few rows that it lasts, which no sandwich of blocks of time can weigh: its torque is as uncertain as the mean of
+that many rows of what is left elsewhere, and as its begin and end. An earlier model
 identified with the same gains has their error in its own parameters; what is left on joint j is then
 scaled as a whole, and a relative error s of the gain adds :math:`s A X_j \delta`.
 
@@ -19,8 +21,10 @@ from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
 from jaxswarm.identify.estimation.base_parameters import BaseParameters
+from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.events import edges as event_edges
+from jaxswarm.identify.estimation.least_squares import Fit, fit
 from jaxswarm.identify.estimation.validate import time_blocks
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.physical.projection import nearest_physical, plain_prior
@@ -38,11 +42,13 @@ class Coefficients(NamedTuple):
         values: Zero where one merges into others, (k,).
         covariance: NaN where one cannot be told from others, (k, k).
         response: How an error of the earlier parameters comes out in them, (k, p).
+        edges: Standard error of every event's begin and end by its number among the changes [s].
     """
 
     values: np.ndarray
     covariance: np.ndarray
     response: np.ndarray
+    edges: dict[int, float]
 
 
 def change_rows(before: Estimate, candidates: Sequence[Candidate]) -> Regression:
@@ -88,17 +94,47 @@ def fit_changes(before: Estimate, candidates: Sequence[Candidate]) -> Coefficien
         return scipy.linalg.solve_triangular(solution.factor, half)
 
     response = through(earlier)
-    covariance = solution.covariance + response @ earlier_covariance(before) @ response.T
+    told, edges = _events(rows, solution, candidates)
+    covariance = told + response @ earlier_covariance(before) @ response.T
     for joint in np.flatnonzero(_known_by_gains(before)):
         own = np.zeros_like(rows.torque)
         own[:, joint] = rows.columns[:, joint, kept] @ solution.values / solution.sigma[joint]
         drift = _GAIN_ERROR * through(own.ravel())
         covariance += np.outer(drift, drift)
-    return _expanded(solution.base, candidates, solution.values, covariance, response)
+    return _expanded(solution.base, candidates, solution.values, covariance, response, edges)
+
+
+def _events(
+    rows: Regression, solution: Fit, candidates: Sequence[Candidate]
+) -> tuple[np.ndarray, dict[int, float]]:
+    """Covariance (b, b) of the fit with that of every event's torque in it, and errors of begin and end [s]."""
+    covariance, start = solution.covariance.copy(), 0
+    edges: dict[int, float] = {}
+    happened = [c for c in candidates if c.term.law.recurring]
+    if not happened:
+        return covariance, edges
+    quiet = ~np.any([c.columns[0].any(axis=(1, 2)) for c in happened], axis=0)
+    left = np.where(quiet[:, None], solution.residual, 0.0)
+    sigma = np.sqrt((left**2).sum(axis=0) / max(int(quiet.sum()), 1)) + 1e-12
+    memory = correlation_length(left / sigma, rows.log)
+    for number, candidate in enumerate(candidates):
+        own = slice(start, start + candidate.columns[0].shape[2])
+        start = own.stop
+        if not candidate.term.law.recurring:
+            continue
+        inside = (solution.base.kept >= own.start) & (solution.base.kept < own.stop)
+        values, columns = solution.values[inside], rows.columns[:, :, solution.base.kept[inside]]
+        torque = np.abs(columns @ values).max(axis=0)
+        step = rows.step[int(candidate.term.values.get("log", 0))]
+        edges[number], relative = event_edges(candidate.term, torque, sigma, memory, step)
+        mean = memory / ((columns / sigma[:, None]) ** 2).sum(axis=(0, 1))
+        covariance[inside] = covariance[:, inside] = 0.0
+        covariance[np.ix_(inside, inside)] = np.diag(mean + (relative * values) ** 2)
+    return covariance, edges
 
 
 def _expanded(
-    base: BaseParameters, candidates: Sequence[Candidate], values, covariance, response
+    base: BaseParameters, candidates: Sequence[Candidate], values, covariance, response, edges
 ) -> Coefficients:
     """Base values (b,) on all columns, a payload's as those of the nearest body."""
     size, bodies, start = len(base.names), [], 0
@@ -120,7 +156,7 @@ def _expanded(
     spread[np.ix_(base.kept, base.kept)] = covariance
     whole = np.zeros((size, response.shape[1]))
     whole[base.kept] = response
-    return Coefficients(full, spread, whole)
+    return Coefficients(full, spread, whole, edges)
 
 
 def _placed(own_values: np.ndarray, own: slice, size: int) -> np.ndarray:

@@ -58,22 +58,32 @@ def with_event_torques(
             held = _columns_of(model, here.terms)
             doubt = covariance[np.ix_(held, held)]
             values, spread = _mean(window, left, columns, doubt, solution.sigma, memory)
-            # Begin and end lie anywhere within a step; a window too short holds too large a torque.
-            edge = regression.step[number] / np.sqrt(12.0)
-            length = max(term.values["end"] - term.values["start"], regression.step[number])
-            spread = np.hypot(spread, np.sqrt(2.0) * edge / length * np.asarray(values)).tolist()
             joints = term.linear_names(model.robot.joints)
-            found = edge_error(np.asarray(values), solution.sigma, memory) * regression.step[number]
-            own = {
-                **own,
-                "start": float(np.hypot(edge, found)),
-                "end": float(np.hypot(edge, found)),
-            }
             term = replace(term, values={**term.values, **dict(zip(joints, values, strict=True))})
-            own = {**own, **dict(zip(joints, spread, strict=True))}
+            edge, relative = edges(term, values, solution.sigma, memory, regression.step[number])
+            spread = np.hypot(spread, relative * np.asarray(values)).tolist()
+            own = {**own, "start": edge, "end": edge, **dict(zip(joints, spread, strict=True))}
         terms.append(term)
         told.append(own)
     return replace(model, terms=tuple(terms)), told
+
+
+def edges(
+    term: Term, torque: Sequence[float], sigma: np.ndarray, memory: float, step: float
+) -> tuple[float, float]:
+    """Standard error [s] of an event's begin and end, and what it does to its torque, as a part of that.
+
+    Begin and end lie anywhere within a step besides; a window too short holds too large a torque.
+
+    Args:
+        term: The event, with its begin and end.
+        torque, sigma, memory: As for :func:`edge_error`.
+        step: Time [s] from row to row.
+    """
+    within = step / np.sqrt(12.0)
+    length = max(term.values["end"] - term.values["start"], step)
+    found = edge_error(np.asarray(torque), sigma, memory) * step
+    return float(np.hypot(within, found)), float(np.sqrt(2.0) * within / length)
 
 
 def edge_error(torque: np.ndarray, sigma: np.ndarray, memory: float) -> float:
