@@ -45,6 +45,19 @@ def test_widths_stay_where_a_fit_left_them(widths):
     np.testing.assert_allclose(again.model.width, first.model.width, rtol=0.01)
 
 
+def test_widths_that_were_apart_beside_a_model_that_lacked_a_law_are_shared_again():
+    """Else they stay what noise and the missing law had made of them; a wrist's raised other motion's error."""
+    motion = make_motion(planar_arm(), friction((0.3, 0.3)), length=1500, noise=0.3)
+    lone = estimate(planar_arm(), LAWS, [motion], bounded=False)
+    start = np.asarray(lone.model.robot.parameters).ravel()
+    found = estimate(
+        planar_arm(), LAWS, [motion],
+        width=(0.351, 0.305), refine_width=True, bounded=False, start=start,
+    )  # fmt: skip
+    assert found.model.width[0] == found.model.width[1]
+    np.testing.assert_allclose(found.model.width, lone.model.width, rtol=0.01)
+
+
 def test_the_errors_of_friction_hold_the_doubt_of_a_width_that_is_held_where_it_came_to():
     """A second pass finds no width apart from where it is and holds all: as if known, a third of it."""
     widths = (0.1, 0.3)
