@@ -24,7 +24,7 @@ from jaxswarm.diagnose.selection.tenable import can_be_resolved
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
-from jaxswarm.identify.estimation import estimate as estimate_module
+from jaxswarm.identify.estimation import held_rest
 from jaxswarm.identify.estimation.standing import held as held_at_rest
 from jaxswarm.identify.estimation.standing import (
     held_lines,
@@ -50,8 +50,11 @@ def truth():
     return estimate(small_arm(), blank(), [prepare(log_with(), BAND)]).model
 
 
-def stopping(level: float, seed: int = 0, *hidden: Term) -> Log:
-    """A log of moves with rests, in each of which either joint is held up to a torque off the model's [N m]."""
+def stopping(level: float, seed: int = 0, *hidden: Term, creep: float = 0.0) -> Log:
+    """A log of moves with rests, in each of which either joint is held up to a torque off the model's [N m].
+
+    ``creep``: how fast the joints still go then, one way and then the other, over the width of their sign.
+    """
     model = replace(truth(), terms=(*truth().terms, *hidden))
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, MOVES * (MOVE + REST), 1.0 / RATE)
@@ -60,6 +63,8 @@ def stopping(level: float, seed: int = 0, *hidden: Term) -> Log:
     points = rng.uniform(-1.2, 1.2, (MOVES + 1, 2))
     begin, end = points[number.astype(int)], points[number.astype(int) + 1]
     q = begin + (end - begin) * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    way = np.maximum(phase - MOVE, 0.0) - 2.0 * np.maximum(phase - MOVE - 0.5 * REST, 0.0)
+    q = q + creep * np.asarray(truth().width) * way[:, None]
     bare = Log(f"stops {seed}", small_arm().joints, t, q, tau=np.zeros_like(q), channels={})
     motion = prepare(bare, BAND)
     tau = np.stack([np.interp(t, motion.t, x) for x in model_torque(model, motion).T], axis=1)
@@ -137,6 +142,15 @@ def test_rest_that_the_model_tells_is_fitted(seed):
     assert found.regression.used is None
 
 
+def test_rest_that_another_width_of_the_sign_tells_is_fitted():
+    """Beside laws that other joints lacked a width a tenth too sharp left a joint's rest to friction."""
+    log = stopping(0.0, creep=0.6)
+    wide = tuple(2.0 * w for w in truth().width)
+    found = estimate(small_arm(), blank(), [prepare(log, BAND)], width=wide, refine_width=True)
+    assert held_shares(found.motions) == {}
+    np.testing.assert_allclose(found.model.width, truth().width, rtol=0.2)
+
+
 def test_nothing_is_added_for_what_friction_holds():
     found = diagnose(small_arm(), blank(), [prepare(stopping(2.5), BAND)])
     assert not found.kept
@@ -146,7 +160,7 @@ def test_nothing_is_added_for_what_friction_holds():
 def test_rest_that_a_missing_law_tells_is_fitted_once_it_is_found(monkeypatch, level):
     """A wrong reading of one joint was told as two others, as rest had been taken for friction's at first."""
     hidden = Term("joint_spring", 1, values={"k": 8.0, "tau0": 2.0})
-    monkeypatch.setattr(estimate_module, "held", lambda left, rest, mixed: np.ones(2, bool))
+    monkeypatch.setattr(held_rest, "held", lambda left, rest, mixed: np.ones(2, bool))
     motions = [prepare(stopping(level, 0, hidden), BAND)]
     found = diagnose(small_arm(), blank(), motions)
     assert [(s.added.effect, s.added.joint) for s in found.kept] == [("joint_spring", 1)]
@@ -173,6 +187,28 @@ def test_rest_may_be_all_that_was_missing(monkeypatch, near):
     monkeypatch.setattr(with_rest_module, "over_noise", lambda found: np.array([size[id(found)]]))
     told = with_rest(first, [motion], lambda motions, most: second)
     assert told is (second if near else first)
+
+
+@pytest.mark.parametrize(("other", "told"), [(0.5, True), (1.0, False), (None, False)])
+def test_a_law_of_more_numbers_explains_rest_where_another_log_says_so(monkeypatch, other, told):
+    """Bristles whose friction falls with speed were told as plain ones while their rest was left out."""
+    found = with_motion_noise(fitted(stopping(0.0)))
+    motion = found.motions[0]
+    out = leave_out([motion], standing([motion]), np.ones(2, bool))
+
+    def searched(*logs):
+        ended = Search(found, found, Rules(), 0, Memory(), logs, lambda text: None, Budget())
+        ended.steps = [None]
+        return ended
+
+    first, second = (searched(*([motion] * (other is not None))) for _ in range(2))
+    first.current = replace(found, motions=tuple(out))
+    size, one = np.array([0.3, 0.3]), np.ones(2)
+    compared = [(one, other, np.array([True, False]), np.array([False, other == 1.0]), "")]
+    monkeypatch.setattr(with_rest_module, "over_noise", lambda found: size)
+    monkeypatch.setattr(with_rest_module, "_numbers", lambda search: 4 if search is second else 2)
+    monkeypatch.setattr(with_rest_module, "errors_elsewhere", lambda *of: compared * len(of[2]))
+    assert (with_rest(first, [motion], lambda motions, most: second) is second) == told
 
 
 @pytest.mark.parametrize(

@@ -17,17 +17,17 @@ from jaxswarm.identify.estimation.gauss_newton import (
     settle,
     standard_errors,
 )
+from jaxswarm.identify.estimation.held_rest import without_rest
 from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
-from jaxswarm.identify.estimation.standing import held, leave_out, mixed_with, standing
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.estimation.usual import as_usual, told_apart, usual_shapes
 from jaxswarm.identify.forward.body import tilted
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.model import Model, linear_values
-from jaxswarm.identify.forward.regression import Regression, build_regression
+from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.identify.forward.uncertainty import Uncertainty
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -105,7 +105,7 @@ def estimate(
         width = best_widths(robot, terms, motions, rigids)
     width = tuple(map(float, np.broadcast_to(width, robot.num_joints)))
     pi = np.zeros(10 * robot.num_joints) if start is None else start
-    motions = _without_rest(robot, terms, motions, rigids, width, pi)
+    motions = without_rest(robot, terms, motions, rigids, width, pi)
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual_shapes(terms))
     groups = width_groups(robot, terms, motions) if refine_width else []
     here, moving, held_widths = _fitted(problem, groups, Place(as_usual(terms), width), pi)
@@ -124,29 +124,6 @@ def _fitted(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, p
     return choose_widths(
         problem, newton(problem, moving, settle(problem, place, pi)), moving, groups
     )
-
-
-def _without_rest(
-    robot: Robot,
-    terms: tuple[Term, ...],
-    motions: Sequence[Motion],
-    rigids: Sequence[Rigid],
-    width: tuple[float, ...],
-    pi: np.ndarray,
-) -> Sequence[Motion]:
-    """The logs, where that is not known yet with the rest of joints left out that dry friction holds there."""
-    if all(m.held is not None for m in motions):
-        return motions
-    rest = standing(motions)
-    found = np.zeros(robot.num_joints, bool)
-    if any(r.any() for r in rest):
-        mixed = mixed_with(motions, rest)
-        trial = [replace(m, held=r) for m, r in zip(motions, mixed, strict=True)]
-        here = settle(Problem(robot, tuple(trial), tuple(rigids), False), Place(terms, width), pi)
-        every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
-        left = every.target - every.columns @ here.theta
-        found = held(left, rest, mixed)
-    return leave_out(motions, rest, found)
 
 
 def untold(term: Term, errors: dict[str, float]) -> list[str]:
