@@ -10,6 +10,7 @@ from jaxswarm.effects.formula import DISCOVERED, Formula
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.identify.forward import compliance
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.load_slopes import load_slopes
 from jaxswarm.identify.forward.measuring_chain import assemble
@@ -84,6 +85,19 @@ def test_columns_and_slopes_are_the_derivative_of_the_torque(terms):
     step = 1e-6
     told = (torque(theta + step * way) - torque(theta - step * way)) / (2.0 * step)
     np.testing.assert_allclose(whole @ way, told, atol=1e-4 * np.abs(told).max())
+
+
+def test_what_a_soft_base_keeps_of_a_motion_serves_all_parameters(monkeypatch):
+    """Moments and their derivatives were made anew at every step of a fit, for half of its time."""
+    arm, _ = case()
+    motion = prepare(log_with(), Filtering(20.0, 10.0))
+    rigid, pi = rigid_of(arm, motion), np.asarray(arm.parameters).ravel()
+    load_slopes(arm, (SOFT,), motion, WIDTH, pi, rigid)
+    other = replace(SOFT, values={"cx": 5e-4, "cy": 3e-3})
+    plain = load_slopes(arm, (other,), motion, WIDTH, 1.2 * pi + 0.01)
+    monkeypatch.setattr(compliance, "_moments_along", None)
+    again = load_slopes(arm, (other,), motion, WIDTH, 1.2 * pi + 0.01, rigid)
+    np.testing.assert_allclose(again, plain, atol=1e-12 * np.abs(plain).max())
 
 
 def test_the_target_is_met_by_the_true_model():

@@ -85,6 +85,7 @@ class Rigid:
         motion: The log.
         low: Through the decimator, shape (T', n, 10 n).
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
+        swayed: What :mod:`jaxswarm.identify.forward.compliance` found about the base's moments.
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
         laws: Decimated columns of laws by all that they follow from, the oldest first.
     """
@@ -93,6 +94,7 @@ class Rigid:
     motion: Motion
     low: np.ndarray
     sensed: dict = field(default_factory=dict, repr=False, compare=False)
+    swayed: dict = field(default_factory=dict, repr=False, compare=False)
     loads: dict = field(default_factory=dict, repr=False, compare=False)
     laws: dict = field(default_factory=dict, repr=False, compare=False)
 

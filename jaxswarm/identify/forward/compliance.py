@@ -57,23 +57,31 @@ def compliance_columns(
 
 
 def compliance_slopes(
-    term: Term, arm: Robot, moved: tuple[np.ndarray, ...], pi: np.ndarray, motion: Motion
+    term: Term,
+    arm: Robot,
+    moved: tuple[np.ndarray, ...],
+    pi: np.ndarray,
+    motion: Motion,
+    kept: dict | None = None,
 ) -> np.ndarray:
     """Torque (T, n) of a compliance by the rigid parameters, (T, n, 10 n); arguments as above.
 
     It is a moment's sway of an arm: both follow from the parameters. What no joint of a level arm feels of the
     first link is part of the moment, and shows once the base turns: with these parameters left out a fit that
     knew the law left 6.3 times the noise on the first joint, and laws that were none were told of it.
+
+    ``kept``: remembers what follows from the motion alone, for the next call with the same one.
     """
     robot, turns = _on_hinges(arm, pi), term.law_of(BodyChange).compliance
     assert turns is not None
     softness = np.asarray(turns(term.values))
     still = _still(moved)
     at = [np.concatenate([still[:, k], x], axis=1) for k, x in enumerate(moved)]
-    moments = rigid_columns(robot, *at, first=TURNS)[:, :TURNS]
-    along = _along(moments.reshape(len(still), -1), motion)
-    along = -along.reshape(len(still), 3, TURNS, -1) * softness[:, None]
-    sway = np.einsum("tkap,p->tka", along, pi)
+    known = {} if kept is None else kept
+    if "along" not in known:
+        known["along"] = _moments_along(robot, at, motion)
+    along = known["along"] * -np.tile(softness, 3)[:, None]
+    sway = (along @ pi).reshape(still.shape)
     step = _STEP / (np.abs(sway[:, 0]).max() or 1.0)
     ahead, behind = (
         rigid_columns(
@@ -81,13 +89,16 @@ def compliance_slopes(
         )
         for way in (step, -step)
     )
-    total = (ahead - behind)[:, TURNS:] / (2.0 * step)
-    for k in range(3):
-        for axis in range(TURNS):
-            unit = still.copy()
-            unit[:, k, axis] = 1.0
-            total += _felt(robot, unit, moved)[:, :, None] * along[:, None, k, axis]
-    return total
+    units = np.eye(3 * TURNS).reshape(-1, 1, 3, TURNS)
+    felt = np.stack([_felt(robot, still + unit, moved) for unit in units], axis=2)
+    return (ahead - behind)[:, TURNS:] / (2.0 * step) + felt @ along
+
+
+def _moments_along(robot: Robot, at: list[np.ndarray], motion: Motion) -> np.ndarray:
+    """Moments of a base at rest and two derivatives of each by the rigid parameters, (T, 6, 10 n)."""
+    moments = rigid_columns(robot, *at, first=TURNS)[:, :TURNS]
+    along = _along(moments.reshape(len(moments), -1), motion)
+    return along.reshape(len(moments), 3 * TURNS, -1)
 
 
 def _on_hinges(arm: Robot, pi: np.ndarray) -> Robot:

@@ -91,8 +91,10 @@ def load_slopes(
         made = np.sum(parts, axis=0)
         total[row : row + len(made), :, : len(pi)] = made
         row += len(made)
+    # Where the links do as the log says, a fit asks for the same moments at every step.
+    kept = body.rigid.swayed if body.rigid is not None and is_kept(motion) else None
     for t in (t for t in acting if t.joint is None):
-        swayed = compliance_slopes(t, body.arm, body.moved, pi, motion)
+        swayed = compliance_slopes(t, body.arm, body.moved, pi, motion, kept)
         total[:, :, : len(pi)] += low.apply(report(terms, motion, swayed))
     for t, slope in ((t, _bent(t, load)) for t in acting if distorted((t,))):
         for u, start, end in zip(terms, ends[:-1], ends[1:], strict=True):
