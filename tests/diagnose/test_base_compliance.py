@@ -1,5 +1,7 @@
 """A base that gives way is named by what it does to all joints, and a soft joint stays one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -7,7 +9,7 @@ from elbow import ask, elbow, elbow_log, fitted, passing
 from scipy.interpolate import make_interp_spline
 from swaying import given_motion, log_on_soft_base, log_with_soft_joint, on_hinges
 
-from jaxswarm.diagnose.decision.competing import choose
+from jaxswarm.diagnose.decision.competing import accepted, choose
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -41,6 +43,18 @@ def test_a_soft_base_is_named_with_its_compliance():
 
 def test_a_soft_second_joint_is_not_taken_for_its_base():
     best, rivals, _ = chosen(log_with_soft_joint(1, 800.0, 8.0))
+    assert (best.candidate.term.place, rivals) == (("joint_elasticity", 1, None), [])
+
+
+def test_a_soft_joint_whose_own_drive_is_loud_is_not_taken_for_its_base():
+    """By its own joint alone it does not pass, and the base, told by the joint that shows it best, does."""
+    log = log_with_soft_joint(1, 800.0, 8.0)
+    tau = log.tau.copy()
+    tau[:, 1] += 6.0 * np.random.default_rng(2).normal(size=len(tau))
+    found = fitted(replace(log, tau=tau))
+    scores = ask(found, "base_compliance", *RIVALS[:2])
+    assert [s.candidate.term.effect for s in passing(scores)] == ["base_compliance"]
+    best, rivals = choose(accepted(scores, Rules()), Rules(), cross_fit(found))
     assert (best.candidate.term.place, rivals) == (("joint_elasticity", 1, None), [])
 
 

@@ -159,6 +159,18 @@ def test_what_leaves_a_function_of_its_own_variable_is_taken_back(term, extra):
     assert refused.effect == term.effect and "a law of another form" in why
 
 
+@pytest.mark.parametrize("straight", [False, True])
+def test_near_the_noise_a_bent_law_is_none_and_a_straight_one_stays(straight):
+    """Drag by the square of the partner's speed was told as a coupling, at 1.24 times the noise."""
+    log = log_with(duration=LONG)
+    v = _velocity(log, 0)
+    search = told_as(COUPLING, log, 0.2 * v if straight else 0.1 * v * np.abs(v))
+    assert search.current.fit.sigma[1] < 2.0 * search.crossfit.noise[1]
+    take_back_stand_ins(search)
+    assert [s.added.effect for s in search.steps] == ["transmission_coupling"] * straight
+    assert len(search.refused) == (not straight)
+
+
 TRUE_FORMS = [
     replace(SPRING, values={"k": 9.0, "tau0": -0.9}),
     replace(DRAG, values={"c": 3.0}),

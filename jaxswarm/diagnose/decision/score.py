@@ -16,7 +16,7 @@ jackknife.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -24,11 +24,17 @@ import scipy
 from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.contact import loudest
-from jaxswarm.diagnose.decision.rules import CERTAIN, DENSE, MOST_TAKEN, OTHERS, SELECTED, Rules
-from jaxswarm.diagnose.decision.significance import certainty, helped, slope_p_value
+from jaxswarm.diagnose.decision.judged import can_be, told_on
+from jaxswarm.diagnose.decision.rules import MOST_TAKEN, OTHERS, SELECTED, Rules
+from jaxswarm.diagnose.decision.significance import (
+    helped,
+    share_of,
+    slope_p_value,
+    stands_out,
+)
 from jaxswarm.diagnose.folds.free_parts import free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.identify.estimation.covariance import correlation_length
 
 
@@ -51,6 +57,7 @@ class Score:
         over_noise, over_torque: RMS torque that it takes off its joint's error, over that of the noise
             and of the torque; events are scored by their own torque instead.
         own: Per block, on its own joint, (B,); None where it does not show there, or not there alone.
+        on_all: The same candidate judged by all joints, of a law by which links move otherwise than motors.
     """
 
     candidate: Candidate
@@ -67,6 +74,7 @@ class Score:
     over_noise: float = np.inf
     over_torque: float = np.inf
     own: np.ndarray | None = None
+    on_all: "Score | None" = None
 
     @property
     def worth(self) -> float:
@@ -80,6 +88,10 @@ class Score:
     def beside(self, other: "Score") -> np.ndarray:
         """Gain per block (B,) by which it is compared: on their joint if both show on the same one."""
         return self.own if self.own is not None and self.shows_with(other) else self.blocks
+
+    def judged_as(self, other: "Score") -> "Score":
+        """The same candidate by all joints, where it has such a score and the other one is by all joints."""
+        return self.on_all if self.on_all is not None and other.own is None else self
 
     def shows_with(self, other: "Score") -> bool:
         """Whether both show on one and the same joint of their own."""
@@ -119,7 +131,7 @@ def score(
         signs.append(a)
         out = ~fold.train
         predicted, residual = candidate.view(free @ a), candidate.view(fold.residual)
-        trained = max(trained, _share_of(predicted[fold.train], residual[fold.train]))
+        trained = max(trained, share_of(predicted[fold.train], residual[fold.train]))
         predicted, residual = predicted[out], residual[out]
         fall = residual**2 - (residual - predicted) ** 2
         np.add.at(gains, crossfit.block[out], fall)
@@ -129,49 +141,62 @@ def score(
     whole = coefficients(parts[0], crossfit.whole)
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)
-    joint, told = _told_on(candidate.term, per_joint / before)
-    share = float(per_joint[joint] / before[joint])
-    rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
-    rms /= crossfit.weight[:, joint].max()
+    joint, told = told_on(candidate.term, per_joint / before)
     p_value = slope_p_value(inner[:, told].sum(axis=1), square[:, told].sum(axis=1))
     own = gains[:, told].sum(axis=1)
-    return Score(
+    over_noise, over_torque = _sizes(crossfit, per_joint, joint)
+    seen = Score(
         candidate=candidate,
         gain=float(blocks.sum()),
         per_joint=per_joint,
         blocks=blocks,
-        share=share,
+        share=float(per_joint[joint] / before[joint]),
         trained=trained,
         joint=joint,
         p_value=p_value,
         repeats=helped(own),
         coefficients=whole,
-        allowed=_can_be(candidate, [*signs, whole], p_value, interval),
-        over_noise=float(rms / crossfit.noise[joint]),
-        over_torque=float(rms / max(crossfit.size[joint], 1e-300)),
+        allowed=can_be(candidate, [*signs, whole], p_value, interval),
+        over_noise=over_noise,
+        over_torque=over_torque,
         own=None if told == slice(None) else own,
+    )
+    sums = inner, square, before
+    return replace(seen, on_all=_on_all(seen, crossfit, sums, [*signs, whole], interval))
+
+
+def _on_all(
+    seen: Score,
+    crossfit: CrossFit,
+    sums: tuple[np.ndarray, ...],
+    found: Sequence[np.ndarray],
+    interval: float,
+) -> Score | None:
+    """The score of a transmission by all joints, from sums over blocks and halves; None of other laws."""
+    if not isinstance(seen.candidate.term.law, TransmissionLaw):
+        return None
+    inner, square, before = sums
+    joint = int(np.argmax(seen.per_joint / before))
+    p_value = slope_p_value(inner.sum(axis=1), square.sum(axis=1))
+    over_noise, over_torque = _sizes(crossfit, seen.per_joint, joint)
+    return replace(
+        seen,
+        share=float(seen.per_joint[joint] / before[joint]),
+        joint=joint,
+        p_value=p_value,
+        repeats=helped(seen.blocks),
+        allowed=can_be(seen.candidate, found, p_value, interval),
+        over_noise=over_noise,
+        over_torque=over_torque,
+        own=None,
     )
 
 
-def _told_on(term: Term, shares: np.ndarray) -> tuple[int, slice]:
-    """Where a law shows most, by shares (n,), and the joints by which it is judged.
-
-    A joint effect is a matter of its own joint; others may gain, or lose, through shared parameters, which a
-    short log knows badly: a ripple of 94 % of its joint's error drowned in that of five others.
-    """
-    if term.joint is None or not term.law.shows_on_own_joint:
-        return int(np.argmax(shares)), slice(None)
-    return term.joint, slice(term.joint, term.joint + 1)
-
-
-def _can_be(
-    candidate: Candidate, found: Sequence[np.ndarray], p_value: float, interval: float
-) -> bool:
-    """Whether the coefficients of the halves and of all rows, the last, agree with physics."""
-    whole = found[-1]
-    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value), 1e-9)
-    positive = not candidate.positive or all(a[0] > 0 for a in found)
-    return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))
+def _sizes(crossfit: CrossFit, per_joint: np.ndarray, joint: int) -> tuple[float, float]:
+    """RMS torque that a gain (n,) is worth on a joint, over that of the noise and of the torque."""
+    rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
+    rms /= crossfit.weight[:, joint].max()
+    return float(rms / crossfit.noise[joint]), float(rms / max(crossfit.size[joint], 1e-300))
 
 
 def _score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> Score:
@@ -190,7 +215,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> 
     fall = residual**2 - (residual - predicted) ** 2
     left, one_log = residual - predicted, np.zeros(len(residual))
     pushes = weight * timing * ~inside[:, None]
-    others = loudest(pushes, left, one_log, OTHERS, _stands_out)
+    others = loudest(pushes, left, one_log, OTHERS, stands_out)
     if others.any():  # what they did to the fit is no memory either
         quiet = ~(inside | others)
         left = whole.trained_on(quiet).residual * timing * quiet[:, None]
@@ -202,7 +227,7 @@ def _score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> 
     windows = len(residual) / max(int(inside.sum()), 1)
     blocks = np.bincount(crossfit.block, fall.sum(axis=1))
     chance = scipy.special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows
-    dense = _stands_out(float(shares[joint]), 1.0 / windows)
+    dense = stands_out(float(shares[joint]), 1.0 / windows)
     return Score(
         candidate=candidate,
         gain=gain,
@@ -216,21 +241,6 @@ def _score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> 
         coefficients=a,
         allowed=dense and inside.mean() <= MOST_TAKEN,
     )
-
-
-def _stands_out(share: float, time: float) -> bool:
-    """Whether a share of the squared error in a share of time is an event: much in little, or nearly all.
-
-    >>> _stands_out(0.5, 0.1), _stands_out(0.5, 0.2), _stands_out(0.9, 0.4), _stands_out(0.9, 0.7)
-    (True, False, True, False)
-    """
-    return share >= DENSE * time or 1.0 - share <= (1.0 - time) / DENSE
-
-
-def _share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
-    """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
-    before = np.maximum((residual**2).sum(axis=0), 1e-300)
-    return float(max(0.0, (1.0 - ((residual - predicted) ** 2).sum(axis=0) / before).max()))
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:

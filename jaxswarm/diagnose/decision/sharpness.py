@@ -106,7 +106,9 @@ def score_softly(
     ratio = np.divide(softer.weight, crossfit.weight, out=np.zeros_like(softer.weight), where=known)
     interval = max(m.interval for m in found.motions)
     return [
-        score(_weighted(s.candidate, ratio), softer, interval) if near[s.joint] else None
+        score(_weighted(s.candidate, ratio), softer, interval).judged_as(s)
+        if near[s.joint]
+        else None
         for s in asking
     ]
 

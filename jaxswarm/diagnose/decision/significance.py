@@ -1,9 +1,9 @@
-"""How surely a candidate's slope is above zero, and what a p-value is worth in standard errors."""
+"""How surely a candidate's slope is above zero, what a p-value is worth, and how much a part of a whole is."""
 
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.decision.rules import WEIGHTY
+from jaxswarm.diagnose.decision.rules import DENSE, WEIGHTY
 
 
 def certainty(p_value: float) -> float:
@@ -40,3 +40,18 @@ def helped(gains: np.ndarray) -> float:
     """
     weighty = np.abs(gains) > WEIGHTY * abs(gains.mean())
     return float((gains[weighty] > 0).mean()) if weighty.any() else 0.0
+
+
+def stands_out(share: float, time: float) -> bool:
+    """Whether a share of the squared error in a share of time is an event: much in little, or nearly all.
+
+    >>> stands_out(0.5, 0.1), stands_out(0.5, 0.2), stands_out(0.9, 0.4), stands_out(0.9, 0.7)
+    (True, False, True, False)
+    """
+    return share >= DENSE * time or 1.0 - share <= (1.0 - time) / DENSE
+
+
+def share_of(predicted: np.ndarray, residual: np.ndarray) -> float:
+    """Largest share of a joint's squared residual (T, n) that a prediction takes off."""
+    before = np.maximum((residual**2).sum(axis=0), 1e-300)
+    return float(max(0.0, (1.0 - ((residual - predicted) ** 2).sum(axis=0) / before).max()))

@@ -9,7 +9,12 @@ from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import imitates
-from jaxswarm.diagnose.decision.competing import choose, is_special_case, plainness
+from jaxswarm.diagnose.decision.competing import (
+    choose,
+    is_special_case,
+    plainness,
+    with_soft_joints,
+)
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR, Rules
 from jaxswarm.diagnose.decision.score import Score, passes
@@ -132,6 +137,7 @@ def reconsider(
         scores = score_terms(Linearization(rest, crossfit), terms, seed)
         held = rest.model.terms, rest.motions
         passed = [s for s in scores if passes(s, asked, rules)]
+        passed = with_soft_joints(passed, scores, lambda s: passes(s, asked, rules))
         passed = [s for s in passed if not imitates(s.candidate.term, *held)]
         place = done.index(step)
         if not passed:

@@ -203,7 +203,9 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term, why)
         return True
     ranked = sorted(scores, key=lambda s: -s.gain)
-    others = [s for s in ranked if s is not chosen and s.gain > 0][:_MOST_OTHERS]
+    others = [s for s in ranked if s.candidate is not chosen.candidate and s.gain > 0][
+        :_MOST_OTHERS
+    ]
     step = step_between(chosen, current, after, tuple(rivals), tuple(others), near)
     search.steps.append(step)
     search.current = after

@@ -14,6 +14,8 @@ from jaxswarm.diagnose.decision.rules import (
     LOST_SHARE,
     NEAR,
     OF_TAKEN,
+    OF_TAKEN_NEAR,
+    STRUCTURE,
 )
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
@@ -85,7 +87,8 @@ def take_back_shadows(search: Search) -> None:
 
 
 def take_back_stand_ins(search: Search) -> None:
-    """Take back what leaves, far above the noise, little but a function of what its own law is about.
+    """Take back what leaves a function of what its own law is about: far above the noise little else, near it
+    much beside what it took.
 
     It has the place and the variable of what is missing, not its form: a cushion at the end of the travel was
     told as a spring with a dead zone, friction by the partner's direction as a coupling of velocities. A ripple
@@ -191,14 +194,13 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
     for step in _standing(search):
         term = find_term(current, step.added)
         law, joint = term.law, term.joint
-        if law.in_one_log or law.everyday or law.several or joint is None or left[joint] < NEAR:
+        if law.in_one_log or law.everyday or law.several or joint is None:
             continue
         share, p_value = left_of_own(current, search.folds, term, search.seed)
-        if share < FOLLOWS_OWN or p_value > search.rules.significance:
+        if share < STRUCTURE or p_value > search.rules.significance:
             continue
-        if left[joint] * np.sqrt(share) < NEAR:
-            continue
-        if share_left(current, _without(current, step))[joint] > OF_TAKEN**2:
+        leaves = share_left(current, _without(current, step))[joint]
+        if _other_form(left[joint], share, leaves):
             told.append((share, joint, step))
     if not told:
         return None
@@ -208,6 +210,16 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
         step,
         f"{part}, {100 * share:.0f} % of it by what it is about itself: a law of another form",
     )
+
+
+def _other_form(left: float, share: float, leaves: float) -> bool:
+    """Whether a law that leaves so much over the noise, a share of it by its own variables, has another form.
+
+    ``leaves``: the part of its joint's squared error without it that it leaves.
+    """
+    if left < NEAR:
+        return share * leaves > OF_TAKEN_NEAR**2 * (1.0 - leaves)
+    return share >= FOLLOWS_OWN and left * np.sqrt(share) >= NEAR and leaves > OF_TAKEN**2
 
 
 def _poor(search: Search) -> tuple[Step, str] | None:

@@ -1,0 +1,31 @@
+"""By which joints a law is judged, and whether its coefficients agree with physics."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.rules import CERTAIN
+from jaxswarm.diagnose.decision.significance import certainty
+from jaxswarm.effects.term import Term
+
+
+def told_on(term: Term, shares: np.ndarray) -> tuple[int, slice]:
+    """Where a law shows most, by shares (n,), and the joints by which it is judged.
+
+    A joint effect is a matter of its own joint; others may gain, or lose, through shared parameters, which a
+    short log knows badly: a ripple of 94 % of its joint's error drowned in that of five others.
+    """
+    if term.joint is None or not term.law.shows_on_own_joint:
+        return int(np.argmax(shares)), slice(None)
+    return term.joint, slice(term.joint, term.joint + 1)
+
+
+def can_be(
+    candidate: Candidate, found: Sequence[np.ndarray], p_value: float, interval: float
+) -> bool:
+    """Whether the coefficients of the halves and of all rows, the last, agree with physics."""
+    whole = found[-1]
+    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value), 1e-9)
+    positive = not candidate.positive or all(a[0] > 0 for a in found)
+    return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))
