@@ -135,10 +135,7 @@ def reconsider(
         crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
         scores = score_terms(Linearization(rest, crossfit), terms, seed)
-        held = rest.model.terms, rest.motions
-        passed = [s for s in scores if passes(s, asked, rules)]
-        passed = with_soft_joints(passed, scores, lambda s: passes(s, asked, rules))
-        passed = [s for s in passed if not imitates(s.candidate.term, *held)]
+        passed = _passed(scores, rest, asked, rules)
         place = done.index(step)
         if not passed:
             if _nobody_needs(step, certain, scores, rules):
@@ -161,6 +158,16 @@ def reconsider(
         changed = True
     done, current = _alone(done, freed, current, rules, seed, other)
     return (chain(done) if changed else done), current, changed
+
+
+def _passed(scores: Sequence[Score], rest: Estimate, asked: int, rules: Rules) -> list[Score]:
+    """Those that pass, and imitate nothing that the model has without them."""
+
+    def tested(s: Score) -> bool:
+        return passes(s, asked, rules)
+
+    passed = with_soft_joints([s for s in scores if tested(s)], scores, tested)
+    return [s for s in passed if not imitates(s.candidate.term, rest.model.terms, rest.motions)]
 
 
 def _picks(step: Step, chosen: Score, passed: Sequence[Score]) -> list[Score]:
