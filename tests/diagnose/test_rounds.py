@@ -15,6 +15,7 @@ from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.clock_skew import with_skew
 from jaxswarm.logs.motion import prepare
 
 clock = importlib.import_module("jaxswarm.diagnose.selection.clock")
@@ -74,6 +75,19 @@ def test_clocks_are_not_moved_by_more_than_a_sample(fitted, monkeypatch):
     for told in ((-1.3 * interval, 0.4 * interval), (-0.8 * interval, 0.1 * interval)):
         monkeypatch.setattr(clock, "clock_skew", lambda one, told=told: told)
         assert not clock.allow_for_skew(search, [CLOCK])
+
+
+def test_clocks_that_are_not_certain_are_moved_where_that_lowers_the_error(fitted, monkeypatch):
+    """Friction that turns late by itself moved a torque that was on time, and raised its squares by half."""
+    found, _ = fitted
+    interval = found.motions[0].interval
+    monkeypatch.setattr(clock, "clock_skew", lambda one: (0.9 * interval, 0.4 * interval))
+    search = search_of(found)
+    assert not clock.allow_for_skew(search, [CLOCK])
+    assert search.current is found and search.declared is found
+    search = search_of(with_skew(found, 0.7 * interval))
+    monkeypatch.setattr(clock, "clock_skew", lambda one: (-0.9 * interval, 0.4 * interval))
+    assert clock.allow_for_skew(search, [CLOCK])
 
 
 def test_a_delay_has_to_be_beyond_half_a_sample_for_sure():

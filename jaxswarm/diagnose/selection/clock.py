@@ -8,7 +8,14 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.estimation.clock_skew import clock_skew, shrunk, with_clocks, with_skew
+from jaxswarm.identify.estimation.clock_skew import (
+    CERTAIN_CLOCK,
+    clock_skew,
+    shrunk,
+    with_clocks,
+    with_skew,
+)
+from jaxswarm.identify.estimation.least_squares import weighted_cost
 
 # How often the skew is found anew.
 _MOST_SKEWS = 3
@@ -35,7 +42,11 @@ def allow_for_skew(search: Search, eligible: Sequence[Term]) -> bool:
     if abs(late) <= _LEAST_SKEW:
         return False
     search.skews.append(late)
-    search.current = with_skew(search.current, late)
+    moved, sigma = with_skew(search.current, late), search.current.fit.sigma
+    before, after = (weighted_cost(e.fit.residual, sigma) for e in (search.current, moved))
+    if after > before and abs(late) <= CERTAIN_CLOCK * doubt:
+        return False
+    search.current = moved
     # The error before is told by the same clocks as the error after.
     search.declared = with_skew(search.declared, late) if search.steps else search.current
     return True

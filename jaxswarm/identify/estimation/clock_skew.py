@@ -31,7 +31,7 @@ from jaxswarm.robot.model import Robot
 _STEPS = 3
 # A skew is told from none from so many standard errors on, and a step that is below the first part of its
 # standard error is nothing.
-_CERTAIN, _SMALL = 3.0, 0.5
+CERTAIN_CLOCK, _SMALL = 3.0, 0.5
 # Rows that tell it to a thousandth of a sample; of a longer log the middle is asked.
 _ROWS = 20_000
 # Rows of a log from which on two fits of it are too large.
@@ -148,7 +148,7 @@ def with_clocks(
     for _ in range(_STEPS):
         step, doubt = clock_skew(moved)
         known = moved.motions[0].skew
-        if not known and abs(step) <= _CERTAIN * doubt:
+        if not known and abs(step) <= CERTAIN_CLOCK * doubt:
             break
         whole = shrunk(known + step, doubt)
         late = whole - known
