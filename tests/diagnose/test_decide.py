@@ -10,8 +10,9 @@ from scipy import signal, stats
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_special_case, overlap
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import passes, score
+from jaxswarm.diagnose.decision.score import score
 from jaxswarm.diagnose.decision.significance import slope_p_value
+from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term

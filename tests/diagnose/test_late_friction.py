@@ -8,8 +8,8 @@ from planted import BAND, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.decision.sharpness import only_friction
+from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate

@@ -11,7 +11,7 @@ from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import passes
+from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term, parse_terms

@@ -12,7 +12,7 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import passes
+from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.report.figures import evidence
 from jaxswarm.diagnose.report.result import to_result

@@ -10,8 +10,8 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import passes
 from jaxswarm.diagnose.decision.sharpness import only_sharp, score_softly
+from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term

@@ -11,7 +11,9 @@ import numpy as np
 from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import AS_GOOD, OVERLAP, SPECIAL_CASE, Rules
-from jaxswarm.diagnose.decision.score import Score, coefficients, passes, score
+from jaxswarm.diagnose.decision.score import score
+from jaxswarm.diagnose.decision.worth import Score, passes
+from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term

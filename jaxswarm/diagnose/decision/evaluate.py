@@ -9,7 +9,8 @@ from jaxswarm import cores
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.decision.score import score
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.free_parts import at_once, free_parts
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term

@@ -20,7 +20,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import NEAR, Rules
-from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.decision.score import score
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.clocks import clock_slopes
 from jaxswarm.diagnose.folds.noise import noise_of, row_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit

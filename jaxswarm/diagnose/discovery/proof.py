@@ -11,7 +11,8 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import CLEARLY_LESS, MOST_LEFT, OF_SMOOTH
-from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.decision.score import score
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.discovery.as_term import candidate_of
 from jaxswarm.diagnose.discovery.front import Point, point, region_folds, strict
 from jaxswarm.diagnose.discovery.open_joints import Open

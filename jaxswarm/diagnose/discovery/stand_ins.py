@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.discovery.front import Point
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit

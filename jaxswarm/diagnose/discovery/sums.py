@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.decision.score import coefficients
 from jaxswarm.diagnose.discovery.grammar import factors
 from jaxswarm.diagnose.discovery.moving_load import (
     REFINING,
@@ -18,6 +17,7 @@ from jaxswarm.diagnose.discovery.moving_load import (
 from jaxswarm.diagnose.discovery.pieces import Piece, numbered
 from jaxswarm.diagnose.discovery.problem import Joint
 from jaxswarm.diagnose.discovery.screening import Trial
+from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.diagnose.folds.partial_out import Fold
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.postfix import Program, evaluate

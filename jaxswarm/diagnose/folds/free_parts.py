@@ -1,4 +1,4 @@
-"""What a model cannot imitate of the columns of many candidates, found for many at a time.
+"""What a model cannot imitate of the columns of many candidates, found for many at a time, and fits of it.
 
 For each candidate by itself the factors of the folds, some megabytes, pass through the processor once a column.
 """
@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 
 # Numbers of the columns that pass at a time: they stay in the cache beside the factors.
@@ -62,3 +63,12 @@ def _of_fold(fold: Fold, columns: Sequence[np.ndarray]) -> list[np.ndarray]:
     rows[np.linalg.norm(rows, axis=1) <= _ROUNDING * size] = 0.0
     ends = np.cumsum([c.shape[2] for c in columns])[:-1]
     return [np.ascontiguousarray(part.T).reshape(*shape, -1) for part in np.split(rows, ends)]
+
+
+def coefficients(free: np.ndarray, fold: Fold, residual: np.ndarray | None = None) -> np.ndarray:
+    """Least-squares coefficients (k,) of free columns (T, n, k) on the training rows."""
+    residual = fold.residual if residual is None else residual
+    rows = free[fold.train].reshape(-1, free.shape[2])
+    scale = np.linalg.norm(rows, axis=0)
+    scale[scale == 0] = 1.0
+    return lstsq(rows / scale, residual[fold.train].ravel(), rcond=1e-6) / scale

@@ -1,7 +1,7 @@
 """Why a candidate was not added, in sentences."""
 
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.report.numbers import percent
 
 # Why one that passed was not added: the refit, or the time that was given.

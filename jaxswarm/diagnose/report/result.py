@@ -7,7 +7,6 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import Remainder
 from jaxswarm.diagnose.decision.rules import HARM, Rules
-from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import (
     CANNOT,
@@ -16,6 +15,7 @@ from jaxswarm.diagnose.decision.verdict import (
     unpredicted,
     verdict,
 )
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.discovery.discover import Search
 from jaxswarm.diagnose.report import discovered
 from jaxswarm.diagnose.report.experiment import NO_MOTION, best_experiment, separating_command

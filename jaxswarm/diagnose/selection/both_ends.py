@@ -12,7 +12,8 @@ from itertools import combinations
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import NEAR
-from jaxswarm.diagnose.decision.score import Score, passes, score
+from jaxswarm.diagnose.decision.score import score
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit_in_place

@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import CHANGE_DOUBT
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change

@@ -17,7 +17,7 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.change_again import beside, better, is_change, worse

@@ -18,8 +18,8 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.own_variables import torque_at_joint
 from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, NEAR, Rules
-from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.sharpness import score_softly
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.refit import refit

@@ -6,7 +6,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.competing import plainness
 from jaxswarm.diagnose.decision.rules import PRICE
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere

@@ -18,7 +18,7 @@ from dataclasses import replace
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import ASKED_ALONE, LOUD, NEAR, PRICE
-from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit, refit_with

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import Remainder, remainders
-from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
 from jaxswarm.diagnose.decision.verdict import NO_PROOF, OTHER_MOTION, REGIONS
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis

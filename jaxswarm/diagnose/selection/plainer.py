@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.rules import SAVED, Rules
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import left_on, refit, refit_with

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import IN_PLACE, NEEDED, WITHIN_BOUNDS
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.selection.tenable import (
     can_be,

@@ -17,8 +17,8 @@ from jaxswarm.diagnose.decision.competing import (
 )
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR, Rules
-from jaxswarm.diagnose.decision.score import Score, passes
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.instead import leaves_less, replacement, simpler

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import GAIN
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.selection.elsewhere import residuals_on, rms
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.identify.estimation.estimate import Estimate

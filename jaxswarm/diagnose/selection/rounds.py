@@ -11,7 +11,7 @@ from functools import partial
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Spent
 from jaxswarm.diagnose.selection.state import Search

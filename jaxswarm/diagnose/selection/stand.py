@@ -5,14 +5,14 @@ from collections.abc import Sequence
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.position_laws import imitates, is_unseen, strays
 from jaxswarm.diagnose.decision.rules import BY_STATE, Rules
-from jaxswarm.diagnose.decision.score import Score, coefficients
 from jaxswarm.diagnose.decision.sharpness import (
     FoldsOf,
     only_friction,
     only_sharp,
     refitted_folds,
 )
-from jaxswarm.diagnose.folds.free_parts import free_parts
+from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.state import Search
 

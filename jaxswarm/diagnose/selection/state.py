@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.step import Step

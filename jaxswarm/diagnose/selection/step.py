@@ -6,7 +6,7 @@ from typing import Protocol
 
 from jaxswarm.diagnose.decision.competing import overlap
 from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
-from jaxswarm.diagnose.decision.score import Score
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.alike import has, lacking, number_of

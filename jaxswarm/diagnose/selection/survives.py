@@ -32,12 +32,12 @@ from jaxswarm.diagnose.decision.rules import (
     TIMES_OWN,
     Rules,
 )
-from jaxswarm.diagnose.decision.score import Score
 from jaxswarm.diagnose.decision.unexplained import (
     Unexplained,
     find_unexplained,
     with_smooth_terms,
 )
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.elsewhere import (

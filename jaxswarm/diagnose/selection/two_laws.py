@@ -16,7 +16,7 @@ from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_if_passing, score_terms
 from jaxswarm.diagnose.decision.rules import LOST, NEAR
-from jaxswarm.diagnose.decision.score import Score, passes
+from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.plainer import does_as_well

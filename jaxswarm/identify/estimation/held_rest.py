@@ -42,7 +42,10 @@ def without_rest(
         every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
         left = every.target - every.columns @ here.theta
         found = held(left, rest, mixed)
-        own = [width_parameter((j,), width_range(motions, (j,))) for j in np.flatnonzero(found)]
+        own = [
+            width_parameter((j,), width_range(motions, (j,)))
+            for j in np.flatnonzero(found).tolist()
+        ]
         if own:
             whole = Problem(robot, tuple(motions), tuple(rigids), False)
             told = newton(whole, own, settle(whole, here.place, here.pi))
