@@ -265,6 +265,15 @@ def test_what_holds_a_joint_is_no_more_than_its_friction():
     assert held_shares(found.final.motions) == {}
 
 
+def test_rest_is_asked_again_once_a_change_is_found():
+    """What friction held at rest of a wrist was told as a spring with a dead zone, as a load hid it at first."""
+    hidden = Term("joint_spring", 1, values={"k": 20.0, "tau0": 5.0})
+    found = compare(truth(), [prepare(stopping(4.0, 0, hidden), BAND)])
+    assert [(c.term.effect, c.term.joint) for c in found.changes] == [("joint_spring", 1)]
+    assert set(held_shares(found.after.motions)) == {"joint1", "joint2"}
+    assert abs(found.changes[0].term.values["k"] - 20.0) < 0.2
+
+
 @pytest.mark.parametrize(("part", "told"), [(3.0, True), (0.7, False)])
 def test_a_push_at_one_rest_is_told_by_more_than_friction_holds(part, told):
     """A push of 8.5 N m on 1.8 N m of friction, at rest, was left out with the rest of all joints."""

@@ -30,11 +30,11 @@ from jaxswarm.diagnose.selection.change_apply import (
     with_changes,
 )
 from jaxswarm.diagnose.selection.change_fit import crossed
-from jaxswarm.diagnose.selection.earlier_model import freeze, held_folds, on_new_logs, with_doubt
+from jaxswarm.diagnose.selection.change_rest import without_held
+from jaxswarm.diagnose.selection.earlier_model import freeze, held_folds, on_new_logs
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import in_all_motion
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.sticking import loud_joints, without_sticks
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.usable import check_usable
@@ -151,7 +151,7 @@ def _changed(found: _Found) -> Question:
         passed = in_all_motion(search, passed, partial(held_folds, search.declared))
         return (
             _add_change(search, found, passed)
-            or _leave_out_sticks(search, found)
+            or _leave_out_held(search, found)
             or _choose_again(search, found)
         )
 
@@ -165,21 +165,12 @@ def _changed(found: _Found) -> Question:
     )
 
 
-def _leave_out_sticks(search: Search, found: _Found) -> bool:
-    """Leave out where friction holds joints for moments, before a law is told to have changed; whether so.
-
-    What an earlier model says where a joint starts, stops or reverses is the sign of another motion.
-    """
-    before = search.declared
-
-    def fitted(motions: Sequence[Motion]) -> Estimate:
-        rest = with_doubt(freeze(before.model, motions), search.seed)
-        return freeze(search.current.model, rest.motions)
-
-    after = without_sticks(search, loud_joints(search), fitted)
-    if after is None:
+def _leave_out_held(search: Search, found: _Found) -> bool:
+    """Leave out where friction holds joints, before a law is told to have changed; whether so."""
+    without = without_held(search)
+    if without is None:
         return False
-    search.current, search.declared = after, freeze(before.model, after.motions)
+    search.current, search.declared = without
     if found.picked:
         found.take(search, found.picked)
     return True
@@ -194,7 +185,7 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
     before = search.declared
     while passed:
         chosen, _ = choose(passed, search.rules, search.folds)
-        if not chosen.candidate.term.law.recurring and _leave_out_sticks(search, found):
+        if not chosen.candidate.term.law.recurring and _leave_out_held(search, found):
             return True
         picked = [*found.picked, as_picked(chosen, search.scores, search.folds)]
         changes = changes_of(before, picked)
