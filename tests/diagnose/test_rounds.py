@@ -63,18 +63,22 @@ def test_moved_clocks_hold_for_the_error_before_too(fitted, monkeypatch, steps):
     assert not clock.allow_for_skew(search, [CLOCK])
 
 
-def test_clocks_are_not_moved_by_more_than_a_sample(fitted, monkeypatch):
-    """What is not surely a delay is the clock's, unless no clock could be so far off."""
+def test_clocks_are_moved_as_far_as_is_told_of_them_beside_what_clocks_are(fitted, monkeypatch):
+    """Evenly within half a sample: what a log hardly tells moved them by two, a step at a time."""
     found, _ = fitted
     interval = found.motions[0].interval
-    monkeypatch.setattr(clock, "clock_skew", lambda one: (-0.8 * interval, 0.2 * interval))
     search = search_of(found)
+    monkeypatch.setattr(clock, "clock_skew", lambda one: (-0.8 * interval, 0.1 * interval))
+    assert not clock.allow_for_skew(search, [CLOCK])  # surely a delay
+    left = -1.2 * interval
+
+    def told(one):
+        return left - one.motions[0].skew, 0.6 * interval
+
+    monkeypatch.setattr(clock, "clock_skew", told)
     assert clock.allow_for_skew(search, [CLOCK])
-    # shrunk by its certainty
-    assert search.current.motions[0].skew == pytest.approx(-0.75 * interval)
-    for told in ((-1.3 * interval, 0.4 * interval), (-0.8 * interval, 0.1 * interval)):
-        monkeypatch.setattr(clock, "clock_skew", lambda one, told=told: told)
-        assert not clock.allow_for_skew(search, [CLOCK])
+    assert search.current.motions[0].skew == pytest.approx(0.75 * left / (1.0 + 12.0 * 0.6**2))
+    assert not clock.allow_for_skew(search, [CLOCK])
 
 
 def test_clocks_that_are_not_certain_are_moved_where_that_lowers_the_error(fitted, monkeypatch):

@@ -11,7 +11,7 @@ from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.clock_skew import (
     CERTAIN_CLOCK,
     clock_skew,
-    shrunk,
+    credited,
     with_clocks,
     with_skew,
 )
@@ -36,9 +36,8 @@ def allow_for_skew(search: Search, eligible: Sequence[Term]) -> bool:
     late, doubt = clock_skew(search.current)
     if any(law.credible(late, max(intervals), CERTAIN * doubt) for law in clocks):
         return False
-    late = shrunk(late, doubt)
-    if abs(late) > min(intervals):
-        return False  # not surely a delay, and too much for a clock
+    known = search.current.motions[0].skew
+    late = credited(known + late, doubt, min(intervals)) - known
     if abs(late) <= _LEAST_SKEW:
         return False
     search.skews.append(late)

@@ -19,7 +19,7 @@ import scipy
 
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.estimate import CLOCKS_APART, Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.estimation.starts import with_starts
 from jaxswarm.identify.forward.model import Model, linear_values
@@ -70,6 +70,25 @@ def clock_skew(found: Estimate) -> tuple[float, float]:
 def shrunk(seconds: float, doubt: float) -> float:
     """A time shrunk by its certainty: nothing where there is nothing (W. James, C. Stein, 1961)."""
     return seconds * max(0.0, 1.0 - (doubt / seconds) ** 2) if seconds else 0.0
+
+
+def credited(seconds: float, doubt: float, interval: float) -> float:
+    """A time between two clocks as far as it is told, beside what is known of clocks without any log.
+
+    They are apart by a part of a sample (``CLOCKS_APART``). Beside friction that a joint lacked, a skew of
+    -4.6 +- 2.4 ms and two more, each shrunk by its own certainty alone, moved clocks that are not apart by
+    7.7 ms, nearly two samples, and a bristle was told for what that left on another joint.
+
+    Args:
+        seconds: The time [s], with all that is allowed for.
+        doubt: Its standard error [s].
+        interval: Of the samples [s].
+
+    >>> round(1e3 * credited(-4.6e-3, 2.4e-3, 4e-3), 2), round(1e3 * credited(3e-3, 1e-4, 4e-3), 2)
+    (-0.63, 2.97)
+    """
+    usual = (CLOCKS_APART * interval) ** 2
+    return shrunk(seconds, doubt) * usual / (usual + doubt**2)
 
 
 def friction_slopes(model: Model, regression: Regression) -> np.ndarray:
