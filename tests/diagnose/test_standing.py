@@ -266,7 +266,7 @@ def test_what_holds_a_joint_is_no_more_than_its_friction():
 
 
 def test_rest_is_asked_again_once_a_change_is_found():
-    """What friction held at rest of a wrist was told as a spring with a dead zone, as a load hid it at first."""
+    """What friction held at rest of a wrist was told as a spring with a dead zone: a load hid it."""
     hidden = Term("joint_spring", 1, values={"k": 20.0, "tau0": 5.0})
     found = compare(truth(), [prepare(stopping(4.0, 0, hidden), BAND)])
     assert [(c.term.effect, c.term.joint) for c in found.changes] == [("joint_spring", 1)]
