@@ -159,16 +159,22 @@ def test_what_leaves_a_function_of_its_own_variable_is_taken_back(term, extra):
     assert refused.effect == term.effect and "a law of another form" in why
 
 
-@pytest.mark.parametrize("straight", [False, True])
-def test_near_the_noise_a_bent_law_is_none_and_a_straight_one_stays(straight):
+@pytest.mark.parametrize(
+    ("straight", "asked"),
+    [(False, 100), (True, 100), (False, 10**60)],
+    ids=["bent", "straight", "chance"],
+)
+def test_near_the_noise_a_bent_law_is_none_and_a_straight_one_stays(straight, asked):
     """Drag by the square of the partner's speed was told as a coupling, at 1.24 times the noise."""
     log = log_with(duration=LONG)
     v = _velocity(log, 0)
     search = told_as(COUPLING, log, 0.2 * v if straight else 0.1 * v * np.abs(v))
+    search.asked = asked
     assert search.current.fit.sigma[1] < 2.0 * search.crossfit.noise[1]
     take_back_stand_ins(search)
-    assert [s.added.effect for s in search.steps] == ["transmission_coupling"] * straight
-    assert len(search.refused) == (not straight)
+    stays = straight or asked > 100
+    assert [s.added.effect for s in search.steps] == ["transmission_coupling"] * stays
+    assert len(search.refused) == (not stays)
 
 
 TRUE_FORMS = [

@@ -197,7 +197,9 @@ def _stand_in(search: Search) -> tuple[Step, str] | None:
         if law.in_one_log or law.everyday or law.several or joint is None:
             continue
         share, p_value = left_of_own(current, search.folds, term, search.seed)
-        if share < STRUCTURE or p_value > search.rules.significance:
+        # Near the noise it takes as sure a proof as that of the law itself.
+        tests = max(1, search.asked) if left[joint] < NEAR else 1
+        if share < STRUCTURE or p_value * tests > search.rules.significance:
             continue
         leaves = share_left(current, _without(current, step))[joint]
         if _other_form(left[joint], share, leaves):
