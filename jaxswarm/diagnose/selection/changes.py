@@ -149,11 +149,7 @@ def _changed(found: _Found) -> Question:
 
     def act(search: Search, passed: list[Score]) -> bool:
         passed = in_all_motion(search, passed, partial(held_folds, search.declared))
-        return (
-            _add_change(search, found, passed)
-            or _leave_out_held(search, found)
-            or _choose_again(search, found)
-        )
+        return _add_change(search, found, passed) or _choose_again(search, found)
 
     return Question(
         told=lambda search: "asking what changed",
@@ -182,11 +178,15 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
     What happened while an arm stood is told by more than friction can hold, and goes before it: a push of 0.3 s
     at one rest of 14 was left out with the rest, and told of nowhere. Laws go after it.
     """
-    before = search.declared
-    while passed:
-        chosen, _ = choose(passed, search.rules, search.folds)
-        if not chosen.candidate.term.law.recurring and _leave_out_held(search, found):
-            return True
+    before, asked = search.declared, False
+    while True:
+        chosen = choose(passed, search.rules, search.folds)[0] if passed else None
+        if not asked and (chosen is None or not chosen.candidate.term.law.recurring):
+            asked = True
+            if _leave_out_held(search, found):
+                return True
+        if chosen is None:
+            return False
         picked = [*found.picked, as_picked(chosen, search.scores, search.folds)]
         changes = changes_of(before, picked)
         doubt = doubt_of_any(changes, before.model.robot.kinds) or worse(
@@ -197,7 +197,6 @@ def _add_change(search: Search, found: _Found, passed: list[Score]) -> bool:
             return True
         search.refused.append((changes[-1].term, doubt))
         passed = [s for s in passed if s is not chosen]
-    return False
 
 
 def _choose_again(search: Search, found: _Found) -> bool:
