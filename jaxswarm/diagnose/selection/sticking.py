@@ -10,7 +10,7 @@ on no other motion is none, and what friction does at rest is a matter of its ow
 points joints that stuck at each seemed to follow two others, or the acceleration of one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -44,9 +44,10 @@ def leave_out_sticks(search: Search) -> bool:
         found = refit(replace(current, motions=tuple(motions)), current.model.terms)
         return with_motion_noise(found, search.seed)
 
+    known = set(search.sticking)
     after = without_sticks(search, asked, fitted)
     if after is not None:
-        _adopt(search, after)
+        go_on_from(search, after, search.sticking - known)
     return after is not None
 
 
@@ -141,8 +142,8 @@ def _left_and_friction(found: Estimate, motion: Motion) -> tuple[np.ndarray, np.
     return motion.decimator.apply(motion.tau - whole), motion.decimator.apply(whole - rest)
 
 
-def _adopt(search: Search, after: Estimate) -> None:
-    """Go on from a fit to fewer rows, with all that is told before it on the same rows."""
+def go_on_from(search: Search, after: Estimate, joints: Iterable[int]) -> None:
+    """Go on from a fit to other rows of some joints, with all that is told before it on the same rows."""
 
     def on_these(found: Estimate) -> Estimate:
         here = replace(found, motions=after.motions, rigids=after.rigids)
@@ -154,5 +155,7 @@ def _adopt(search: Search, after: Estimate) -> None:
         search.steps = chain([first, *search.steps[1:]])
     search.current = after
     search.crossfit = cross_fit(after)
-    # What was refused was refused beside what friction held.
-    search.banned, search.settled = set(), False
+    # What was refused on these joints was refused beside what friction held.
+    for joint in joints:
+        search.ask_again(joint)
+    search.settled = False

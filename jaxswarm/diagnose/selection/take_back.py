@@ -113,7 +113,7 @@ def _take_back(
         if found is None:
             break
         step, why = found
-        search.refused.append((step.added, why))
+        search.refuse(step.added, why)
         kept, terms = [], search.current.model.terms
         for one in search.steps:
             if one is step or _goes_with(one, step, events):

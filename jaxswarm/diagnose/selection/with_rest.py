@@ -13,11 +13,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.decision.competing import accepted
+from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ABOVE_NOISE, NEAR
-from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.sticking import go_on_from
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held, mixed_with, standing
 from jaxswarm.logs.motion import Motion
 
@@ -26,37 +32,80 @@ _MORE_ROUNDS = 3
 
 
 def with_rest(
-    search: Search, motions: Sequence[Motion], searched: Callable[[Sequence[Motion], int], Search]
+    search: Search,
+    motions: Sequence[Motion],
+    searched: Callable[[Sequence[Motion], int], Search],
+    finished: Callable[[Search], None],
 ) -> Search:
     """The search with all rows, where its model explains rest and motion by no more numbers; else the search.
 
     By more of them where other logs show that these are right.
 
     It is made only where rows were left out at rest and motion alone is not explained by what was declared.
+    Where motion is explained and rest asks for no other law of its joints, the model is the same: it is fitted
+    to all rows, and nothing is looked for once more. On a measured arm of six joints the second search found
+    the eight laws of the first, for half of the whole time.
 
     Args:
         search: A search that may have left out rest.
         motions: The logs it was given.
         searched: ``searched(motions, most)``: a search of so many rounds on these logs.
+        finished: Fits the model of a search to the end.
     """
     rest = standing(motions)
-    known = [m.held for m in search.current.motions]
-    left_out = any((h & r).any() for h, r in zip(known, rest, strict=True) if h is not None)
+    left_out = _left_out(search, rest)
     loud = over_noise(search.current).max() > NEAR
-    if not left_out or search.budget.spent or not (search.steps or loud):
+    if not left_out.any() or search.budget.spent or not (search.steps or loud):
         return search
     search.progress("asking whether a law shows where joints rest")
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]
+    if not loud:
+        beside = _fitted_to(every, search)
+        if not _asks_for_more(search, beside, left_out):
+            if search.sticking or not _explains(beside, rest, motions):
+                return search
+            go_on_from(search, beside, set(np.flatnonzero(left_out)))
+            finished(search)
+            return search
     # A model that is far from the noise in motion gets there by what rest shows, or not at all.
     again = searched(every, _MORE_ROUNDS + (0 if loud else len(search.steps)))
     nothing = not again.steps and not loud  # what was near with something added lacked it
     if again.ended or again.budget.spent or again.sticking or nothing:
         return search
-    near = over_noise(again.current).max() <= NEAR
-    left = again.current.fit.residual
-    explained = near and not held(left, rest, mixed_with(motions, rest)).any()
     plain = loud or _numbers(again) <= _numbers(search) or _better_elsewhere(search, again)
-    return again if explained and plain else search
+    return again if plain and _explains(again.current, rest, motions) else search
+
+
+def _left_out(search: Search, rest: Sequence[np.ndarray]) -> np.ndarray:
+    """Whether some of the rest of each joint is not fitted, (n,)."""
+    known = [m.held for m in search.current.motions]
+    parts = [
+        np.zeros(r.shape[1], bool) if h is None else (h & r).any(axis=0)
+        for h, r in zip(known, rest, strict=True)
+    ]
+    return np.any(parts, axis=0)
+
+
+def _fitted_to(every: Sequence[Motion], search: Search) -> Estimate:
+    """The model of a search fitted to logs with all rows, on its clocks."""
+    current = search.current
+    logs = [replace(m, held=e.held) for m, e in zip(current.motions, every, strict=True)]
+    found = refit(replace(current, motions=tuple(logs)), current.model.terms)
+    return with_motion_noise(found, search.seed)
+
+
+def _asks_for_more(search: Search, beside: Estimate, joints: np.ndarray) -> bool:
+    """Whether a law of some of the joints (n,), or of the arm, would be added to a model with their rest."""
+    terms = eligible_terms(beside.model, beside.motions)
+    added = [step.added for step in search.steps if not step.removed]
+    passed = accepted(score_on(beside, terms, search.seed), search.rules, added)
+    return any(joints[s.joint] for s in passed)
+
+
+def _explains(found: Estimate, rest: Sequence[np.ndarray], motions: Sequence[Motion]) -> bool:
+    """Whether a model leaves every joint near its noise, and nothing at rest that is friction's."""
+    near = over_noise(found).max() <= NEAR
+    return bool(near and not held(found.fit.residual, rest, mixed_with(motions, rest)).any())
 
 
 def _better_elsewhere(search: Search, again: Search) -> bool:
