@@ -14,6 +14,7 @@ from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.stepwise import diagnose
+from jaxswarm.diagnose.selection.sticking import go_on_from
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.clock_skew import with_skew
 from jaxswarm.logs.motion import prepare
@@ -129,3 +130,16 @@ def test_rules_that_decided_what_changed_are_told():
     told = conclude_comparison(found, [], 0)[0]
     assert told["rules"]["share"] == 0.35
     assert [e["effect"] for e in told["effects"]] == ["joint_spring"]
+
+
+def test_what_was_refused_is_asked_again_where_something_changed(fitted):
+    """A gain that had harmed another joint was found and taken back once more after a third one's rest."""
+    search = search_of(fitted[0])
+    gain, friction = Term("drive_gain", 0), Term("cubic_spring", 1)
+    for term in (gain, friction, gain):
+        search.refuse(term, "raises the error of a joint")
+    assert [t for t, _ in search.refused] == [gain, friction]
+    search.ask_again(1)
+    assert search.banned == {gain.identity}
+    go_on_from(search, fitted[0], {0})
+    assert not search.banned and search.current is fitted[0]

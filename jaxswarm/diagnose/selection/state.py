@@ -77,7 +77,7 @@ class Search:
     def refuse(self, term: Term, why: str = "") -> None:
         """Leave a term out until its joint's model changes; told if it had been found worth adding."""
         self.banned.add(replace(term, values={}).identity)
-        if why:
+        if why and (term.identity, why) not in {(t.identity, w) for t, w in self.refused}:
             self.refused.append((term, why))
 
     def ask_again(self, joint: int | None) -> None:
