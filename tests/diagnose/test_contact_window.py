@@ -9,8 +9,10 @@ from planted import BAND, blank, declared_fit, log_with, small_arm
 from test_contacts import contact, pushed
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.contact import external_candidate, loudest
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision import event as event_module
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.changes import compare
@@ -135,3 +137,18 @@ def test_a_joint_that_rests_within_a_contact_does_not_cut_it_in_two():
     crossfit = replace(crossfit, timing=timing, whole=replace(crossfit.whole, residual=left))
     told = window(found, crossfit)
     assert (told["start"], told["end"]) == pytest.approx((4.0, 6.5), abs=0.06)
+
+
+def test_windows_beside_an_event_end_with_their_log(monkeypatch):
+    """What is loud at the end of a log and at the begin of the next is two things."""
+    logs = [prepare(log_with(duration=d, motion_seed=9), BAND) for d in (12.0, 8.0)]
+    crossfit = cross_fit(with_motion_noise(estimate(small_arm(), blank(), logs)))
+    seen: list[np.ndarray] = []
+    own = event_module.loudest
+    monkeypatch.setattr(event_module, "loudest", lambda *of: (seen.append(of[2]), own(*of))[1])
+    inside = np.zeros((len(crossfit.weight), 1, 1))
+    inside[100:200] = 1.0
+    columns = inside * crossfit.weight[:, :, None]
+    event_module.score_event(Candidate(contact(4.0, 8.0), (columns,) * 3, 2), crossfit, columns)
+    rows = [len(m.t[m.decimator.kept(len(m.t))]) for m in logs]
+    assert seen[0].tolist() == np.repeat([0, 1], rows).tolist()

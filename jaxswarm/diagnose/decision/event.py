@@ -27,9 +27,9 @@ def score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> S
     a = coefficients(free, whole, residual)
     predicted = free @ a
     fall = residual**2 - (residual - predicted) ** 2
-    left, one_log = residual - predicted, np.zeros(len(residual))
+    left = residual - predicted
     pushes = weight * timing * ~inside[:, None]
-    others = loudest(pushes, left, one_log, OTHERS, stands_out)
+    others = loudest(pushes, left, crossfit.log, OTHERS, stands_out)
     if others.any():  # what they did to the fit is no memory either
         quiet = ~(inside | others)
         left = whole.trained_on(quiet).residual * timing * quiet[:, None]
@@ -37,7 +37,7 @@ def score_event(candidate: Candidate, crossfit: CrossFit, free: np.ndarray) -> S
     shares = (fall * raw).sum(axis=0) / np.maximum((residual**2 * raw)[~others].sum(axis=0), 1e-300)
     joint, per_joint = int(np.argmax(shares)), fall.sum(axis=0)
     gain = float(per_joint.sum())
-    memory = correlation_length(left, one_log)
+    memory = correlation_length(left, crossfit.log)
     windows = len(residual) / max(int(inside.sum()), 1)
     blocks = np.bincount(crossfit.block, fall.sum(axis=1))
     chance = scipy.special.chdtrc(weight.shape[1], max(gain, 0.0) / memory / SELECTED) * windows

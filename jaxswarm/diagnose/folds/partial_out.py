@@ -98,6 +98,7 @@ class CrossFit:
 
     Attributes:
         weight: What every row and joint is multiplied by, shape (T, n).
+        log: Log of every row, shape (T,).
         block: Block of every row, shape (T,).
         whole: The fit to all rows.
         halves: The two fits to alternating blocks.
@@ -109,6 +110,7 @@ class CrossFit:
     """
 
     weight: np.ndarray
+    log: np.ndarray
     block: np.ndarray
     whole: Fold
     halves: tuple[Fold, Fold]
@@ -173,7 +175,10 @@ def cross_fit(
     torque_size, noise = regression.rms(regression.torque), regression.rms(doubt)
     # Rows that are bounded already count for no less.
     timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
-    return CrossFit(weight, block, whole, halves, error.size / length, noise, torque_size, timing)
+    effective = error.size / length
+    return CrossFit(
+        weight, regression.log, block, whole, halves, effective, noise, torque_size, timing
+    )
 
 
 def width_slopes(found: Estimate) -> np.ndarray:
