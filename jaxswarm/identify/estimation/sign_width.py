@@ -13,7 +13,7 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.least_squares import solved
-from jaxswarm.identify.estimation.standing import tells_sign
+from jaxswarm.identify.estimation.standing import never_slow, tells_sign
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import term_block
 from jaxswarm.identify.forward.regression import build_regression
@@ -41,12 +41,18 @@ def typical_speed(motions: Sequence[Motion]) -> np.ndarray:
 def width_groups(
     robot: Robot, terms: Sequence[Term], motions: Sequence[Motion]
 ) -> list[tuple[int, ...]]:
-    """Joints with directed friction whose width these logs tell, those of one kind together."""
-    told = tells_sign(motions)
+    """Joints with directed friction whose width these logs tell, those of one kind together.
+
+    With them those that race through zero and tell next to nothing: the width is that of their kind. As a part
+    of its speed that of a wrist was 9 % off, and its error on point-to-point motion 1.8 times the others'.
+    """
+    told, fast = tells_sign(motions), never_slow(motions)
     joints = {t.joint for t in terms if t.law.uses_direction and t.joint is not None}
-    directed = sorted(j for j in joints if told[j])
-    kinds = dict.fromkeys(robot.kinds[j] for j in directed)
-    return [tuple(j for j in directed if robot.kinds[j] == kind) for kind in kinds]
+    kinds = dict.fromkeys(robot.kinds[j] for j in sorted(joints) if told[j])
+    return [
+        tuple(j for j in sorted(joints) if robot.kinds[j] == kind and (told[j] or fast[j]))
+        for kind in kinds
+    ]
 
 
 def alike(groups: Sequence[tuple[int, ...]], width: Sequence[float]) -> list[tuple[int, ...]]:

@@ -52,6 +52,11 @@ def tells_sign(motions: Sequence[Motion]) -> np.ndarray:
     return here > _UNTOLD * asked
 
 
+def never_slow(motions: Sequence[Motion]) -> np.ndarray:
+    """Whether a joint moves in no row slowly enough to tell its sign's width, (n,): it races through zero."""
+    return ~np.any([rows.any(axis=0) for rows in hardly_moving(motions)], axis=0)
+
+
 def _still(motions: Sequence[Motion]) -> list[np.ndarray]:
     """Whether each joint hardly moves on the samples of every log, (T, n) each, by its top speed in all."""
     top = np.max([np.abs(m.dq).max(axis=0) for m in motions], axis=0)
