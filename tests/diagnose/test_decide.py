@@ -1,6 +1,7 @@
 """The decision: the test by hand and its level, thresholds, rivals and special cases."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,11 +13,38 @@ from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_s
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import score
 from jaxswarm.diagnose.decision.significance import slope_p_value
-from jaxswarm.diagnose.decision.worth import passes
+from jaxswarm.diagnose.decision.worth import passes, runners_up
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.regression import Diverged
+
+
+def told(effect, joint, gain, shows=None):
+    return SimpleNamespace(
+        candidate=SimpleNamespace(term=Term(effect, joint)),
+        gain=gain,
+        joint=joint if shows is None else shows,
+    )
+
+
+def test_runners_up_are_what_else_would_explain_the_same():
+    """A refused delay stood before a bristle at twice its gain, and other joints' laws beside any."""
+    chosen = told("hysteresis", 4, 10.0)
+    lag, rotor, other = (
+        told("torque_lag", 4, 3.0),
+        told("rotor_inertia", 4, 9.0),
+        told("drive_gain", 2, 9.5),
+    )
+    tilt, delay, worse = (
+        told("base_tilt", None, 1.0, 4),
+        told("time_delay", None, 20.0, 5),
+        told("cable_coupling", 4, -1.0),
+    )
+    scores = [lag, other, chosen, rotor, tilt, delay, worse]
+    refused = {delay.candidate.term.identity}
+    assert runners_up(chosen, scores, refused) == (rotor, lag, tilt)
+    assert runners_up(tilt, scores) == (delay, chosen, other, rotor, lag)
 
 
 def test_slope_p_value_by_hand():

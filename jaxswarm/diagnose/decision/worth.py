@@ -1,11 +1,15 @@
 """What a candidate is worth, and whether that is enough."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import Rules
+
+# Runners-up of a chosen candidate that are remembered.
+_MOST_OTHERS = 8
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,24 @@ class Score:
     def shows_with(self, other: "Score") -> bool:
         """Whether both show on one and the same joint of their own."""
         return self.own is not None and other.own is not None and self.joint == other.joint
+
+
+def runners_up(
+    chosen: Score, scores: Sequence[Score], refused: Collection[tuple] = ()
+) -> tuple[Score, ...]:
+    """Other candidates for what a chosen one explains, the best first: those that show on its joint.
+
+    Beside a law of the whole arm that is everybody. What was refused, by the identities of terms, is none: it
+    stood before a wound-up bristle as a delay of twice its gain.
+    """
+    place = chosen.candidate.term.joint
+
+    def rivals(s: Score) -> bool:
+        term = s.candidate.term
+        here = place is None or term.joint is None or s.joint == chosen.joint
+        return s is not chosen and s.gain > 0 and here and term.identity not in refused
+
+    return tuple(sorted(filter(rivals, scores), key=lambda s: -s.gain)[:_MOST_OTHERS])
 
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:

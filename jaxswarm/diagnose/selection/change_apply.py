@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.rules import CHANGE_DOUBT
-from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.decision.worth import Score, runners_up
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change
@@ -15,9 +15,6 @@ from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
-
-# Runners-up that a change remembers.
-_MOST_OTHERS = 6
 
 # A candidate with columns in units of torque, what it was worth when it was chosen, and its runners-up.
 Picked = tuple[Candidate, Score, tuple[Score, ...]]
@@ -55,8 +52,7 @@ def as_picked(chosen: Score, scores: Sequence[Score], crossfit: CrossFit) -> Pic
     # Rows within an event weigh nothing.
     weight = crossfit.weight[:, :, None]
     raw = np.divide(candidate.columns[0], weight, where=weight > 0, out=0.0 * candidate.columns[0])
-    ranked = sorted(scores, key=lambda s: -s.gain)
-    others = tuple(s for s in ranked if s is not chosen)[:_MOST_OTHERS]
+    others = runners_up(chosen, scores)
     return replace(candidate, columns=(raw,) * len(candidate.columns)), chosen, others
 
 

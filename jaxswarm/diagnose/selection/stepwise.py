@@ -15,7 +15,7 @@ from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.decision.worth import Score, runners_up
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.both_ends import add_both_ends
@@ -47,8 +47,6 @@ from jaxswarm.robot.model import Robot
 
 # Rounds per joint, and for any arm.
 _ROUNDS_PER_JOINT, _LEAST_ROUNDS = 4, 12
-# Runners-up that a step remembers.
-_MOST_OTHERS = 8
 
 
 def diagnose(
@@ -179,7 +177,7 @@ def _choose_again(search: Search) -> bool:
 
 def _add_best(search: Search, best: list[Score]) -> bool:
     """Add the best candidate if it proves itself; always another round."""
-    current, scores, crossfit = search.current, search.scores, search.folds
+    current, crossfit = search.current, search.folds
     joints = current.model.robot.joints
     chosen, rivals = choose(best, search.rules, crossfit)
     term = chosen.candidate.term
@@ -206,11 +204,8 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if why:
         search.refuse(term, why)
         return True
-    ranked = sorted(scores, key=lambda s: -s.gain)
-    others = [s for s in ranked if s.candidate is not chosen.candidate and s.gain > 0][
-        :_MOST_OTHERS
-    ]
-    step = step_between(chosen, current, after, tuple(rivals), tuple(others), near)
+    others = runners_up(chosen, search.scores, search.banned)
+    step = step_between(chosen, current, after, tuple(rivals), others, near)
     search.steps.append(step)
     search.current = after
     if added.law.recurring:
