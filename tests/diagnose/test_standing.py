@@ -186,7 +186,7 @@ def test_rest_may_be_all_that_was_missing(monkeypatch, near):
     first.current = replace(first.current, motions=tuple(out))
     size = {id(first.current): 3.4, id(second.current): 0.3 if near else 3.4}
     monkeypatch.setattr(with_rest_module, "over_noise", lambda found: np.array([size[id(found)]]))
-    told = with_rest(first, [motion], lambda motions, most: second, lambda search: None)
+    told = with_rest(first, [motion], lambda motions, most: second)
     assert told is (second if near else first)
 
 
@@ -209,38 +209,30 @@ def test_a_law_of_more_numbers_explains_rest_where_another_log_says_so(monkeypat
     monkeypatch.setattr(with_rest_module, "over_noise", lambda found: size)
     monkeypatch.setattr(with_rest_module, "_numbers", lambda search: 4 if search is second else 2)
     monkeypatch.setattr(with_rest_module, "errors_elsewhere", lambda *of: compared * len(of[2]))
-    monkeypatch.setattr(with_rest_module, "_asks_for_more", lambda *of: True)
-    ended = with_rest(first, [motion], lambda motions, most: second, lambda search: None)
+    ended = with_rest(first, [motion], lambda motions, most: second)
     assert (ended is second) == told
 
 
-@pytest.mark.parametrize("more", [False, True])
-def test_rest_that_asks_for_nothing_else_is_fitted_without_another_search(monkeypatch, more):
+@pytest.mark.parametrize(
+    ("sticks", "more", "again"), [(True, False, 0), (True, True, 1), (False, False, 1)]
+)
+def test_where_friction_holds_joints_for_moments_rest_has_to_ask_for_a_law(
+    monkeypatch, sticks, more, again
+):
     """On a measured arm of six joints the second search found the eight laws of the first again."""
     hidden = Term("joint_spring", 0, values={"k": 8.0, "tau0": 2.0})
-    log = stopping(
-        0.0, 0, hidden, *([Term("joint_spring", 1, values={"k": 8.0, "tau0": 2.0})] * more)
-    )
-    motions = [prepare(log, BAND)]
-    rest = standing(motions)
-    out = leave_out(motions, rest, np.ones(2, bool))
+    other = replace(hidden, joint=1)
+    motions = [prepare(stopping(0.0, 0, hidden, *([other] * more)), BAND)]
+    out = leave_out(motions, standing(motions), np.ones(2, bool))
     law = replace(hidden, values={})
     found = with_motion_noise(estimate(small_arm(), (*blank(), law), out))
     first = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
-    first.steps = [SimpleNamespace(removed=(), added=law)]
-    asked, ended = [], []
-    monkeypatch.setattr(with_rest_module, "go_on_from", lambda search, *of: asked.append(of))
+    first.steps, first.sticking = [SimpleNamespace(removed=(), added=law)], {0} if sticks else set()
+    searched = []
     monkeypatch.setattr(with_rest_module, "over_noise", lambda found: np.ones(2))
     monkeypatch.setattr(with_rest_module, "_numbers", lambda search: 2)
-
-    def searched(*of):
-        ended.append(of)
-        return first
-
-    with_rest(first, motions, searched, lambda search: None)
-    assert (len(ended), len(asked)) == ((1, 0) if more else (0, 1))
-    if asked:
-        assert asked[0][0].regression.used_rows[rest[0]].all() and asked[0][1] == {0, 1}
+    with_rest(first, motions, lambda *of: searched.append(of) or first)
+    assert len(searched) == again
 
 
 @pytest.mark.parametrize(

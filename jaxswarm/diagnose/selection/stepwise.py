@@ -80,10 +80,6 @@ def diagnose(
     rules, budget = rules or Rules(), budget or Budget()
     memory = Memory(journal, rules.share)
 
-    def finished(search: Search) -> None:
-        with declared_alone(robot, declared, search.current.motions) as alone:
-            finish(search, alone)
-
     def searched(logs: Sequence[Motion], most: int) -> Search:
         with declared_alone(robot, declared, logs) as alone:
             progress("fitting the declared model")
@@ -96,7 +92,7 @@ def diagnose(
         return search
 
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
-    search = with_rest(searched(motions, most), motions, searched, finished)
+    search = with_rest(searched(motions, most), motions, searched)
     return Diagnosis(
         within_bounds(search.declared) if search.steps else search.current,
         search.current,

@@ -22,7 +22,6 @@ from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.sticking import go_on_from
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held, mixed_with, standing
 from jaxswarm.logs.motion import Motion
@@ -35,22 +34,21 @@ def with_rest(
     search: Search,
     motions: Sequence[Motion],
     searched: Callable[[Sequence[Motion], int], Search],
-    finished: Callable[[Search], None],
 ) -> Search:
     """The search with all rows, where its model explains rest and motion by no more numbers; else the search.
 
     By more of them where other logs show that these are right.
 
     It is made only where rows were left out at rest and motion alone is not explained by what was declared.
-    Where motion is explained and rest asks for no other law of its joints, the model is the same: it is fitted
-    to all rows, and nothing is looked for once more. On a measured arm of six joints the second search found
-    the eight laws of the first, for half of the whole time.
+    Nor is it where friction was found to hold joints for moments too and rest asks for no other law of its
+    joints: friction holds them then as well. On a measured arm of six joints the second search found the eight
+    laws of the first, for half of the whole time. Without such moments it is made whatever rest asks for: beside
+    a spring that had been told for a push, and a part of the push, it asked for nothing.
 
     Args:
         search: A search that may have left out rest.
         motions: The logs it was given.
         searched: ``searched(motions, most)``: a search of so many rounds on these logs.
-        finished: Fits the model of a search to the end.
     """
     rest = standing(motions)
     left_out = _left_out(search, rest)
@@ -59,14 +57,8 @@ def with_rest(
         return search
     search.progress("asking whether a law shows where joints rest")
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]
-    if not loud:
-        beside = _fitted_to(every, search)
-        if not _asks_for_more(search, beside, left_out):
-            if search.sticking or not _explains(beside, rest, motions):
-                return search
-            go_on_from(search, beside, set(np.flatnonzero(left_out)))
-            finished(search)
-            return search
+    if search.sticking and not loud and not _asks_for_more(search, every, left_out):
+        return search
     # A model that is far from the noise in motion gets there by what rest shows, or not at all.
     again = searched(every, _MORE_ROUNDS + (0 if loud else len(search.steps)))
     nothing = not again.steps and not loud  # what was near with something added lacked it
@@ -86,16 +78,12 @@ def _left_out(search: Search, rest: Sequence[np.ndarray]) -> np.ndarray:
     return np.any(parts, axis=0)
 
 
-def _fitted_to(every: Sequence[Motion], search: Search) -> Estimate:
-    """The model of a search fitted to logs with all rows, on its clocks."""
+def _asks_for_more(search: Search, every: Sequence[Motion], joints: np.ndarray) -> bool:
+    """Whether a law of some joints (n,), or of the arm, would be added to the model fitted to all rows."""
     current = search.current
     logs = [replace(m, held=e.held) for m, e in zip(current.motions, every, strict=True)]
-    found = refit(replace(current, motions=tuple(logs)), current.model.terms)
-    return with_motion_noise(found, search.seed)
-
-
-def _asks_for_more(search: Search, beside: Estimate, joints: np.ndarray) -> bool:
-    """Whether a law of some of the joints (n,), or of the arm, would be added to a model with their rest."""
+    beside = refit(replace(current, motions=tuple(logs)), current.model.terms)
+    beside = with_motion_noise(beside, search.seed)
     terms = eligible_terms(beside.model, beside.motions)
     added = [step.added for step in search.steps if not step.removed]
     passed = accepted(score_on(beside, terms, search.seed), search.rules, added)
