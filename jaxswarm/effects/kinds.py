@@ -84,14 +84,14 @@ class TransmissionLaw(Effect):
     Attributes:
         spring: ``spring(p) -> (k, d)``: stiffness and damping [N m/rad, N m s/rad]; None: the gear is as
             stiff as its parameter ``flank`` says, the frequency [Hz] at which the link swings on it.
-        hardening: ``hardening(p)``: what the spring gains on the cube of its twist [N m/rad^3]; None: it is
-            straight.
+        hardening: ``hardening(p)``: what the spring gains on the cube of its twist [N m/rad^3]; None: nothing.
         gap: ``gap(p)``: dead zone to either side [rad]; None: there is none. A law with one has the
             parameters ``gap``, ``flank`` and ``blur``, the time [s] over which its lag is averaged.
         lattice: ``lattice(inertia) -> [values, ...]``: what to try on a joint of this inertia [kg m^2].
         around: ``around(inertia, k, twist) -> [values, ...]``: of a law that extends others, what to try in
             place of a lattice: the lag that they give the link has the root mean square ``twist`` [rad], and
             its torque the root mean square ``k twist``.
+        softer: ``softer(values, times) -> values``: those of a spring that gives way so many times as far.
     """
 
     spring: Callable[[Mapping], tuple] | None = None
@@ -99,6 +99,7 @@ class TransmissionLaw(Effect):
     gap: Callable[[Mapping], jax.Array] | None = None
     lattice: Callable[[float], list[dict[str, float]]] | None = None
     around: Callable[[float, float, float], list[dict[str, float]]] | None = None
+    softer: Callable[[Mapping, float], dict[str, float]] | None = None
 
     @property
     def positive(self) -> bool:

@@ -37,6 +37,7 @@ register(
         ),
         spring=lambda p: (p["k"], p["d"]),
         lattice=_springs,
+        softer=lambda p, times: {"k": p["k"] / times, "d": p["d"] / np.sqrt(times)},
         shown_against="acceleration",
     )
 )

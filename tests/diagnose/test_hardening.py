@@ -15,6 +15,7 @@ from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.extended import extended
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.deflection import deflection
@@ -108,6 +109,22 @@ def test_a_spring_that_hardens_is_named_with_its_values(first):
 
 def test_a_straight_spring_stays_what_it_is():
     assert not asked(with_first(False, "joint_elasticity"), "hardening_elasticity")
+
+
+@pytest.mark.parametrize("hard", [True, False], ids=["hardens", "is straight"])
+def test_a_spring_is_judged_by_the_fit_of_one_that_hardens(hard):
+    """Where an encoder's error is told in the place of either, and the other one is not asked beside it."""
+    found = declared_alone(hard)
+    (straight,) = asked(found, "joint_elasticity")
+    further = extended(straight, refit_with(found, straight), 0)
+    if not hard:
+        assert further is None
+        return
+    score, after = further
+    term = find_term(after, score.candidate.term)
+    assert (term.effect, score.candidate.size) == ("hardening_elasticity", 3)
+    assert score.gain == straight.gain
+    assert term.values["k"] == pytest.approx(K, rel=0.1)
 
 
 def test_a_motor_on_a_spring_that_hardens_settles_where_it_holds_the_weight():

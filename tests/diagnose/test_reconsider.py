@@ -7,7 +7,7 @@ from planted import added, declared_fit, diagnose_log, log_with
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import overlap
+from jaxswarm.diagnose.decision.competing import overlap, with_soft_joints
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import passes
@@ -63,6 +63,22 @@ def test_competitors_say_the_same_on_the_same_joint(case):
     assert chosen not in near and {s.joint for s in near} == {1}
     for one in near:
         assert overlap(chosen.candidate, one.candidate, crossfit) > 0.7
+
+
+@pytest.mark.parametrize(("part", "joint"), [(0.75, 1), (0.4, 1), (0.75, 0)])
+def test_a_gear_competes_with_the_error_of_its_own_encoder(case, part, joint):
+    """Judged by all joints both: a stiffening gear, told as an encoder's error, was not even asked again."""
+    before, scores = case
+    misread = scores["encoder_eccentricity", 1, None, None]
+    soft = scores["joint_elasticity", joint, None, None]
+    misread = replace(misread, gain=100.0)
+    soft = replace(soft, on_all=replace(soft.on_all, gain=100.0 * part))
+    competing = part > 0.6 and joint == 1
+    found = with_soft_joints([misread], [misread, soft], lambda s: True)
+    assert (soft.on_all in found[1:]) == competing
+    near = near_ones(misread, [misread, soft.on_all], cross_fit(before))
+    assert ("joint_elasticity" in {s.candidate.term.effect for s in near}) == competing
+    assert with_soft_joints([misread], [misread, soft], lambda s: s is misread) == [misread]
 
 
 def test_what_other_joints_lose_is_no_matter_of_a_law_on_its_own(case):

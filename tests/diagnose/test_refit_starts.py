@@ -1,5 +1,6 @@
 """A refit begins again elsewhere where it comes to nothing that can be."""
 
+import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
@@ -31,3 +32,13 @@ def test_a_curve_of_usual_shape_begins_from_lower_speeds_too(monkeypatch, hidden
     for fitted in asked:
         for name, value in hidden.values.items():
             assert fitted.values[name] == pytest.approx(value, rel=0.1)
+
+
+@pytest.mark.parametrize(("wanted", "stiffness"), [(43.0, [7e3, 3e5]), (1.5, [3e5])])
+def test_a_spring_wanted_many_times_over_begins_that_much_softer(wanted, stiffness):
+    """A gear that stiffens was fitted from 3e5 N m/rad on, stuck at 24,000, and lost to an encoder's error."""
+    term = Term("joint_elasticity", 1, values={"k": 43.0 * 7e3, "d": 64.0})
+    starts = refit_module._starts(term, np.array([wanted]))
+    assert [s.values["k"] for s in starts] == pytest.approx(stiffness, rel=0.01)
+    ratios = [s.values["d"] / np.sqrt(s.values["k"]) for s in starts]
+    assert ratios == pytest.approx(ratios[:1] * len(ratios))

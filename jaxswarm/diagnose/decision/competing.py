@@ -10,12 +10,12 @@ import numpy as np
 
 from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.decision.rules import AS_GOOD, OVERLAP, SPECIAL_CASE, Rules
+from jaxswarm.diagnose.decision.rules import AS_GOOD, ASKED_AGAIN, OVERLAP, SPECIAL_CASE, Rules
 from jaxswarm.diagnose.decision.score import score
 from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.diagnose.folds.partial_out import CrossFit
-from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term
 
 
@@ -46,18 +46,33 @@ def accepted(scores: Sequence[Score], rules: Rules, added: Sequence[Term] = ()) 
 def with_soft_joints(
     passed: list[Score], scores: Sequence[Score], tested: Callable[[Score], bool]
 ) -> list[Score]:
-    """Those that passed, and beside a soft base the transmissions that gain more than it by the same measure.
+    """Those that passed, and the transmissions that by the same measure come near what is judged by all joints.
 
-    A soft base is told by the joint that shows it best, a soft joint by its own alone, for one law of a joint
-    may be hidden by what others share. What gives way is another question, for which both are measured alike:
-    a shoulder whose drive is 15 times as loud as the others moved all links behind it, took 3 % off its own
-    squared error and 1.3 to 1.5 times as much as the base off that of all, which was told in its place.
+    A soft base and an error of an encoder are told by all joints, a soft joint by its own alone, for one law of
+    a joint may be hidden by what others share. What gives way is another question, for which both are measured
+    alike: a shoulder whose drive is 15 times as loud as the others moved all links behind it, took 3 % off its
+    own squared error and 1.3 to 1.5 times as much as the base off that of all, which was told in its place. And
+    of an encoder and the gear of its joint: one that stiffens as it winds up took 12 % off its own joint, and
+    0.75 of what an eccentric encoder took off all; fitted it leaves half of what that does.
     """
     bases = [s.gain for s in passed if _is_soft_base(s.candidate.term)]
-    if not bases:
-        return passed
+    base = max(bases, default=np.inf)
     seen = [s.on_all for s in scores if s.on_all is not None and s not in passed]
-    return [*passed, *(s for s in seen if s.gain > max(bases) and tested(s))]
+
+    def comes_near(s: Score) -> bool:
+        misread = any(tell_one_lag(s, p) and s.gain > ASKED_AGAIN * p.gain for p in passed)
+        return (misread or s.gain > base) and tested(s)
+
+    return [*passed, *filter(comes_near, seen)]
+
+
+def tell_one_lag(one: Score, other: Score) -> bool:
+    """Whether one says that a joint's encoder misreads, and the other that its link lags behind its motor."""
+    laws = [s.candidate.term.law for s in (one, other)]
+    misread = [isinstance(law, MeasurementLaw) and law.excess is not None for law in laws]
+    lags = [isinstance(law, TransmissionLaw) for law in laws]
+    pair = misread[0] and lags[1] or misread[1] and lags[0]
+    return pair and one.candidate.term.joint == other.candidate.term.joint
 
 
 def _is_soft_base(term: Term) -> bool:

@@ -7,11 +7,18 @@ import numpy as np
 from jaxswarm.diagnose.decision.competing import plainness
 from jaxswarm.diagnose.decision.rules import PRICE
 from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.selection.extended import extended
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
+
+
+def fitted_pick(rest: Estimate, pick: Score, seed: int) -> tuple[Score, Estimate] | None:
+    """A law fitted, or what extends it where that leaves less by more than its numbers cost."""
+    after = refit_with(rest, pick)
+    return None if after is None else (extended(pick, after, seed) or (pick, after))
 
 
 def replacement(
@@ -21,6 +28,7 @@ def replacement(
     rest: Estimate,
     current: Estimate,
     other: Sequence[Motion],
+    seed: int = 0,
 ) -> tuple[Score, Estimate] | None:
     """The first pick that may stand in the current model's place, with its fit; None if none may.
 
@@ -29,19 +37,19 @@ def replacement(
     friction was told as a power of the speed of 0.94 +- 0.04. None may raise the error of other motion.
     """
     for pick in picks:
-        after = refit_with(rest, pick)
-        if after is None:
+        found = fitted_pick(rest, pick, seed)
+        if found is None:
             continue
+        more, after = found[0].candidate.size - size, found[1]
         if pick is chosen:
-            more = pick.candidate.size - size
             worth = more <= 0 or not does_as_well(current, after, more)
             fits = worth and cost(after, pick.joint, rest) <= PRICE * cost(
                 current, pick.joint, rest
             )
         else:
-            fits = does_as_well(after, current, size - pick.candidate.size)
+            fits = does_as_well(after, current, -more)
         if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
-            return pick, after
+            return found
     return None
 
 
@@ -52,6 +60,7 @@ def leaves_less(
     current: Estimate,
     other: Sequence[Motion],
     more: bool,
+    seed: int = 0,
 ) -> tuple[Score, Estimate] | None:
     """A law as good as the chosen one on its joint that, all fitted, leaves less by more than its numbers cost.
 
@@ -61,11 +70,11 @@ def leaves_less(
     """
     size, most = chosen.candidate.size, np.inf if more else chosen.candidate.size
     for pick in (s for s in near if size <= s.candidate.size <= most):
-        after = refit_with(rest, pick)
-        if after is None or does_as_well(current, after, pick.candidate.size - size):
+        found = fitted_pick(rest, pick, seed)
+        if found is None or does_as_well(current, found[1], found[0].candidate.size - size):
             continue
-        if not other or left_elsewhere(after, current, pick.joint, other) <= 1.0:
-            return pick, after
+        if not other or left_elsewhere(found[1], current, pick.joint, other) <= 1.0:
+            return found
     return None
 
 

@@ -146,15 +146,16 @@ def reconsider(
         chosen, near = choose(passed, rules, crossfit)
         same = chosen.candidate.term.identity == step.added.identity
         picks = _picks(step, chosen, passed)
-        instead = replacement(picks, chosen, step.score.candidate.size, rest, current, other)
+        instead = replacement(picks, chosen, step.score.candidate.size, rest, current, other, seed)
         if instead is None and same:
-            instead = leaves_less(chosen, near, rest, current, other, fuller)
+            instead = leaves_less(chosen, near, rest, current, other, fuller, seed)
         if instead is None:
             if same:
                 done[place] = replace(step, rivals=tuple(near))
             continue
         pick, current = instead
-        done[place] = _exchanged(step, pick, (chosen, *near), scores, current, crossfit)
+        told = (chosen, *near) if pick in passed else ()  # what extends one was compared by its fit
+        done[place] = _exchanged(step, pick, told, scores, current, crossfit)
         changed = True
     done, current = _alone(done, freed, current, rules, seed, other)
     return (chain(done) if changed else done), current, changed

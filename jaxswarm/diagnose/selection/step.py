@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from jaxswarm.diagnose.decision.competing import overlap
+from jaxswarm.diagnose.decision.competing import overlap, tell_one_lag
 from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
@@ -90,15 +90,20 @@ def near_ones(chosen: Score, passed: Sequence[Score], crossfit: CrossFit) -> tup
     """Competitors of a chosen effect: what passed too, gains as much and says the same, the best first.
 
     Of each law the best: six cables from one joint left no room for the spring that they all contain.
+    An encoder and the gear of one joint are two causes of one thing, a link elsewhere than it seems.
     """
+
+    def says_the_same(s: Score) -> bool:
+        alike = s.joint == chosen.joint
+        return alike and overlap(chosen.candidate, s.candidate, crossfit) > OVERLAP
+
     best: dict[str, Score] = {}
     for s in sorted(passed, key=lambda s: -s.gain):
         if (
             s is not chosen
-            and s.joint == chosen.joint
             and s.gain > ASKED_AGAIN * chosen.gain
             and not s.candidate.term.law.recurring
-            and overlap(chosen.candidate, s.candidate, crossfit) > OVERLAP
+            and (tell_one_lag(chosen, s) or says_the_same(s))
         ):
             best.setdefault(s.candidate.term.effect, s)
     return tuple(best.values())[:_MOST]
