@@ -176,18 +176,24 @@ def _drawn(found: Estimate, motion: Motion, seed: int) -> list[np.ndarray]:
     if motion.position_noise is None:
         return []
     rng = np.random.default_rng(seed)
-    ratio, noise = motion.velocity_ratio, motion.position_noise
-    speed = None if ratio is None else noise / np.sqrt(ratio)
 
     def torque(share: float) -> np.ndarray:
-        q = motion.q + share * noise * rng.normal(size=motion.q.shape)
-        dq = None if speed is None else motion.dq + share * speed * rng.normal(size=q.shape)
-        q = smooth(q, motion.rate, np.array(motion.motion_cutoff), dq, ratio)
-        dq, ddq = derivatives(q, motion.rate, 2)
-        return model_torque(found.model, replace(motion, q=q, dq=dq, ddq=ddq))
+        return model_torque(found.model, noisy(motion, share, rng))
 
     plain = torque(0.0)
     return [torque(1.0) - plain for _ in range(_DRAWS)]
+
+
+def noisy(motion: Motion, share: float, rng: np.random.Generator) -> Motion:
+    """A log smoothed once more, with so many times the white noise of its positions, which has to be known."""
+    ratio, noise = motion.velocity_ratio, _known(motion.position_noise)
+    q = motion.q + share * noise * rng.normal(size=motion.q.shape)
+    dq = None
+    if ratio is not None:
+        dq = motion.dq + share * noise / np.sqrt(ratio) * rng.normal(size=q.shape)
+    q = smooth(q, motion.rate, np.array(motion.motion_cutoff), dq, ratio)
+    dq, ddq = derivatives(q, motion.rate, 2)
+    return replace(motion, q=q, dq=dq, ddq=ddq)
 
 
 def _drawn_power(motion: Motion, drawn: list[np.ndarray]) -> np.ndarray:
