@@ -12,6 +12,7 @@ from jaxswarm.diagnose.decision.rules import KNOWN
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import elsewhere
+from jaxswarm.diagnose.selection import unpredicted as unpredicted_module
 from jaxswarm.diagnose.selection.elsewhere import added_columns, errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step
@@ -180,3 +181,17 @@ def test_a_region_that_alone_tells_of_an_addition_does_not_judge_it(monkeypatch)
     assert [k > KNOWN for k in known] == [True, True, True, False]
     ((one, two, falls, *_),) = errors_elsewhere(before, true, ())
     assert falls[1] and two[1] < 0.5 * one[1]
+
+
+@pytest.mark.parametrize(("error", "told"), [(1.2, False), (1.6, True)])
+def test_an_addition_that_makes_time_unpredictable_is_named(fits, monkeypatch, error, told):
+    """A push told as a spring and a shorter push had 118 % of error on held-out blocks, and 1.5 % before."""
+    before, true, wrong, _ = fits
+    sizes = {id(before): (3.0, 3.0), id(true): (3.0, 1.0), id(wrong): (3.0 * error, 1.0)}
+    monkeypatch.setattr(
+        unpredicted_module, "held_out_residual", lambda e: np.full((9, 2), sizes[id(e)])
+    )
+    bent = step(wrong.model.terms[-1], true, wrong)
+    found = unpredicted_module.unpredicted(before, [step(SPRING, before, true), bent], wrong)
+    assert (found is not None) == told
+    assert not told or (found[0] is bent and "joint1" in found[1])

@@ -26,6 +26,7 @@ from jaxswarm.diagnose.selection.state_events import event_of_state, time_of_sta
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, with_errors
 from jaxswarm.diagnose.selection.survives import harmful, survives
 from jaxswarm.diagnose.selection.tenable import is_certain
+from jaxswarm.diagnose.selection.unpredicted import unpredicted
 from jaxswarm.effects.alike import has, without
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -51,8 +52,13 @@ def take_back(search: Search) -> bool:
 
 
 def take_back_harm(search: Search) -> None:
-    """Take back, one after the other, what in the end raises a joint's error on other motion."""
-    _take_back(search, lambda: harmful(search.declared, search.steps, search.current, search.other))
+    """Take back, one after the other, what in the end raises a joint's error on other motion or other time."""
+
+    def wrong() -> tuple[Step, str] | None:
+        told = search.declared, search.steps, search.current
+        return harmful(*told, search.other) or (None if search.other else unpredicted(*told))
+
+    _take_back(search, wrong)
 
 
 def take_back_idle(search: Search) -> bool:

@@ -42,8 +42,8 @@ def with_rest(
     It is made only where rows were left out at rest and motion alone is not explained by what was declared.
     Nor is it where friction was found to hold joints for moments too and rest asks for no other law of its
     joints: friction holds them then as well. On a measured arm of six joints the second search found the eight
-    laws of the first, for half of the whole time. Without such moments it is made whatever rest asks for: beside
-    a spring that had been told for a push, and a part of the push, it asked for nothing.
+    laws of the first, for half of the whole time. Without such moments it is made whatever rest asks for: that
+    asks for nothing beside a spring which had been told for a push, and a part of the push.
 
     Args:
         search: A search that may have left out rest.
