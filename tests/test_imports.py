@@ -77,7 +77,7 @@ SWARM_LEVEL = {
     ),
     "optimizers": "optimizers",
     **dict.fromkeys(("minimize", "search", "in_turn", "repeating", "loop", "batches"), "minimize"),
-    **dict.fromkeys(("start", "standing", "stopping", "result", "needed"), "minimize"),
+    **dict.fromkeys(("start", "standing", "stopping", "result", "needed", "telling"), "minimize"),
     **dict.fromkeys(("polish", "checkpoint", "resume", "sharding"), "tools"),
     **dict.fromkeys(("contract", "endurance"), "tools"),
     **dict.fromkeys(("driver", "workers", "noise", "handling", "constraints"), "tools"),

@@ -151,7 +151,9 @@ def searched(dtype: Any) -> Any:
 
     In float16 values above 65504 are infinite, and JAX has no eigenvectors of matrices.
     """
-    return jnp.promote_types(jax.dtypes.canonicalize_dtype(dtype), jnp.float32)
+    dtype = jax.dtypes.canonicalize_dtype(dtype)
+    wide = jnp.issubdtype(dtype, jnp.floating) and dtype.itemsize >= 4
+    return dtype if wide else jnp.dtype(jnp.float32)
 
 
 def vectors(lower: Any, upper: Any) -> tuple[Any, Any]:

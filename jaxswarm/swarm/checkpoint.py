@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
@@ -35,7 +34,7 @@ def save(path: str | os.PathLike, tree: Any, **header: Any) -> None:
     path = Path(path)
     text = json.dumps({"format": FORMAT, **header}, sort_keys=True)
     arrays: dict[str, Any] = {HEADER: np.array(text)}
-    arrays |= {name: np.asarray(leaf) for name, leaf in _named_leaves(tree).items()}
+    arrays |= {name: np.asarray(leaf) for name, leaf in _named_leaves(jax.device_get(tree)).items()}
     mark = f".{path.name}.{platform.node() or 'here'}-"
     _sweep(path.parent, mark)
     part = path.with_name(f"{mark}{os.getpid()}.part")
@@ -98,7 +97,7 @@ def restore(path: str | os.PathLike, like: Any, **header: Any) -> Any:
                 f"{path}: {name} has shape {here.shape} and dtype {here.dtype}, expected "
                 f"{leaf.shape} and {leaf.dtype}."
             )
-    leaves = [jnp.asarray(stored[name]) for name in wanted]
+    leaves = [jax.device_put(stored[name]) for name in wanted]
     return jax.tree_util.tree_unflatten(jax.tree_util.tree_structure(like), leaves)
 
 

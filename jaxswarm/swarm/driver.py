@@ -21,6 +21,7 @@ from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.calling import check_takes
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import at_least, comparable, num_values
+from jaxswarm.swarm.pytree import on_device
 from jaxswarm.swarm.random import fold
 from jaxswarm.swarm.repeating import first
 from jaxswarm.swarm.result import Result, Status
@@ -75,15 +76,16 @@ class Driver:
         room_for_programs()
         self.space = space
         self.num_steps = at_least("num_steps", num_steps, 1, "a search needs a step")
-        self._optimizer = optimizer_for(optimizer, num_steps, state)
+        self._optimizer = on_device(optimizer_for(optimizer, num_steps, state))
         refuse_too_many(self._optimizer, space, 0)
-        self._key, self._stop = key, rule(stop)
+        self._key, self._stop = key, on_device(rule(stop))
         begin = start_for(space, start, state)
         if state is not None:
             check_state(state, lambda k: begun(self._optimizer, k, space, None), key)
         self._carry = going_on(state, self._stop)
         if self._carry is None:
-            self._carry = first(begun(self._optimizer, key, space, begin), self._stop)
+            given = on_device((space, begin))
+            self._carry = _first(self._optimizer, key, *given, self._stop)
         self.history: list[float] = []
         self.num_timeouts = 0
 
@@ -95,11 +97,15 @@ class Driver:
     @property
     def finished(self) -> bool:
         """Whether all steps are done or the stop rule has fired."""
-        return bool(self._carry.done) or len(self.history) >= self.num_steps
+        return self._stopped or len(self.history) >= self.num_steps
+
+    @property
+    def _stopped(self) -> bool:
+        return bool(jax.device_get(self._carry.done))
 
     def ask_population(self) -> Any:
         """The candidates as one tree of NumPy arrays with a leading axis n."""
-        return jax.tree.map(np.asarray, _decoded(self.space, self.state.position))
+        return jax.device_get(_decoded(on_device(self.space), self.state.position))
 
     def ask(self) -> list[Any]:
         """The candidates, a list of n parameters with NumPy numbers, choices as indices."""
@@ -122,7 +128,7 @@ class Driver:
                 f"value is a {type(value).__name__}: tell a list in the order of ask()."
             )
         try:
-            told = jnp.asarray(np.asarray([_floats(one, width) for one in value]))
+            told = jax.device_put(np.asarray([_floats(one, width) for one in value]))
         except (TypeError, ValueError) as error:
             raise InputError(
                 f"value: {error}. Tell a number for each candidate, NaN where it has none; an "
@@ -135,7 +141,7 @@ class Driver:
             )
         given = self._optimizer, self._key, self._carry, told, self._stop
         self._carry = _step(*given)
-        self.history.append(float(self._carry.state.best_value))
+        self.history.append(float(jax.device_get(self._carry.state.best_value)))
 
     def run(
         self,
@@ -182,19 +188,32 @@ class Driver:
 
     def result(self) -> Result:
         """What ``minimize`` would return by now; the history holds the steps told so far."""
-        state, steps = self.state, jnp.asarray(len(self.history), jnp.int32)
-        code = self._carry.code if bool(self._carry.done) else STEPS_DONE
-        code = outcome(state, jnp.asarray(code))
+        state, steps = self.state, len(self.history)
+        params, code = _end(on_device(self.space), self._carry)
+        told = np.asarray(self.history, jnp.result_type(float))
         return Result(
-            params=self.space.decode(state.best_position),
+            params=params,
             value=state.best_value,
             position=state.best_position,
-            status=Status(code.astype(jnp.int32)),
-            num_steps=steps,
-            num_evaluations=steps * self.size,
-            history=jnp.asarray(self.history),
+            status=Status(code),
+            num_steps=jax.device_put(np.int32(steps)),
+            num_evaluations=jax.device_put(np.int32(steps * self.size)),
+            history=jax.device_put(told),
             state=state,
         )
+
+
+@jax.jit
+def _first(optimizer, key, space, start, stop):
+    return first(begun(optimizer, key, space, start), stop)
+
+
+@jax.jit
+def _end(space, carry):
+    """The best parameters, and the code of the end."""
+    code = jnp.where(carry.done, carry.code, STEPS_DONE)
+    code = outcome(carry.state, code).astype(jnp.int32)
+    return space.decode(carry.state.best_position), code
 
 
 @jax.jit

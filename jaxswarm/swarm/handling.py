@@ -131,7 +131,7 @@ class EpsilonLevel:
         """The level of the next update."""
         finite = jnp.where(jnp.isfinite(violation), violation, 0.0)
         first = jnp.where(count == 0, jnp.quantile(finite, FIRST_LEVEL), memory[1])
-        left = jnp.clip(1.0 - (count + 1) / (self.until * self.num_steps), 0.0, 1.0)
+        left = jnp.clip(1.0 - (count + 1).astype(float) / (self.until * self.num_steps), 0.0, 1.0)
         level = first * left.astype(first.dtype) ** self.power
         level = jnp.minimum(jnp.minimum(level, memory[0]), FALLING * jnp.median(finite))
         return level.astype(first.dtype), first.astype(memory[1].dtype)
@@ -152,7 +152,8 @@ class AugmentedLagrangian:
 
     def __call__(self, memory, value, constraints, equalities, violation):
         (multipliers, penalty, _), split = memory, constraints.shape[-1] - equalities
-        low, equal = multipliers[:split], multipliers[split:]
+        multipliers = jnp.expand_dims(multipliers, tuple(range(constraints.ndim - 1)))
+        low, equal = multipliers[..., :split], multipliers[..., split:]
         pushed = jnp.maximum(0.0, low + penalty * constraints[..., :split])
         paid = (pushed**2 - low**2) / (2.0 * penalty)
         missed = constraints[..., split:]

@@ -33,8 +33,9 @@ class InTurn:
     def __call__(self, *args: Any) -> Any:
         """What the function gives."""
         given = jax.tree.leaves(args)
-        # Within a program that gives it nothing of its own, what is made new is traced all the same.
-        traced = any(isinstance(x, jax.core.Tracer) for x in (*given, jnp.zeros(())))
+        # Within a program that gives it nothing of its own, what is made new is traced all the same; this is
+        # made on the device, which transfers nothing.
+        traced = any(isinstance(x, jax.core.Tracer) for x in (*given, jax.lax.iota(jnp.int32, 1)))
         return (self._within if traced or not _known() else self._alone)(*args)
 
     @property

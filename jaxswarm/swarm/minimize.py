@@ -9,6 +9,12 @@ derived from the count and not carried, so a search that goes on from a saved st
 search. Many runs are ``jax.vmap`` over keys (or over ``args``, coefficients, bounds);
 :func:`minimize_runs` joins the populations of all runs before it calls an objective that evaluates
 a whole population at once.
+
+What ``progress`` raises, an interrupt too, ends a search at that step and arrives as it was raised. What had
+been found is lost: whoever means to end searches like that goes piece by piece (``state=result.state``).
+
+All of it runs under JAX's strict modes. A transfer guard sees only what is the caller's: keys, and data given
+as ``args`` that are not on the device yet.
 """
 
 from collections.abc import Callable
@@ -21,11 +27,12 @@ from jaxswarm.swarm.batches import batch_of, search_in_batches
 from jaxswarm.swarm.calling import check_args
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import Info
+from jaxswarm.swarm.pytree import on_device
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.search import (
     best_value,
-    going_on,
     optimizer_for,
+    result_of,
     rule,
     runs_of,
     search,
@@ -97,7 +104,7 @@ def minimize(
     optimizer, args = optimizer_for(optimizer, num_steps, state), check_args(args)
     refuse_too_many(optimizer, space, loop.num_steps)
     stop, begin = rule(stop), start_for(space, start, state)
-    return search_one(loop, optimizer, space, key, args, stop, begin, going_on(state, stop))[0]
+    return result_of(search_one, loop, optimizer, space, key, args, stop, begin, state)
 
 
 def minimize_runs(
@@ -157,8 +164,9 @@ def minimize_runs(
     if stop is None and state is None and progress is None and axes is None:
         batch = batch_of(optimizer, space.size, space.dtype, runs)
         if batch < runs:
+            optimizer, space, begin = on_device((optimizer, space, begin))
             return search_in_batches(loop, optimizer, space, keys, args, begin, batch=batch)
-    return search(loop, optimizer, space, keys, args, stop, begin, going_on(state, stop))[0]
+    return result_of(search, loop, optimizer, space, keys, args, stop, begin, state)
 
 
 def axes_of_runs(args: Any, axes: Any, keys: jax.Array) -> Any:

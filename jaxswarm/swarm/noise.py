@@ -30,7 +30,7 @@ from jaxswarm.swarm.optimizers.base import as_optimizer, at_least, comparable
 from jaxswarm.swarm.optimizers.beginning import begin
 from jaxswarm.swarm.optimizers.boundaries import reflect
 from jaxswarm.swarm.optimizers.remembered import require_memory, same_rows
-from jaxswarm.swarm.pytree import as_part, pytree, replace, static
+from jaxswarm.swarm.pytree import as_part, on_device, pytree, replace, static
 from jaxswarm.swarm.random import fold
 
 __all__ = ["averaged", "recommend", "reevaluate"]
@@ -78,7 +78,7 @@ class Reevaluate:
         mean = jnp.where(jnp.isfinite(mean), mean + (value[n:] - mean) / seen, mean)
         leader = jnp.argmin(mean)
         # A search that began anew has forgotten its best candidate: what is known of it stands.
-        forgotten = ~jnp.all(known == inner.best_position, axis=1).any()
+        forgotten = ~jnp.all(known == inner.best_position[None], axis=1).any()
         stands = (forgotten & (inner.best_value < mean[leader])) | (mean[leader] == jnp.inf)
         inner = replace(
             inner,
@@ -123,7 +123,7 @@ class Averaged:
     num: int = static()
 
     def __call__(self, key, params, args):
-        keys = jax.vmap(partial(fold, key))(jnp.arange(self.num))
+        keys = jax.vmap(partial(fold, key))(jnp.arange(self.num, dtype=jnp.int32))
         return jnp.mean(jax.vmap(lambda k: self.fn(k, params, args))(keys), axis=0)
 
 
@@ -153,7 +153,11 @@ def recommend(result: Any, space: Any) -> Any:
       result: a ``Result`` of one run, or its final state.
       space: the space of the search.
     """
-    state = getattr(result, "state", result)
+    return _recommended(getattr(result, "state", result), on_device(space))
+
+
+@jax.jit
+def _recommended(state, space):
     if isinstance(state, ReevaluateState):
         places, values = (getattr(state.inner, name) for name in state.inner.MEMORY)
         proven = state.seen >= ENOUGH * state.seen.max()

@@ -20,6 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.swarm.pytree import on_device
 
 __all__ = ["Front", "crowding", "dominates", "front", "hypervolume", "ranks", "survivors"]
 
@@ -106,7 +107,7 @@ def front(result: Any, space: Any) -> Front:
         state = state.inner
     if not hasattr(state, "FRONT"):
         raise InputError(f"{type(state).__name__} holds no front: search with nsga2() or mopso().")
-    position, values = (np.asarray(getattr(state, name)) for name in state.FRONT)
+    position, values = jax.device_get([getattr(state, name) for name in state.FRONT])
     position, values = (
         position.reshape(-1, position.shape[-1]),
         values.reshape(-1, values.shape[-1]),
@@ -115,10 +116,18 @@ def front(result: Any, space: Any) -> Front:
     values, first = np.unique(values[finite], axis=0, return_index=True)
     position = position[finite][first]
     if values.size:
-        kept = np.asarray(ranks(jnp.asarray(values))) == 0
+        kept = jax.device_get(_ranks(jax.device_put(values))) == 0
         values, position = values[kept], position[kept]
-    params = jax.tree.map(np.asarray, jax.vmap(space.decode)(jnp.asarray(position)))
+    params = jax.device_get(_decoded(on_device(space), jax.device_put(position)))
     return Front(params, values, position)
+
+
+_ranks = jax.jit(ranks)
+
+
+@jax.jit
+def _decoded(space, position):
+    return jax.vmap(space.decode)(position)
 
 
 def hypervolume(values: Any, reference: Any) -> float:

@@ -28,6 +28,7 @@ from jaxswarm.errors import InputError, nearest
 from jaxswarm.room import room_for_programs
 from jaxswarm.swarm.calling import check_args, check_takes
 from jaxswarm.swarm.optimizers.base import at_least
+from jaxswarm.swarm.pytree import on_device
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.space import Space
 
@@ -101,6 +102,7 @@ def polish(
     if not hasattr(state, "best_position"):
         top = points.shape[0]  # who names the starts wants all of them
     _check_output(fn, space, points, args, method)
+    space, learning_rate = on_device((space, learning_rate))
     return _polish(fn, space, points, args, method, num_steps, top, learning_rate)
 
 
@@ -146,7 +148,9 @@ def _optax(fn, z, num_steps, name, *numbers, with_value=False):
         else:
             value, grad = value_and_grad(z)
             extra = {}
-        updates, state = solver.update(jnp.nan_to_num(grad), state, z, **extra)
+        # A line search of optax mixes integers of two sizes, which JAX's strict promotion refuses.
+        with jax.numpy_dtype_promotion("standard"):
+            updates, state = solver.update(jnp.nan_to_num(grad), state, z, **extra)
         return (optax.apply_updates(z, updates), state), (z, value)
 
     (last, _), (visited, values) = jax.lax.scan(step, (z, solver.init(z)), length=num_steps)
@@ -220,7 +224,7 @@ def _distinct(points, values, top):
 
     def choose(blocked, _):
         pick = jnp.argmin(jnp.where(blocked, jnp.inf, values))
-        near = jnp.max(jnp.abs(points - points[pick]), axis=1) < APART
+        near = jnp.max(jnp.abs(points - points[pick][None]), axis=1) < APART
         return blocked | near, jnp.where(jnp.all(blocked), jnp.argmin(values), pick)
 
     _, order = jax.lax.scan(choose, jnp.zeros(values.shape, bool), length=top)
@@ -228,7 +232,7 @@ def _distinct(points, values, top):
 
 
 def _check_output(fn, space, starts, args, method):
-    out = jax.eval_shape(lambda x: fn(space.decode(x), args), starts[0])
+    out = jax.eval_shape(lambda x: fn(space.decode(x[0]), args), starts)
     wanted = 1 if method == "levenberg_marquardt" else 0
     if len(out.shape) != wanted:
         need = "residuals (m,)" if wanted else "a scalar"

@@ -58,6 +58,24 @@ def replace(state: T, **changes: Any) -> T:
     return dataclasses.replace(cast(Any, state), **changes)
 
 
+def on_device(tree: T) -> T:
+    """Put the numbers of Python and NumPy in a tree on the device, if a transfer guard is on.
+
+    A program is given coefficients, bounds and thresholds as they are, which transfers them unasked; a guard
+    (``jax.transfer_guard("disallow")``) lets only what is put there by name pass. Without a guard the program
+    does the same in a tenth of the time. Data of the user are left to the guard.
+
+    >>> with jax.transfer_guard("disallow"):
+    ...     on_device((0.5, 2))
+    (Array(0.5, dtype=float64, weak_type=True), Array(2, dtype=int64, weak_type=True))
+    """
+    if cast(Any, jax.config).jax_transfer_guard_host_to_device in (None, "allow"):
+        return tree
+    return jax.tree.map(
+        lambda leaf: leaf if isinstance(leaf, jax.Array) else jax.device_put(leaf), tree
+    )
+
+
 def as_part(part: Any) -> Any:
     """Make a callable part (topology, boundary, rule, schedule) a pytree.
 

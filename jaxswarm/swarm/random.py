@@ -149,7 +149,8 @@ class Random:
     def integers(self, stream: str, shape: tuple[int, ...], upper: int | jax.Array) -> jax.Array:
         """Integers 0 ... upper - 1 (int32); the bias is below upper / 2^23."""
         u = self.uniform(stream, shape, jnp.float32)
-        return jnp.minimum((u * upper).astype(jnp.int32), jnp.asarray(upper, jnp.int32) - 1)
+        scaled = u * jnp.asarray(upper, jnp.float32)
+        return jnp.minimum(scaled.astype(jnp.int32), jnp.asarray(upper, jnp.int32) - 1)
 
     def permutation(self, stream: str, size: int) -> jax.Array:
         """A random order of 0 ... size - 1 (int32)."""
@@ -165,7 +166,7 @@ class Random:
         for j in range(count):
             pick = self.integers(f"{stream}/{j}", (size,), size - 1 - j)
             for column in jnp.sort(excluded, axis=1).T:
-                pick = pick + (pick >= column)
+                pick = pick + (pick >= column).astype(jnp.int32)
             excluded = jnp.concatenate([excluded, pick[:, None]], axis=1)
         return excluded[:, 1:]
 
@@ -224,7 +225,7 @@ def _sequence(shape: tuple[int, ...], start: jax.Array) -> jax.Array:
     total, stride = start, 0x9E3779B9
     for axis in reversed(range(len(shape))):
         steps = jax.lax.iota(jnp.uint32, shape[axis]) * np.uint32(stride)
-        total = total + steps.reshape(-1, *(1,) * (len(shape) - 1 - axis))
+        total = total + steps.reshape(*(1,) * axis, -1, *(1,) * (len(shape) - 1 - axis))
         stride = stride * shape[axis] % 2**32
     return total
 

@@ -101,7 +101,7 @@ def held(history: Any, num_steps: jax.Array, axis: int) -> Any:
     """Steps not done repeat the last one that was: (..., steps, ...) along ``axis`` (0, or 1 of runs)."""
 
     def one(leaf, count):
-        index = jnp.arange(leaf.shape[0])
+        index = jnp.arange(leaf.shape[0], dtype=jnp.int32)
         return leaf[jnp.minimum(index, jnp.maximum(count, 1) - 1)]
 
     every = jax.vmap(one) if axis else one

@@ -79,7 +79,7 @@ class Result:
             return f"Result({self.value!r})"  # of a tree that was mapped to something else
         values = _here(self.value)
         if not values.ndim:
-            shown = " ".join(repr(jax.tree.map(np.asarray, self.params)).split())
+            shown = " ".join(repr(jax.tree.map(np.asarray, jax.device_get(self.params))).split())
             shown = shown if len(shown) <= LONGEST else shown[:LONGEST] + "..."
             head = f"value={values:.6g}, params={shown}"
         else:
@@ -117,6 +117,6 @@ LONGEST = 200
 def _here(leaf: Any) -> np.ndarray:
     """The values of an array that this host holds: all, or its own rows of a spread one."""
     if getattr(leaf, "is_fully_addressable", True):
-        return np.asarray(leaf)
+        return np.asarray(jax.device_get(leaf))
     shards = {shard.index[0].start or 0: shard.data for shard in leaf.addressable_shards}
-    return np.concatenate([np.asarray(shards[start]) for start in sorted(shards)])
+    return np.concatenate([jax.device_get(shards[start]) for start in sorted(shards)])

@@ -25,7 +25,7 @@ from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.minimize import axes_of_runs
 from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.optimizers.base import at_least
-from jaxswarm.swarm.pytree import replace
+from jaxswarm.swarm.pytree import on_device, replace
 from jaxswarm.swarm.random import lead_of
 from jaxswarm.swarm.repeating import held
 from jaxswarm.swarm.result import Result
@@ -91,16 +91,16 @@ def minimize_resumable(
     optimizer = optimizer_for(optimizer, num_steps)
     refuse_too_many(optimizer, space, loop.num_steps, key.shape[0] if runs else 1)
     stop, begin = rule(stop), start_for(space, start)
-    rest = (optimizer, space, key, args, stop, begin)
-    header = _header(loop, fn, *rest)
+    header = _header(loop, fn, optimizer, space, key, args, stop, begin)
+    rest = (*on_device((optimizer, space)), key, args, *on_device((stop, begin)))
     done, result, carry = _kept(path, loop, rest, header)
-    while done < loop.num_steps and not (carry is not None and bool(jnp.all(carry.done))):
+    while done < loop.num_steps and not (carry is not None and np.all(jax.device_get(carry.done))):
         size = min(every, loop.num_steps - done)
         new, carry = search(replace(loop, num_steps=size), *rest, carry)
         result = new if result is None else _joined(result, new, runs)
         done += size
         save(path, (result, carry), steps=done, **header)
-    result = dataclasses.replace(result, history=jax.tree.map(jnp.asarray, result.history))
+    result = dataclasses.replace(result, history=jax.tree.map(jax.device_put, result.history))
     return result if stop is None else _whole(result, carry, loop)
 
 
@@ -119,17 +119,23 @@ def _restored(path, loop, rest, done, header):
     stop = rest[4]
     if stop is None:
         return result, carry
-    # A clock of another process says nothing here: what it ended goes on.
+    return result, _reopened(stop, carry)
+
+
+@jax.jit
+def _reopened(stop, carry):
+    """A clock of another process says nothing here: what it ended goes on."""
     late = carry.done & (carry.code == TIME_UP)
     code = jnp.where(late, STEPS_DONE, carry.code)
     memory = renewed(stop, carry.memory)
-    return result, carry._replace(done=carry.done & ~late, code=code, memory=memory)
+    return carry._replace(done=carry.done & ~late, code=code, memory=memory)
 
 
 def _joined(old: Result, new: Result, runs: bool) -> Result:
     """The newer result with the history of both; on the host, where a longer one is no other program."""
     axis = 1 if runs else 0
-    history = jax.tree.map(lambda a, b: np.concatenate([a, b], axis), old.history, new.history)
+    parts = jax.device_get((old.history, new.history))
+    history = jax.tree.map(lambda a, b: np.concatenate([a, b], axis), *parts)
     return dataclasses.replace(new, history=history)
 
 
@@ -169,11 +175,11 @@ def _header(loop, fn, optimizer, space, key, args, stop, begin) -> dict[str, Any
 
 def _probe(loop, optimizer, space, key, args) -> list:
     """What the objective says of three points, in digits that do not depend on the machine."""
-    at = jnp.asarray(PROBES, space.dtype)[:, None] * jnp.ones(space.size, space.dtype)
     lead = key.shape[:1] if loop.runs else ()
-    position = jnp.broadcast_to(at, (*lead, *at.shape))
-    state = _Asked(position, jnp.zeros(lead, jnp.int32))
-    value = np.asarray(jax.jit(loop.evaluate)(optimizer, space, key, state, args))
+    at = np.broadcast_to(np.array(PROBES)[:, None], (*lead, len(PROBES), space.size))
+    state = _Asked(jax.device_put(at.astype(space.dtype)), jax.device_put(np.zeros(lead, np.int32)))
+    optimizer, space = on_device((optimizer, space))
+    value = jax.device_get(jax.jit(loop.evaluate)(optimizer, space, key, state, args))
     digits = PROBE_DIGITS[value.dtype.itemsize]
     return [f"{number:.{digits}g}" for number in value.ravel()]
 
@@ -194,4 +200,4 @@ def _steps_done(path) -> int:
 
 def _key_words(key: jax.Array) -> list:
     typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
-    return np.asarray(jax.random.key_data(key) if typed else key).tolist()
+    return jax.device_get(jax.random.key_data(key) if typed else key).tolist()

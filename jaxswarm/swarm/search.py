@@ -14,7 +14,7 @@ from jaxswarm.swarm.calling import check_not_varying, check_takes, part_of
 from jaxswarm.swarm.in_turn import InTurn
 from jaxswarm.swarm.loop import Loop
 from jaxswarm.swarm.optimizers.base import Info, as_optimizer, at_least
-from jaxswarm.swarm.pytree import as_part
+from jaxswarm.swarm.pytree import as_part, on_device
 from jaxswarm.swarm.random import lead_of
 from jaxswarm.swarm.repeating import Carry, first, held, repeat_all, repeat_until
 from jaxswarm.swarm.result import Result, Status
@@ -22,8 +22,10 @@ from jaxswarm.swarm.schedules import for_run
 from jaxswarm.swarm.space import Space
 from jaxswarm.swarm.standing import outcome
 from jaxswarm.swarm.start import Start, begun, points_of
+from jaxswarm.swarm.telling import Telling, told
 
 __all__ = [
+    "result_of",
     "best_value",
     "check_state",
     "going_on",
@@ -110,7 +112,7 @@ def the_loop(
         record=as_part(record or best_value),
         num_steps=at_least("num_steps", num_steps, 1, "a search needs a step"),
         vectorized=bool(vectorized),
-        progress=progress,
+        progress=None if progress is None else Telling(progress),
         progress_every=at_least(
             "progress_every", progress_every, 1, "progress is told now and then"
         ),
@@ -126,8 +128,16 @@ def optimizer_for(optimizer, num_steps, state=None):
         raise InputError(
             f"state={state!r} is no state of an optimizer: give state=result.state of an earlier call."
         )
-    done = 0.0 if state is None else jnp.max(jnp.asarray(state.count)).astype(float)
-    return for_run(as_optimizer(optimizer), done + num_steps)
+    return for_run(as_optimizer(optimizer), _done(state) + num_steps)
+
+
+def _done(state):
+    """Updates that a state has behind it, a float; of many runs the most."""
+    if state is None:
+        return 0.0
+    if isinstance(state.count, jax.core.Tracer):
+        return jnp.max(state.count).astype(float)
+    return float(np.max(jax.device_get(state.count)))
 
 
 def rule(stop):
@@ -144,7 +154,20 @@ def rule(stop):
 
 def going_on(state, stop):
     """The carry of a search that goes on from a state; None for one that begins."""
-    return None if state is None else first(state, stop)
+    return None if state is None else _first(state, on_device(stop))
+
+
+_first = jax.jit(first)
+
+
+def result_of(program, loop, optimizer, space, key, args, stop, start, state) -> Result:
+    """The result of a program of :func:`search`, which begins or goes on from a state.
+
+    What the search itself holds is put on the device by name, and what ``progress`` raises arrives as it was.
+    """
+    carry = going_on(state, stop)
+    given = loop, *on_device((optimizer, space)), key, args, *on_device((stop, start)), carry
+    return told(loop.progress, program, *given)[0]
 
 
 def start_for(space, start, state=None):

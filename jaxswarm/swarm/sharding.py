@@ -28,6 +28,7 @@ from jaxswarm.swarm.needed import refuse_too_many
 from jaxswarm.swarm.result import Result
 from jaxswarm.swarm.search import optimizer_for, rule, runs_of, search, start_for, the_loop
 from jaxswarm.swarm.space import Space
+from jaxswarm.swarm.telling import told
 
 __all__ = ["minimize_sharded"]
 
@@ -85,7 +86,10 @@ def minimize_sharded(
     refuse_too_many(optimizer, space, loop.num_steps, runs * _here(devices) // len(devices))
     rest = loop, optimizer, space, rule(stop), start_for(space, start)
     run = _sharded(mesh, axes)
-    return run(_placed(keys, mesh, SPLIT), _by_axes(_placed, args, axes, mesh), _placed(rest, mesh))
+    # All of it is put where it belongs by name, in ways of JAX that a transfer guard takes for unasked.
+    with jax.transfer_guard("allow"):
+        given = _placed(keys, mesh, SPLIT), _by_axes(_placed, args, axes, mesh), _placed(rest, mesh)
+        return told(loop.progress, run, *given)
 
 
 def _here(devices) -> int:

@@ -59,12 +59,14 @@ def points_of(space: Space, params: Any) -> jax.Array:
     many = bool(leaves) and np.ndim(leaves[0]) == rank + 1
     if many and not np.shape(leaves[0])[0]:
         raise InputError("start holds no points: give at least one, or no start.")
-    points = jax.vmap(space.encode)(params) if many else space.encode(params)[None]
+    # A start is numbers of the host by its nature, which no transfer guard is meant for.
+    with jax.transfer_guard_host_to_device("allow"):
+        points = jax.vmap(space.encode)(params) if many else space.encode(params)[None]
+        clipped = jnp.clip(points, 0.0, 1.0)
     if isinstance(points, jax.core.Tracer):
-        return jnp.clip(points, 0.0, 1.0)
-    outside = np.argwhere(
-        ~((np.asarray(points) >= -ROUNDING) & (np.asarray(points) <= 1 + ROUNDING))
-    )
+        return clipped
+    found = jax.device_get(points)
+    outside = np.argwhere(~((found >= -ROUNDING) & (found <= 1 + ROUNDING)))
     if outside.size:
         row, column = outside[0]
         value = np.asarray(space.lower)[column], np.asarray(space.upper)[column]
@@ -72,7 +74,7 @@ def points_of(space: Space, params: Any) -> jax.Array:
             f"start: {space.names[column]} of point {row} is not within its bounds {value[0]} and "
             f"{value[1]}: move it inside or widen the space."
         )
-    return jnp.clip(points, 0.0, 1.0)
+    return clipped
 
 
 def begun(optimizer: Any, key: jax.Array, space: Space, start: Any) -> Any:

@@ -113,7 +113,7 @@ class Stalled:
     patience: float
 
     def __call__(self, progress: Progress):
-        return progress.since >= self.patience, STALLED
+        return jnp.asarray(progress.since, float) >= jnp.asarray(self.patience, float), STALLED
 
 
 @pytree
@@ -134,7 +134,8 @@ class StalledBy:
         fall = jnp.maximum(self.tolerance, self.relative * jnp.abs(value))
         counts = jnp.where(jnp.isfinite(value), now < value - fall, now < value)
         value, when = jnp.where(counts, now, value), jnp.where(counts, progress.count, when)
-        return progress.count - when >= self.patience, STALLED, (value, when)
+        waited = jnp.asarray(progress.count - when, float)
+        return waited >= jnp.asarray(self.patience, float), STALLED, (value, when)
 
 
 @pytree
@@ -157,6 +158,8 @@ class SearchEnded:
 
 BEGUN = time.monotonic()
 """Where this process counts seconds from: a float32 must tell milliseconds apart."""
+NOT_RUNNING = -1.0
+"""What a clock remembers before the first update has ended. No NaN, which ``jax_debug_nans`` stops at."""
 
 
 @pytree
@@ -167,12 +170,12 @@ class TimeLimit:
 
     def start(self):
         """The clock is not running yet."""
-        return jnp.asarray(jnp.nan, jnp.float32)
+        return jnp.asarray(NOT_RUNNING, jnp.float32)
 
     def __call__(self, progress: Progress, memory):
         # The count as an argument keeps the compiler from asking once for all steps.
         now = io_callback(_clock, jax.ShapeDtypeStruct((), jnp.float32), progress.count)
-        first = jnp.where(jnp.isnan(memory), now, memory)
+        first = jnp.where(memory == NOT_RUNNING, now, memory)
         return now - first >= self.seconds, TIME_UP, first
 
 
@@ -230,7 +233,7 @@ def ask(rule: Any, progress: Progress, memory: Any) -> tuple:
 def renewed(rule: Any, memory: Any) -> Any:
     """The memory with which a rule goes on in another process: clocks start anew there."""
     if isinstance(rule, TimeLimit):
-        return jax.tree.map(lambda leaf: jnp.full_like(leaf, jnp.nan), memory)
+        return jax.tree.map(lambda leaf: jnp.full_like(leaf, NOT_RUNNING), memory)
     if isinstance(rule, AnyOfBack):
         return tuple(renewed(*pair) for pair in zip(rule.rules, memory, strict=True))
     return memory

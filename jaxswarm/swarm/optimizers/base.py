@@ -204,8 +204,8 @@ def best_of(position, value, best_position, best_value):
 def candidate_info(position, value, best_value, improved, hyper) -> Info:
     """Build the :class:`Info` of an update from the candidates just evaluated."""
     finite = jnp.isfinite(value)
-    mean = jnp.sum(jnp.where(finite, value, 0.0)) / jnp.sum(finite)
-    diversity = jnp.sqrt(jnp.mean((position - position.mean(axis=0)) ** 2))
+    mean = jnp.sum(jnp.where(finite, value, 0.0)) / jnp.sum(finite, dtype=value.dtype)
+    diversity = jnp.sqrt(jnp.mean((position - position.mean(axis=0, keepdims=True)) ** 2))
     return Info(best_value, mean, diversity, improved, hyper)
 
 

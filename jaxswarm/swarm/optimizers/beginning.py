@@ -82,10 +82,11 @@ def _moved(state, path, points, spread):
     if spread is not None:
         new = jnp.full_like(width, spread)
     elif points.shape[0] > 1:
-        apart = jnp.sqrt(jnp.mean((points - mean) ** 2)).astype(width.dtype)
+        apart = jnp.sqrt(jnp.mean((points - mean[None]) ** 2)).astype(width.dtype)
         new = jnp.where(apart > 0.0, apart, width)
     drawn = state.sample if hasattr(state, "sample") else state.position
-    sample = mean + (drawn - part.mean) * (new / width)
+    # One width, or one a coordinate: as a row.
+    sample = mean[None] + (drawn - part.mean[None]) * jnp.reshape(new / width, (1, -1))
     if hasattr(state, "sample"):
         state = state._replace(sample=sample)
     return _put(state, path, part._replace(**{"mean": mean, _width(part): new})), _folded(sample)

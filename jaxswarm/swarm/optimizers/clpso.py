@@ -110,16 +110,18 @@ class Exemplars:
         # The first update improves every particle, yet must choose: failures start out huge.
         fresh = state.failures > np.iinfo(np.int32).max // 4
         failures = jnp.where(swarm.improved & ~fresh, 0, state.failures + 1)
-        renew = failures >= (self.refresh() if callable(self.refresh) else self.refresh)
+        gap = self.refresh() if callable(self.refresh) else self.refresh
+        renew = failures.astype(dtype) >= jnp.asarray(gap, dtype)
 
         own = jnp.arange(n, dtype=jnp.int32)[:, None]
         rivals = random.integers("rivals", (2, n, d), n - 1)
-        rivals = rivals + (rivals >= own)
+        rivals = rivals + (rivals >= own[None]).astype(jnp.int32)
         first, second = swarm.memory_value[rivals[0]], swarm.memory_value[rivals[1]]
         winner = jnp.where(first < second, rivals[0], rivals[1])
         curve = np.expm1(10.0 * np.arange(n) / (n - 1)) / np.expm1(10.0)
-        learn = random.uniform("learn", (n, d), dtype) < (0.05 + 0.45 * curve)[:, None]
-        forced = random.integers("forced", (n, 1), d) == jnp.arange(d)
+        probability = jnp.asarray(0.05 + 0.45 * curve, dtype)
+        learn = random.uniform("learn", (n, d), dtype) < probability[:, None]
+        forced = random.integers("forced", (n, 1), d) == jnp.arange(d, dtype=jnp.int32)[None]
         learn = learn | (~learn.any(axis=1, keepdims=True) & forced)
         chosen = jnp.where(learn, winner, own)
 

@@ -134,11 +134,11 @@ def draw(random: Random, of: Distribution, n: int) -> jax.Array:
     d = of.mean.size
     # In one row, scaled by the product: a CPU takes four times as long for many short rows (``repeating``).
     z = random.normal("sample", (n * d,), of.mean.dtype).reshape(n, d)
-    axes = of.basis * of.spread
+    axes = of.basis * of.spread[None]
     # The same product of three, from the side on which it is smaller.
     few = n < d
     y = over_columns(z @ axes, of.basis) if few else z @ over_columns(axes, of.basis)
-    return of.mean + of.sigma * y
+    return of.mean[None] + of.sigma * y
 
 
 def deviations(of: Distribution) -> jax.Array:
@@ -161,7 +161,7 @@ def adapt(old: Distribution, sample: jax.Array, rates: Rates, place: Any = None)
     eps = jnp.finfo(dtype).eps
     weights, total = (jnp.asarray(a, dtype) for a in (rates.weights, rates.weights.sum()))
     weights = weights if place is None else weights[place]
-    y = (sample - old.mean) / old.sigma
+    y = (sample - old.mean[None]) / old.sigma
     move = jnp.maximum(weights, 0.0) @ y
     mean = old.mean + old.sigma * move
 
@@ -175,7 +175,7 @@ def adapt(old: Distribution, sample: jax.Array, rates: Rates, place: Any = None)
     keep = (rates.c_c * (2.0 - rates.c_c) * rates.mass) ** 0.5
     path = (1.0 - rates.c_c) * old.path_covariance + jnp.where(steady, keep, 0.0) * move
 
-    lengths = jnp.sum((y @ old.basis / old.spread) ** 2, axis=1)
+    lengths = jnp.sum((y @ old.basis / old.spread[None]) ** 2, axis=1)
     # Samples that are all alike have no length: nothing to take away from C.
     scale = jnp.where(weights < 0.0, d / jnp.maximum(lengths, eps), 1.0)
     lost = jnp.where(steady, 0.0, rates.c_1 * rates.c_c * (2.0 - rates.c_c))
@@ -210,6 +210,6 @@ def _eigen(covariance):
     # or what was lifted once sinks on.
     floor = jnp.finfo(covariance.dtype).eps * eigenvalues[-1]
     lifted = jnp.maximum(eigenvalues, floor)
-    whole = over_columns(basis * lifted, basis)
+    whole = over_columns(basis * lifted[None], basis)
     covariance = jnp.where(eigenvalues[0] < floor, whole, covariance)
     return basis, jnp.sqrt(lifted), covariance, jnp.sqrt(unit)

@@ -98,7 +98,8 @@ class CMARestartsState(NamedTuple):
     @property
     def mean(self) -> jax.Array:
         """(d,) mean of this life; the best position while it is young, beside those that have ended."""
-        proven = self.life.steps * self.restarts >= PROVEN * jnp.sum(self.spent)
+        lives = self.restarts.astype(self.spent.dtype)
+        proven = self.life.steps * lives >= PROVEN * jnp.sum(self.spent)
         return jnp.where(proven, self.search.mean, self.best_position)
 
 
@@ -182,24 +183,23 @@ class CMARestarts:
         tiers = [n * 2**power for power in range(self.num_doublings, -1, -TIER)][::-1]
         size = n * state.life.size
         of_rows = [partial(self._of_rows, state, pool[:r], pool_value[:r], size) for r in tiers]
-        return jax.lax.switch(jnp.searchsorted(jnp.array(tiers), size), of_rows)
+        return jax.lax.switch(jnp.searchsorted(jnp.array(tiers, jnp.int32), size), of_rows)
 
     def _of_rows(self, state, pool, pool_value, size):
         rows, d = pool.shape
         spread = jnp.sqrt(jnp.mean(deviations(state.search) ** 2))
         order = ranks(pool, pool_value, spread, size)
         search = adapt(state.search, pool[order], Rates.among(rows, size, d, pool.dtype))
-        value = jnp.sort(jnp.where(jnp.arange(rows) < size, pool_value, jnp.inf))
+        value = jnp.sort(jnp.where(jnp.arange(rows, dtype=jnp.int32) < size, pool_value, jnp.inf))
         limits = state.life.sigma, self.inner.tol_x, self.inner.tol_fun
         return search, watch(state.watch, search, value, size, *limits)
 
     def _anew(self, random, state):
         """The next life: its kind, population and step size, at a uniform point."""
-        d, dtype = state.search.mean.size, state.search.mean.dtype
-        life = state.life
+        (d,), dtype, life = state.search.mean.shape, state.search.mean.dtype, state.life
         spent = state.spent.at[life.small.astype(jnp.int32)].add(life.steps)
         small = self.two_kinds & (spent[1] < spent[0])
-        doublings = jnp.minimum(state.doublings + ~small, self.num_doublings)
+        doublings = jnp.minimum(state.doublings + (~small).astype(jnp.int32), self.num_doublings)
         u, v = random.uniform("life", (2,), dtype)
         largest = 2.0 ** doublings.astype(dtype)
         size = jnp.where(small, jnp.floor(jnp.maximum(0.5 * largest, 1.0) ** (u**2)), largest)

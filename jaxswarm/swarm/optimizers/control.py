@@ -43,14 +43,14 @@ def evolutionary_factor(position: jax.Array, leader: jax.Array, scale: Any = Non
     Returns:
       Scalar; 0 where all distances are equal.
     """
-    scale = 1.0 if scale is None else jnp.asarray(scale, position.dtype)
-    center = position.mean(axis=0)
-    x, g = (position - center) * scale, (leader - center) * scale
+    scale = 1.0 if scale is None else jnp.asarray(scale, position.dtype)[None]
+    center = position.mean(axis=0, keepdims=True)
+    x, g = (position - center) * scale, (leader[None] - center) * scale
     others = position.shape[0] - 1
     # A product with ones: XLA on a CPU is slow to reduce what it computes in the same loop.
     ones = jnp.ones(position.shape[0], x.dtype)
     distance = jnp.matmul(_distances(x, x), ones, precision="highest") / others
-    leading = jnp.sum(_distances(g[None], x)) / others
+    leading = jnp.sum(_distances(g, x)) / others
     low, high = distance.min(), distance.max()
     equal = high <= low
     return jnp.where(
@@ -121,8 +121,9 @@ def _adapt(random, state, factor):
         ]
     )
     # Where two states are possible: stay, else go on in the order S1 -> S2 -> S3 -> S4 -> S1.
-    states = jnp.arange(4)
-    bonus = 2.0 * (states == previous) + 1.0 * (states == (previous + 1) % 4)
+    states = jnp.arange(4, dtype=jnp.int32)
+    stay, go = states == previous, states == (previous + 1) % 4
+    bonus = jnp.where(stay, 2.0, jnp.where(go, 1.0, 0.0))
     current = jnp.argmax(membership + jnp.where(membership > 0.0, bonus, 0.0)).astype(jnp.int32)
     step = 0.05 + 0.05 * random.uniform("acceleration", (2,), c1.dtype)
     c1 = c1 + jnp.asarray([1.0, 0.5, 0.5, -1.0], c1.dtype)[current] * step[0]

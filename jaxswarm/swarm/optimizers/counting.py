@@ -52,9 +52,9 @@ def place(*keys: jax.Array) -> jax.Array:
 
 def _before(keys, index):
     """Whether row i comes before row j, (n, n)."""
-    before = index[:, None] < index
+    before = index[:, None] < index[None]
     for key in reversed(keys):
-        before = (key[:, None] < key) | ((key[:, None] == key) & before)
+        before = (key[:, None] < key[None]) | ((key[:, None] == key[None]) & before)
     return before
 
 
@@ -63,7 +63,7 @@ def _apart(at, tied, keys):
     (rows,) = jnp.nonzero(tied, size=TIED, fill_value=at.size)
     shared = at.at[rows].get(mode="fill", fill_value=at.size)
     before = _before([key.at[rows].get(mode="clip") for key in keys[1:]], rows)
-    beside = jnp.sum(before & (shared[:, None] == shared), axis=0, dtype=jnp.int32)
+    beside = jnp.sum(before & (shared[:, None] == shared[None]), axis=0, dtype=jnp.int32)
     at = at.at[rows].set(shared + beside, mode="drop")
     all_keys = lambda: _sorted(jnp.arange(at.size, dtype=jnp.int32), order(*keys))  # noqa: E731
     return renewed(jnp.sum(tied) > TIED, all_keys, at)

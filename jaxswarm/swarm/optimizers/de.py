@@ -113,7 +113,7 @@ class DE:
         shift = 2.0 * random.uniform("dither", (), dtype) - 1.0
         weight = hyper["weight"] + hyper["dither"] * shift
         a, b, c = random.others("members", value.size, 3).T
-        leader = members[jnp.argmin(member_value)]
+        leader = members[jnp.argmin(member_value)][None]
         base = {
             "rand/1": lambda: members[a],
             "best/1": lambda: leader,
@@ -152,7 +152,7 @@ def default_members(num_dims: int) -> int:
 def cross(random: Random, members: jax.Array, mutants: jax.Array, rate: jax.Array) -> jax.Array:
     """Binomial crossover (n, d); ``rate`` is a scalar or (n, 1), one coordinate always crosses."""
     n, d = members.shape
-    forced = random.integers("forced", (n, 1), d) == jnp.arange(d)
+    forced = random.integers("forced", (n, 1), d) == jnp.arange(d, dtype=jnp.int32)[None]
     crossed = forced | (random.uniform("crossed", (n, d), members.dtype) < rate)
     return jnp.where(crossed, mutants, members)
 

@@ -75,7 +75,7 @@ class ElitistLearning:
             if self.on_failure == "replace worst":
                 enters = jnp.asarray(True)
             replaced = enters & (jnp.arange(value.shape[0]) == worst)
-            position = jnp.where(replaced[:, None], trial, position)
+            position = jnp.where(replaced[:, None], trial[None], position)
             value = jnp.where(replaced, trial_value, value)
         inner = replace(state.inner, position=position)
         inner, info = self.inner.update(fold(key, 1), inner, value)
@@ -87,7 +87,8 @@ class ElitistLearning:
         best, dtype = inner.best_position, inner.position.dtype
         scale = evaluate("scale", self.scale, count, dtype)
         jump = scale * random.normal("jump", (), dtype)
-        chosen = jnp.arange(best.shape[0]) == random.integers("coordinate", (), best.shape[0])
+        coordinate = random.integers("coordinate", (), best.shape[0])
+        chosen = jnp.arange(best.shape[0], dtype=jnp.int32) == coordinate
         trial = jnp.clip(jnp.where(chosen, best + jump, best), 0.0, 1.0)
         is_open = jnp.asarray(True) if self.gate is None else self.gate(inner)
         if self.extra:

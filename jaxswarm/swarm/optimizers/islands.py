@@ -80,7 +80,7 @@ class Islands:
         travel = count % jnp.asarray(self.migrate_every, jnp.int32) == 0
         migrants = jnp.roll(inner.best_position, 1, axis=0)
         worst = jnp.argmax(value.reshape(self.num, -1), axis=1)
-        here = travel & (jnp.arange(values.shape[1]) == worst[:, None])
+        here = travel & (jnp.arange(values.shape[1])[None] == worst[:, None])
         positions = jnp.where(here[..., None], migrants[:, None], inner.position)
         hyper = jax.tree.map(lambda leaf: leaf[0], infos.hyper)
         best_value = inner.best_value[leader]

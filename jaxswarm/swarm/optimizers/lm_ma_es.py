@@ -75,7 +75,7 @@ class LMMAES:
         mean = random.uniform("mean", (num_dims,), dtype)
         sigma = jnp.asarray(self.sigma, dtype)
         noise = random.normal("sample", (n, num_dims), dtype)
-        sample = mean + sigma * noise
+        sample = mean[None] + sigma * noise
         position = inside(sample)
         return LMMAESState(
             position=position,
@@ -104,7 +104,7 @@ class LMMAES:
         drawn = state.position == inside(state.sample)
         sample = jnp.where(drawn, state.sample, state.position)
         better = ranks(sample, value, state.sigma)[: n // 2]
-        step = (sample - state.mean) / state.sigma
+        step = (sample - state.mean[None]) / state.sigma
         noise = jnp.where(drawn.all(axis=1, keepdims=True), state.noise, step)
         move, noise = weights @ step[better], weights @ noise[better]
         c_sigma = min(1.0, 2.0 * n / d)
@@ -116,11 +116,11 @@ class LMMAES:
         sigma = jnp.clip(sigma, jnp.finfo(dtype).eps, LARGEST).astype(dtype)
         number = np.arange(state.directions.shape[0])
         turn = np.minimum(1.0, n / (4.0**number * d))[:, None]
-        directions = _blend(state.directions, noise, jnp.asarray(turn, dtype), rates.mass)
+        directions = _blend(state.directions, noise[None], jnp.asarray(turn, dtype), rates.mass)
 
         mean = state.mean + state.sigma * move
         z = Random(key, self.random).normal("sample", (n, d), dtype)
-        sample = mean + sigma * _turned(z, directions, state.count + 1)
+        sample = mean[None] + sigma * _turned(z, directions, state.count + 1)
         info = candidate_info(state.position, value, best_value, improved, {"sigma": sigma})
         new = LMMAESState(
             position=inside(sample),
@@ -152,7 +152,7 @@ def _turned(z, directions, in_use):
         share = share.astype(z.dtype)
         return (1.0 - share) * rows + share * jnp.outer(rows @ direction, direction), None
 
-    numbers = jnp.arange(directions.shape[0])
+    numbers = jnp.arange(directions.shape[0], dtype=jnp.int32)
     return jax.lax.scan(apply, z, (numbers, directions))[0]
 
 

@@ -85,7 +85,7 @@ class OpenES:
         sample = evaluated(state.sample, state.position)
         order = ranks(sample, value, state.sigma)
         rank = jnp.zeros((n,), dtype).at[order].set(jnp.arange(n, dtype=dtype))
-        step = (sample - state.mean) / state.sigma
+        step = (sample - state.mean[None]) / state.sigma
         gradient = (rank / (n - 1) - 0.5) @ step / (n * state.sigma)
         first = FIRST_DECAY * state.first_moment + (1.0 - FIRST_DECAY) * gradient
         second = SECOND_DECAY * state.second_moment + (1.0 - SECOND_DECAY) * gradient**2
@@ -114,7 +114,7 @@ class OpenES:
 
     def _mirrored(self, random, mean, sigma):
         z = random.normal("sample", (self.num_particles // 2, mean.size), mean.dtype)
-        return mean + sigma * jnp.concatenate([z, -z])
+        return mean[None] + sigma * jnp.concatenate([z, -z])
 
 
 def open_es(

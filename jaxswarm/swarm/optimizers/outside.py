@@ -67,17 +67,20 @@ def places(sample: jax.Array, value: jax.Array, spread: Any, rising: jax.Array) 
 
 
 def _keys(sample, value, spread, num=None, rising=None):
+    spread = jnp.reshape(spread, (1, -1))
     outside = jnp.sum(((sample - inside(sample)) / spread) ** 2, axis=1)
     keys: tuple[jax.Array, ...] = ()
     if num is None:
         rising, num = ascending(value) if rising is None else rising, value.size
         center = sample.mean(axis=0)
     else:
-        absent = jnp.arange(value.size) >= num
-        center = jnp.where(absent[:, None], 0.0, sample).sum(axis=0) / num
+        absent = jnp.arange(value.size, dtype=jnp.int32) >= num
+        center = jnp.where(absent[:, None], 0.0, sample).sum(axis=0) / jnp.asarray(
+            num, sample.dtype
+        )
         rising, keys = jnp.sort(jnp.where(absent, jnp.inf, value)), (absent,)
     width = rising[(3 * num) // 4] - rising[num // 4]
     width = jnp.where(jnp.isfinite(width), width, 0.0)
-    beyond = jnp.sum(center != inside(center))
+    beyond = jnp.sum(center != inside(center), dtype=sample.dtype)
     share = SHARE / jnp.maximum(1.0, beyond / WALLS)
     return *keys, value + share * width * outside, outside

@@ -37,7 +37,7 @@ def same_rows(old: jax.Array, new: jax.Array) -> tuple[jax.Array, jax.Array]:
     >>> [part.tolist() for part in same_rows(old, jnp.array([[0.3, 0.4], [0.4, 0.3]]))]
     [[1, 0], [True, False]]
     """
-    equal = _digest(new)[:, None] == _digest(old)
+    equal = _digest(new)[:, None] == _digest(old)[None]
     return jnp.argmax(equal, axis=1), jnp.any(equal, axis=1)
 
 
@@ -45,4 +45,4 @@ def _digest(rows):
     words = jax.lax.bitcast_convert_type(rows, jnp.uint32)
     words = words.reshape(rows.shape[0], -1)
     place = mix(jnp.arange(words.shape[1], dtype=jnp.uint32) + np.uint32(0x9E3779B9))
-    return jnp.sum(mix(words ^ place), axis=1, dtype=jnp.uint32)
+    return jnp.sum(mix(words ^ place[None]), axis=1, dtype=jnp.uint32)

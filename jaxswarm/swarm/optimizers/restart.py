@@ -88,7 +88,7 @@ class Restart:
             best_position=best_position,
             best_value=best_value,
             since=jnp.where(ended, 0, since),
-            restarts=state.restarts + ended,
+            restarts=state.restarts + ended.astype(jnp.int32),
             count=state.count + 1,
         )
         return state, info._replace(value_best=best_value, improved=improved)
@@ -101,7 +101,7 @@ class Restart:
             limit = NEAR if limit is None else limit
         ended = jnp.asarray(False) if own is None else own
         if patience is not None:
-            ended = ended | (since >= patience)
+            ended = ended | (since.astype(float) >= jnp.asarray(patience, float))
         return ended if limit is None else ended | (diversity < limit)
 
 

@@ -66,7 +66,7 @@ class SepCMAES:
         random = Random(key, self.random)
         mean = random.uniform("mean", (num_dims,), dtype)
         sigma, zero = jnp.asarray(self.sigma, dtype), jnp.zeros((num_dims,), dtype)
-        sample = mean + sigma * random.normal("sample", (n, num_dims), dtype)
+        sample = mean[None] + sigma * random.normal("sample", (n, num_dims), dtype)
         position = inside(sample)
         best = position[0], jnp.asarray(jnp.inf, dtype)
         shape = mean, zero + 1.0, sigma, zero, zero
@@ -85,7 +85,7 @@ class SepCMAES:
 
         sample = evaluated(state.sample, state.position)
         spread = state.sigma * jnp.sqrt(state.variance)
-        y = (sample[ranks(sample, value, spread)[: n // 2]] - state.mean) / state.sigma
+        y = (sample[ranks(sample, value, spread)[: n // 2]] - state.mean[None]) / state.sigma
         move = weights @ y
         keep = (rates.c_sigma * (2.0 - rates.c_sigma) * rates.mass) ** 0.5
         whitened = move / jnp.sqrt(state.variance)
@@ -107,7 +107,7 @@ class SepCMAES:
 
         mean = state.mean + state.sigma * move
         z = Random(key, self.random).normal("sample", (n, d), dtype)
-        sample = mean + sigma * jnp.sqrt(variance) * z
+        sample = mean[None] + (sigma * jnp.sqrt(variance))[None] * z
         info = candidate_info(state.position, value, best_value, improved, {"sigma": sigma})
         new = SepCMAESState(
             position=inside(sample),

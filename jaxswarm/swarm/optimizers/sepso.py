@@ -122,7 +122,7 @@ class Emotions:
             surprise = jnp.abs(swarm.value - state.reference)
             known = jnp.isfinite(surprise)
             surprise = jnp.where(known, surprise, 0.0)
-            mean = jnp.sum(surprise) / jnp.maximum(jnp.sum(known), 1)
+            mean = jnp.sum(surprise) / jnp.maximum(jnp.sum(known, dtype=surprise.dtype), 1.0)
             stimulus = self.sensitivity * jnp.log1p(surprise / jnp.where(mean > 0.0, mean, 1.0))
             emotion = jnp.clip(emotion + jnp.where(swarm.improved, stimulus, -stimulus), 0.0, 1.0)
         else:
@@ -145,7 +145,9 @@ class Emotional:
         own = draw[0] * (swarm.memory_position - swarm.position)
         social = draw[1] * (swarm.attractor - swarm.position)
         _, worst = jax.lax.top_k(swarm.value, NUM_WORST)
-        away = -draw[2] * (swarm.position[worst].sum(axis=0) - NUM_WORST * swarm.position)
+        away = -draw[2] * (
+            swarm.position[worst].sum(axis=0, keepdims=True) - NUM_WORST * swarm.position
+        )
         emotion = hyper["emotion"][:, None]
         sad, happy = emotion < SAD, emotion >= HAPPY
 

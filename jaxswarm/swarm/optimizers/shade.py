@@ -153,7 +153,8 @@ class SHADE:
         first, dtype = members_at_first(self.crowd, state), state.position.dtype
         weight, rate, slot = remember(state, state.success)
         living = evaluate("living", self.living, state.count + 1, dtype)
-        alive = jnp.round(FEWEST + (first - FEWEST) * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
+        more = (first - FEWEST).astype(dtype)
+        alive = jnp.round(FEWEST + more * jnp.clip(living, 0.0, 1.0)).astype(jnp.int32)
         order = jnp.argsort(state.member_value)
         return state._replace(
             members=state.members[order],
@@ -174,12 +175,12 @@ class SHADE:
         weight, rate = draw_pair(random, state.memory_weight, state.memory_rate, n, dtype)
         target = (first + jnp.arange(n, dtype=jnp.int32)) % alive
         pick = random.uniform("pbest", (n,), dtype)
-        elite = (pick * jnp.maximum(2.0, greediness * alive)).astype(jnp.int32)
+        elite = (pick * jnp.maximum(2.0, greediness * alive.astype(dtype))).astype(jnp.int32)
         a = random.integers("a", (n,), alive - 1)
-        a = a + (a >= target)
+        a = a + (a >= target).astype(jnp.int32)
         b = random.integers("b", (n,), alive + state.archived - 2)
-        b = b + (b >= jnp.minimum(a, target))
-        b = b + (b >= jnp.maximum(a, target))
+        b = b + (b >= jnp.minimum(a, target)).astype(jnp.int32)
+        b = b + (b >= jnp.maximum(a, target)).astype(jnp.int32)
         row = jnp.minimum(b, total - 1)
         other = jnp.where((b < alive)[:, None], members[row], state.archive[(b - alive) % total])
         own = members[target]
@@ -204,12 +205,12 @@ class SHADE:
         member_value = jnp.where(accepted, value[winner], state.member_value)
 
         retired = accepted & jnp.isfinite(state.member_value)
-        place = state.archived + jnp.cumsum(retired) - 1
+        place = state.archived + jnp.cumsum(retired, dtype=jnp.int32) - 1
         anywhere = random.integers("archive", (total,), state.alive)
         place = jnp.where(place < state.alive, place, anywhere)
         place = jnp.where(retired, place, total)
         archive = state.archive.at[place].set(state.members, mode="drop")
-        archived = jnp.minimum(state.archived + jnp.sum(retired), state.alive)
+        archived = jnp.minimum(state.archived + jnp.sum(retired, dtype=jnp.int32), state.alive)
         new = state._replace(
             members=members,
             member_value=member_value,

@@ -59,7 +59,7 @@ class SNES:
         random = Random(key, self.random)
         mean = random.uniform("mean", (num_dims,), dtype)
         spread = jnp.full((num_dims,), self.sigma, dtype)
-        sample = mean + spread * random.normal("sample", (n, num_dims), dtype)
+        sample = mean[None] + spread[None] * random.normal("sample", (n, num_dims), dtype)
         position = inside(sample)
         best = position[0], jnp.asarray(jnp.inf, dtype)
         return SNESState(position, sample, mean, spread, *best, jnp.zeros((), jnp.int32))
@@ -72,7 +72,7 @@ class SNES:
         best_position, best_value, improved = best
 
         sample = evaluated(state.sample, state.position)
-        z = (sample[ranks(sample, value, state.spread)] - state.mean) / state.spread
+        z = (sample[ranks(sample, value, state.spread)] - state.mean[None]) / state.spread[None]
         utility = jnp.asarray(utilities(n), dtype)
         mean = state.mean + state.spread * (utility @ z)
         rate = (3.0 + math.log(d)) / (5.0 * math.sqrt(d))
@@ -81,7 +81,7 @@ class SNES:
         spread = jnp.clip(spread, jnp.finfo(dtype).eps, LARGEST).astype(dtype)
 
         z = Random(key, self.random).normal("sample", (n, d), dtype)
-        sample = mean + spread * z
+        sample = mean[None] + spread[None] * z
         hyper = {"sigma": spread.max()}
         info = candidate_info(state.position, value, best_value, improved, hyper)
         new = SNESState(

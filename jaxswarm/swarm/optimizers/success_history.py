@@ -35,8 +35,8 @@ def remember(state: Any, sums: jax.Array) -> tuple[jax.Array, jax.Array, jax.Arr
     """
     success = jnp.all(jnp.isfinite(sums)) & (sums[0] > 0.0) & (sums[1] > 0.0)
     total, first, second, rate = jnp.where(success, sums, 1.0)
-    here = (jnp.arange(state.memory_weight.shape[0]) == state.slot) & success
-    slot = (state.slot + success) % state.memory_weight.shape[0]
+    here = (jnp.arange(state.memory_weight.shape[0], dtype=jnp.int32) == state.slot) & success
+    slot = (state.slot + success.astype(jnp.int32)) % state.memory_weight.shape[0]
     return (
         jnp.where(here, second / first, state.memory_weight),
         jnp.where(here, rate / total, state.memory_rate),
