@@ -40,16 +40,19 @@ def ours(algorithm: str, n: int, dims: int, runs: int, steps: int, source: str) 
 
 def peers(algorithm: str, n: int, dims: int, runs: int, steps: int) -> dict[str, Callable]:
     """Searches of the peers that have the algorithm and are installed."""
-    calls = {}
+    builds: dict[str, Callable] = {}
     if algorithm in EVOSAX:
-        calls["evosax"] = evosax(EVOSAX[algorithm], n, dims, runs, steps)
+        builds["evosax"] = lambda: evosax(EVOSAX[algorithm], n, dims, runs, steps)
     # The others make one run after the other: nothing new to learn of a thousand, and minutes of waiting.
     if algorithm == "PSO" and runs == 1:
-        for name, build in (("pyswarms", pyswarms), ("pagmo", pagmo)):
-            try:
-                calls[name] = build(n, dims, steps)
-            except ImportError:
-                continue
+        builds["pyswarms"] = lambda: pyswarms(n, dims, steps)
+        builds["pagmo"] = lambda: pagmo(n, dims, steps)
+    calls = {}
+    for name, build in builds.items():
+        try:
+            calls[name] = build()
+        except ImportError:
+            continue
     return calls
 
 

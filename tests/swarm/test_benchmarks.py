@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from jaxswarm.errors import InputError
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
 sys.path.insert(0, str(FOLDER.parent))  # the benchmarks are not installed
 
+from benchmarks import throughput, throughput_rivals, timing  # noqa: E402
 from benchmarks.__main__ import benchmarks, listing, main  # noqa: E402
 from benchmarks.compare import compare  # noqa: E402
 
@@ -102,3 +104,25 @@ def test_bad_files_are_one_message(tmp_path, capsys, content, by, message):
         main(["--compare", str(b), str(tmp_path / "none")])
     assert ended.value.code == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_cell_that_fails_costs_no_other_cell(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(timing, "RESULTS", tmp_path)
+    row = dict(algorithm="PSO", num_particles=5, dims=2, runs=1, dtype="float32", name="jaxswarm")
+    row |= dict(us_per_update=1.0, times_jaxswarm=1.0, core_times_jaxswarm=1.0, compile_s=0.1)
+
+    def rows_of(algorithm):
+        if algorithm == "DE":
+            raise subprocess.CalledProcessError(1, "measure", stderr="no memory")
+        return [row | {"algorithm": algorithm}]
+
+    assert throughput.in_turn([("PSO",), ("DE",), ("CMA-ES",)], rows_of) == 1
+    written = (tmp_path / "throughput.jsonl").read_text().splitlines()
+    assert [json.loads(line)["algorithm"] for line in written] == ["PSO", "CMA-ES"]
+    assert "DE failed: no memory" in capsys.readouterr().out
+
+
+def test_peers_that_are_not_installed_are_left_out(monkeypatch):
+    for name in ("evosax.algorithms", "pyswarms.single", "pygmo"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert throughput_rivals.peers("PSO", 5, 2, 1, 3) == {}
