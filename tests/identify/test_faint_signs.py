@@ -66,6 +66,14 @@ def test_a_scale_is_exact_at_the_number_that_was_taken_for_another(arm, log, che
     assert clear_gain(arm, fine, guess.nearby(0.7)) == 0.0
 
 
+@pytest.mark.parametrize("joint", [0, 1])
+@pytest.mark.parametrize(("gain", "told"), [(0.6, []), (0.5, ["torque_scale"])])
+def test_a_gain_of_a_drive_is_no_torque_of_twice_what_is_logged(arm, log, joint, gain, told):
+    """It was refused as one, and what explained less, another sign, was told in its place."""
+    weak = replace(log, tau=column(log.tau, joint, gain))
+    assert [one.check for one in against_robot(arm, motions(weak))] == told
+
+
 @pytest.mark.parametrize("check", HALF_AS_LARGE)
 def test_a_scale_that_a_rough_model_takes_for_wrong_a_fine_one_has_to_confirm(arm, log, check):
     """Of a play on a move from point to point a rough model alone made half a position."""

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.identify.checks.faint import clear_gain, is_denied, is_worth
+from jaxswarm.identify.checks.faint import clear_gain, is_a_gain, is_denied, is_worth
 from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
     Guess,
@@ -129,6 +129,8 @@ def wrong_channels(
     guess, found = min(
         alike, key=lambda one: (len(one[0].joints), one[0].motion is not None, one[1].power)
     )
+    if is_a_gain(robot, fine(), guess):
+        return None  # a law to be found; what explains less of it is told neither
     return _told(robot, _with_rivals(robot, guess, [g for g, _ in alike]), found, logged)
 
 

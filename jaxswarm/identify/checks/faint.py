@@ -6,6 +6,8 @@ right gains ten times as much, and one that is wrong gains nothing. What a model
 scale; a reading that was taken once for twice is right at twice and at no other number.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO, Guess
@@ -29,6 +31,8 @@ _FAINT_ZERO, _FAINT_ZERO_OF_FEW = 0.35, 0.18
 _CONFIRMED = 0.5
 # The scales beside it, as a ratio, and how near to it, as a logarithm, the least has to be.
 _BESIDE, _NEAR = 1.3, 0.2
+# Scales of a torque that a gain of its drive can be (``drive_gain``), which is a law to be found.
+_GAINS = 0.5, 2.0
 
 
 def clear_gain(robot: Robot, fine: Rough, guess: Guess) -> float:
@@ -58,6 +62,29 @@ def is_denied(robot: Robot, fine: Rough, guess: Guess, gain: float) -> bool:
         return False
     logged, sigma = fine.as_logged()
     return logged.power - _tried(robot, fine, sigma, guess).power < _CONFIRMED * gain
+
+
+def is_a_gain(robot: Robot, fine: Rough, guess: Guess) -> bool:
+    """Whether a scale of a torque beside it, that the gain of a drive can have, leaves far less than it.
+
+    A gain of 0.7 was refused as a torque of twice what is logged, where 1.4 times leaves a tenth of that.
+    """
+    if fine.strictness >= STRICTEST:
+        return False
+    _, sigma = fine.as_logged()
+    clearly = max(_FAINT, _FAINT_OF_FEW * fine.strictness)
+    most = _tried(robot, fine, sigma, guess).power - clearly
+    return any(_tried(robot, fine, sigma, one).power < most for one in _gains_beside(guess))
+
+
+def _gains_beside(guess: Guess) -> Iterator[Guess]:
+    """The scales beside a torque's that the gain of its drive can be."""
+    if guess.nearby is None or guess.mixture is None or guess.check != "torque_scale":
+        return
+    factor = guess.mixture[guess.joints[0], guess.joints[0]]
+    for times in (1.0 / _BESIDE, _BESIDE):
+        if _GAINS[0] < factor * times < _GAINS[1]:
+            yield guess.nearby(times)
 
 
 def is_worth(guess: Guess, gain: float) -> bool:
