@@ -69,7 +69,7 @@ def is_a_gain(robot: Robot, fine: Rough, guess: Guess) -> bool:
 
     A gain of 0.7 was refused as a torque of twice what is logged, where 1.4 times leaves a tenth of that.
     """
-    if fine.strictness >= STRICTEST:
+    if guess.check != "torque_scale" or fine.strictness >= STRICTEST:
         return False
     _, sigma = fine.as_logged()
     clearly = max(_FAINT, _FAINT_OF_FEW * fine.strictness)
@@ -79,7 +79,7 @@ def is_a_gain(robot: Robot, fine: Rough, guess: Guess) -> bool:
 
 def _gains_beside(guess: Guess) -> Iterator[Guess]:
     """The scales beside a torque's that the gain of its drive can be."""
-    if guess.nearby is None or guess.mixture is None or guess.check != "torque_scale":
+    if guess.nearby is None or guess.mixture is None:
         return
     factor = guess.mixture[guess.joints[0], guess.joints[0]]
     for times in (1.0 / _BESIDE, _BESIDE):
