@@ -10,7 +10,8 @@ from jaxswarm.identify.checks.channels import _is_valley
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.guesses import Guess
 from jaxswarm.identify.checks.late import late_torque
-from jaxswarm.identify.checks.rough import ROWS_THAT_HOLD, Rough
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.rough_fit import ROWS_THAT_HOLD
 from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.identify.checks.torque_unit import wrong_unit

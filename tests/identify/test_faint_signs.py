@@ -224,6 +224,9 @@ class Known:
     def lateness_without_friction(self, sigma, joint):
         return self.lateness(sigma)
 
+    def lateness_without_noise(self, sigma):
+        return self.lateness(sigma)
+
 
 # A model that has nothing to tell, and one of too few rows to be asked.
 NOTHING = Known(0.02, 0.0, 0.0)
@@ -352,6 +355,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
     rough.lateness_in_parts = lambda sigma, parts: [rough.lateness(sigma)] * parts
     rough.lateness_beside_a_line = lambda sigma, joint: rough.lateness(sigma)
     rough.lateness_in_motion = lambda sigma: rough.lateness_beside_a_line(sigma, 0)
+    rough.lateness_without_noise = rough.lateness_in_motion
     rough.lateness_without_friction = rough.lateness_beside_a_line
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
     assert late_torque(robot, rough, rough, INTERVAL) is None
@@ -364,7 +368,7 @@ def test_the_other_joint_of_two_is_the_clock():
     pair = SimpleNamespace(strictness=1.0, as_logged=lambda: both, lateness=lambda sigma: late)
     pair.lateness_in_parts = lambda sigma, parts: [late] * parts
     pair.lateness_beside_a_line = lambda sigma, joint: late
-    pair.lateness_in_motion = lambda sigma: late
+    pair.lateness_in_motion = pair.lateness_without_noise = lambda sigma: late
     pair.lateness_without_friction = pair.lateness_beside_a_line
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair, INTERVAL)
     assert found is not None and "b is 12 ms late" in found.what

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO, Guess
-from jaxswarm.identify.checks.rough import STRICTEST, Rough
+from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.rough_fit import STRICTEST
 from jaxswarm.identify.checks.sound import Tried, is_sound
 from jaxswarm.robot.model import Robot
 

@@ -1,6 +1,5 @@
-"""A rough model of a log: rigid body, and rotor, friction and spring of every joint, to try guesses on."""
+"""A rough model of a log, to try guesses on: what it tells of delays and of which torque is whose."""
 
-from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -9,117 +8,20 @@ import scipy
 
 from jaxswarm.decomposition import lstsq, thin_svd
 from jaxswarm.identify.checks.lateness import Lateness, late_by
-from jaxswarm.identify.checks.rough_columns import Wave, columns_of, slow_rows, strongest_line
-from jaxswarm.identify.checks.samples import Samples
-from jaxswarm.identify.checks.sound import Tried
+from jaxswarm.identify.checks.rough_columns import Wave, slow_rows, strongest_line
+from jaxswarm.identify.checks.rough_fit import (
+    DEPENDENT,
+    DRY,
+    PARTS,
+    VISCOUS,
+    RoughFit,
+    of_one_length,
+)
 from jaxswarm.identify.estimation.factors import narrow_factor
-from jaxswarm.robot.model import Robot
-
-# A fit with fewer rows than this per parameter bends: a wrong guess gains what it should not, the more the
-# fewer there are. On a clean log of seven joints with 2.4 of them half a torque gained 1.1.
-ROWS_THAT_HOLD = 3.0
-# There a guess has to gain more, by this power of the lack of rows, but no more than so many times: wrong
-# scales of six joints with one or two rows per parameter gain 2.7 to 28.
-_STRICTER, STRICTEST = 3.5, 4.0
-# Columns that depend on others to this part of their length are not told apart.
-_DEPENDENT = 1e-7
-# Friction below this many of its standard errors is none: what is left is no white noise, and a joint whose
-# torque is mostly noise had "friction" of a tenth of it at two.
-_CHANCE = 6.0
-# Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
-# rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
-_VISCOUS, _DRY = 0, 1
-# Parts of a log whose torques may each be late by something else: halves and thirds of them are wholes, too.
-_PARTS = 6
 
 
-class Rough:
-    """Rigid body, rotors, friction and springs on one motion, ready to be fitted to any mixture of the torques.
-
-    Attributes:
-        samples: The motion, and the torques as logged.
-        speed: RMS speed of the joints [rad/s or m/s], (n,).
-        spread: Standard deviation of the logged torques [N m or N], (n,).
-
-    Args:
-        robot: Kinematics.
-        samples: The motion, and the torques as logged.
-        wave: A line that delays are asked beside; None: none.
-    """
-
-    def __init__(self, robot: Robot, samples: Samples, wave: Wave | None = None):
-        self.samples, self._robot = samples, robot
-        self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
-        self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
-        self._columns = columns_of(robot, samples, self.speed, wave)
-        self._dry = self._columns.dry
-        self._size, self._own, self._memory = self._columns.sizes
-        self._rows = len(samples.tau)
-        factors = [narrow_factor(self._block(j)) for j in range(samples.q.shape[1])]
-        self._factors = _of_one_length(factors)
-
-    def _block(self, joint: int) -> np.ndarray:
-        """What a joint's rows are fitted by, all torques, its torque's derivative by parts, and its memory."""
-        columns, samples = self._columns, self.samples
-        own = np.zeros((self._rows, self._own * samples.q.shape[1]))
-        own[:, self._own * joint : self._own * (joint + 1)] = columns.own[:, joint]
-        part = _PARTS * np.arange(self._rows) // self._rows
-        rates = samples.tau_rate[:, joint, None] * (part[:, None] == np.arange(_PARTS))
-        memory = columns.memory[:, joint]
-        return np.concatenate([columns.rigid[:, joint], own, samples.tau, rates, memory], axis=1)
-
-    @property
-    def rows_per_parameter(self) -> float:
-        """Rows over what is fitted to them, dependent columns counted once."""
-        return self._rows / self._solved(self.spread)[0].shape[1]
-
-    @property
-    def strictness(self) -> float:
-        """How many times more than on a long log a guess has to gain on this one to be believed."""
-        lack = ROWS_THAT_HOLD / self.rows_per_parameter
-        return min(max(lack, 1.0) ** _STRICTER, STRICTEST)
-
-    def fit(self, mixtures: Sequence[np.ndarray], sigma: np.ndarray) -> list[Tried]:
-        """Fit several mixtures of the torques at once, with the same weights.
-
-        Args:
-            mixtures: Each (n, n): row j says which of the logged torques is taken for joint j.
-            sigma: Standard deviation of every joint's residual [N m or N], (n,).
-        """
-        joints, (u, inverse) = len(self._factors), self._solved(sigma)
-        first = self._size + self._own * joints
-        taken = np.stack(mixtures, axis=2)
-        right = np.concatenate(
-            [
-                f[:, first : first + joints] @ taken[j] / s
-                for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True))
-            ]
-        )
-        projected = u.T @ right
-        theta = inverse @ projected
-        residual = (right - u @ projected).reshape(joints, -1, len(mixtures))
-        spread = np.stack([np.abs(m) @ self.spread for m in mixtures], axis=1)
-        freedom = max(self._rows - u.shape[1] / joints, 1.0)
-        left = np.linalg.norm(residual, axis=1) * sigma[:, None] / np.sqrt(freedom) / spread
-        friction = theta[self._size :].reshape(joints, self._own, -1)
-        dry = slice(_DRY, _DRY + self._dry)
-        brake = friction[:, _VISCOUS] * self.speed[:, None] + friction[:, dry].sum(axis=1)
-        own = inverse[self._size :].reshape(joints, self._own, -1)
-        usual = own[:, _VISCOUS] * self.speed[:, None] + own[:, dry].sum(axis=1)
-        chance = np.linalg.norm(usual, axis=1)
-        brake = np.where(np.abs(brake) > _CHANCE * chance[:, None], brake, 0.0)
-        return [Tried(left[:, k], brake[:, k] / spread[:, k]) for k in range(len(mixtures))]
-
-    def _solved(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Orthonormal basis of the weighted columns, and what makes parameters of its coordinates."""
-        parameters = self._size + self._own * len(self._factors)
-        matrix = np.concatenate(
-            [f[:, :parameters] / s for f, s in zip(self._factors, sigma, strict=True)]
-        )
-        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-        u, values, v = thin_svd(matrix / scale)
-        seen = values > _DEPENDENT * values[0]
-        return u[:, seen], v[seen].T / values[seen] / scale[:, None]
+class Rough(RoughFit):
+    """Rigid body, rotors, friction and springs on one motion, and what is asked of what they leave."""
 
     def lateness(self, sigma: np.ndarray) -> Lateness:
         """By how much torques are late: what is left against their derivatives, freed of all columns.
@@ -159,7 +61,7 @@ class Rough:
             block[slow_rows(self.samples, joint, speed)] = 0.0
             factors.append(narrow_factor(block))
         other = copy(self)
-        other._factors = _of_one_length(factors)
+        other._factors = of_one_length(factors)
         return other.lateness(sigma)
 
     def lateness_without_friction(self, sigma: np.ndarray, joint: int) -> Lateness:
@@ -169,35 +71,55 @@ class Rough:
             sigma: Standard deviation of every joint's residual [N m or N], (n,).
             joint: That joint, from 0.
         """
+        own = self._as_fitted(sigma)[1][joint]
+        of_friction = slice(VISCOUS, DRY + self._dry)
+        friction = self._columns.own[:, joint, of_friction] @ own[of_friction]
+        rate = self.samples.tau_rate.copy()
+        rate[:, joint] -= self.samples.derivative(friction)
+        return self._by_rates(rate).lateness(sigma)
+
+    def lateness_without_noise(self, sigma: np.ndarray) -> Lateness:
+        """The same by the derivatives of what is fitted to the torques, which have no noise of the torques.
+
+        Args:
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+        """
+        rigid, own = self._as_fitted(sigma)
+        fitted = self._columns.rigid @ rigid + np.einsum("rnk,nk->rn", self._columns.own, own)
+        rate = np.stack([self.samples.derivative(torque) for torque in fitted.T], axis=1)
+        return self._by_rates(rate).lateness(sigma)
+
+    def _by_rates(self, rate: np.ndarray) -> "Rough":
+        """The same model with other derivatives of the torques, (R, n)."""
+        return Rough(self._robot, replace(self.samples, tau_rate=rate))
+
+    def _as_fitted(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters of the links (p,) and of every joint's own columns (n, k), of the torques as logged."""
         joints, (u, inverse) = len(self._factors), self._solved(sigma)
         torque = self._size + self._own * joints
         right = [
             f[:, torque + j] / s for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True))
         ]
-        own = (inverse @ (u.T @ np.concatenate(right)))[self._size + self._own * joint :]
-        of_friction = slice(_VISCOUS, _DRY + self._dry)
-        friction = self._columns.own[:, joint, of_friction] @ own[of_friction]
-        rate = self.samples.tau_rate.copy()
-        rate[:, joint] -= self.samples.derivative(friction)
-        return Rough(self._robot, replace(self.samples, tau_rate=rate)).lateness(sigma)
+        rigid, own = np.split(inverse @ (u.T @ np.concatenate(right)), [self._size])
+        return rigid, own.reshape(joints, self._own)
 
     def _against_rates(self, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques (R,), and their derivatives in every part of the log (parts, R, n), freed of all columns."""
         joints, (u, _) = len(self._factors), self._solved(sigma)
         torque = self._size + self._own * joints
         last, extra = torque + joints, self._memory
-        right = np.zeros((joints, len(self._factors[0]), 1 + joints * (_PARTS + extra)))
+        right = np.zeros((joints, len(self._factors[0]), 1 + joints * (PARTS + extra)))
         for j, (f, s) in enumerate(zip(self._factors, sigma, strict=True)):
             right[j, :, 0] = f[:, torque + j] / s
-            for part in range(_PARTS):
+            for part in range(PARTS):
                 right[j, :, 1 + part * joints + j] = f[:, last + part] / s
-            place = 1 + _PARTS * joints + extra * j
-            right[j, :, place : place + extra] = f[:, last + _PARTS :] / s
+            place = 1 + PARTS * joints + extra * j
+            right[j, :, place : place + extra] = f[:, last + PARTS :] / s
         flat = right.reshape(-1, right.shape[2])
         left = flat - u @ (u.T @ flat)
-        left, memory = np.split(left, [1 + _PARTS * joints], axis=1)
-        left = left - memory @ lstsq(memory, left, rcond=_DEPENDENT)
-        return left[:, 0], left[:, 1:].reshape(len(left), _PARTS, joints).transpose(1, 0, 2)
+        left, memory = np.split(left, [1 + PARTS * joints], axis=1)
+        left = left - memory @ lstsq(memory, left, rcond=DEPENDENT)
+        return left[:, 0], left[:, 1:].reshape(len(left), PARTS, joints).transpose(1, 0, 2)
 
     def likely_order(self) -> tuple[int, ...]:
         """For each joint the torque that its own columns explain best, every torque once."""
@@ -223,23 +145,4 @@ class Rough:
         matrix, torques = factor[:, :parameters], factor[:, parameters:][:, : len(self._factors)]
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
         u, values, _ = thin_svd(matrix / scale)
-        return u[:, values > _DEPENDENT * values[0]], torques
-
-    def as_logged(self) -> tuple[Tried, np.ndarray]:
-        """The fit to the torques as logged, and the weights it settled on."""
-        return self.settled(np.eye(len(self._factors)))
-
-    def settled(self, mixture: np.ndarray, rounds: int = 3) -> tuple[Tried, np.ndarray]:
-        """The fit to a mixture (n, n) of the torques, and the weights it settled on."""
-        spread = np.abs(mixture) @ self.spread
-        sigma = spread
-        for _ in range(rounds):
-            (found,) = self.fit([mixture], sigma)
-            sigma = np.maximum(found.left, 1e-6) * spread
-        return found, sigma
-
-
-def _of_one_length(factors: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Factors with as many rows each, zeros below."""
-    most = max(map(len, factors))
-    return [np.pad(f, ((0, most - len(f)), (0, 0))) for f in factors]
+        return u[:, values > DEPENDENT * values[0]], torques
