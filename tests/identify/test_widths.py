@@ -1,6 +1,7 @@
 """Widths of the smooth sign that joints share, or have of their own."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from small_problems import make_motion, planar_arm
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation import choose_widths as choosing
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
 from jaxswarm.identify.estimation.sign_width import width_groups
 
@@ -134,3 +136,32 @@ def test_a_joint_that_races_through_zero_has_the_width_of_its_kind(fast, groups)
     dq = motion.dq.copy()
     dq[:, list(fast)] = np.where(dq[:, list(fast)] < 0.0, -1.0, 1.0)
     assert width_groups(planar_arm(), LAWS, [replace(motion, dq=dq)]) == groups
+
+
+@pytest.mark.parametrize(
+    ("doubt", "left"),
+    [(0.1, 0.018 * 0.55**2), (0.3, 0.018 * 0.55), (0.6, 1e-4), (0.001, 0.018 * 0.55**4)],
+)
+def test_a_sign_is_as_sharp_as_the_log_tells_and_no_sharper(monkeypatch, doubt, left):
+    """On a world it ran on to where no sample sees it, and at rest left five times the declared error."""
+
+    def own(problem, here, groups):
+        known, width = here.place.width
+        error = doubt * (0.018 / width) ** 1.5
+        return {0: (np.log(known), 0.01), 1: (np.log(0.55 * width), error)}
+
+    def place(width):
+        return SimpleNamespace(width=width, terms=(), _replace=lambda width: place(width))
+
+    here = SimpleNamespace(place=place((0.018, 1e-4)), pi=None)
+    problem = SimpleNamespace(motions=[], free=lambda terms, widths: widths)
+    monkeypatch.setattr(choosing, "_own_widths", own)
+    monkeypatch.setattr(choosing, "free_widths", lambda motions, groups, width: list(groups))
+    monkeypatch.setattr(choosing, "newton", lambda problem, moving, here: here)
+    monkeypatch.setattr(
+        choosing, "settle", lambda problem, place, pi: SimpleNamespace(place=place, pi=pi)
+    )
+    moving = [SimpleNamespace(joints=(0,)), SimpleNamespace(joints=(1,))]
+    there, free, held = choosing._no_sharper_than_told(problem, here, moving, [], [(0, 1)])
+    np.testing.assert_allclose(there.place.width, (0.018, left))
+    assert (free, held) == ([(0,)], [(1,)])

@@ -13,8 +13,8 @@ import scipy
 # two Stribeck laws of three times the dry friction were put on top of it.
 _CLEARLY, _DOUBTED = 6.0, 2.0
 _FAR, _FAR_CLEARLY = np.log(2.0), 3.0
-# The logarithm of a width that a log does not tell at all.
-_UNTOLD = 1e3
+# The logarithm of a width that a log does not tell at all; and the doubt of one that it hardly tells.
+_UNTOLD, _HARDLY = 1e3, 1.0
 
 
 def apart(x: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -40,6 +40,11 @@ def apart(x: np.ndarray, error: np.ndarray) -> np.ndarray:
     excess = (weight * (x - np.average(x, weights=weight)) ** 2).sum() - (len(x) - 1)
     spread = np.sqrt(max(excess, 0.0) / (weight.sum() - (weight**2).sum() / weight.sum()))
     return np.flatnonzero((_DOUBTED * error < spread) | clear)
+
+
+def is_told(error: float) -> bool:
+    """Whether a log tells a width within a factor of e, by the standard error of its logarithm."""
+    return bool(_DOUBTED * error < _HARDLY)
 
 
 def told_by_the_others(
