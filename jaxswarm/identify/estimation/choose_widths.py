@@ -83,10 +83,14 @@ def _no_sharper_than_told(problem: Problem, here: Settled, moving, held, groups)
     way from where the others' are: 1.2 times too sharp there, and of 50 fits of 30 logs one other changed, by
     less sharp a sign that had been 4 times too sharp.
     """
-    own, width = _own_widths(problem, here, groups), here.place.width
+    width = here.place.width
+    differing = [g for g in groups if np.ptp(np.log([width[j] for j in g])) > _SHARPER]
+    if not differing:
+        return here, moving, held
+    own = _own_widths(problem, here, groups)
     leant = {j for one in held for j in one.joints}
     sharp: dict[int, float] = {}
-    for group in groups:
+    for group in differing:
         known = [j for j in group if j in own and is_told(own[j][1])]
         if known:
             weights = [own[j][1] ** -2 for j in known]
