@@ -10,9 +10,10 @@ from scipy import signal, stats
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_special_case, overlap
+from jaxswarm.diagnose.decision.judged import can_be
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import score
-from jaxswarm.diagnose.decision.significance import slope_p_value
+from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
 from jaxswarm.diagnose.decision.worth import passes, runners_up
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -53,6 +54,20 @@ def test_slope_p_value_by_hand():
     slopes = np.array([1.25, 1.0, 4 / 3])
     spread = np.sqrt(2 / 3 * ((slopes - slopes.mean()) ** 2).sum())
     assert slope_p_value(inner, square) == pytest.approx(stats.t.sf(1.2 / spread, 2))
+
+
+def test_a_p_value_is_worth_the_standard_errors_that_it_came_from():
+    slopes = 1.0 + 0.3 * np.random.default_rng(0).normal(size=12)
+    spread = slopes.std(ddof=1) / np.sqrt(12)
+    p_value = slope_p_value(slopes, np.ones(12))
+    assert certainty(p_value, 12) == pytest.approx(slopes.mean() / spread)
+
+
+@pytest.mark.parametrize(("late", "allowed"), [(3.46e-3, True), (2.7e-3, False), (2.3e-3, False)])
+def test_a_delay_is_told_where_its_own_doubt_leaves_it_above_half_a_sample(late, allowed):
+    # The p-value of 13.9 standard errors over 20 blocks: of a normal distribution those are 6.7.
+    delay, found = Candidate(Term("time_delay"), (), 1), [np.array([late])] * 3
+    assert can_be(delay, found, 1.07e-11, 20, 5e-3) is allowed
 
 
 def test_slope_p_value_of_nothing_and_of_a_single_block_is_one():

@@ -22,10 +22,17 @@ def told_on(term: Term, shares: np.ndarray) -> tuple[int, slice]:
 
 
 def can_be(
-    candidate: Candidate, found: Sequence[np.ndarray], p_value: float, interval: float
+    candidate: Candidate,
+    found: Sequence[np.ndarray],
+    p_value: float,
+    blocks: int,
+    interval: float,
 ) -> bool:
-    """Whether the coefficients of the halves and of all rows, the last, agree with physics."""
+    """Whether the coefficients of the halves and of all rows, the last, agree with physics.
+
+    ``p_value``: over so many ``blocks``; ``interval``: of the log's samples [s].
+    """
     whole = found[-1]
-    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value), 1e-9)
+    doubt = CERTAIN * abs(whole[0]) / max(certainty(p_value, blocks), 1e-9)
     positive = not candidate.positive or all(a[0] > 0 for a in found)
     return bool(positive and candidate.term.law.credible(whole[0], interval, doubt))

@@ -6,9 +6,17 @@ import scipy
 from jaxswarm.diagnose.decision.rules import DENSE, WEIGHTY
 
 
-def certainty(p_value: float) -> float:
-    """Standard errors that a one-sided p-value is worth; below zero where it is above a half."""
-    return float(-scipy.special.ndtri(max(p_value, 1e-300)))
+def certainty(p_value: float, blocks: int) -> float:
+    """Standard errors by which a slope is above zero, of its one-sided p-value over so many blocks.
+
+    The inverse of :func:`slope_p_value`, by the same distribution. A normal one gives the same p-value at half
+    as many: a delay of 0.7 samples was above zero by 13.9 over 20 blocks, was taken for one that is so by 6.7,
+    and so might have been below half a sample.
+
+    >>> round(certainty(1e-11, 20), 1)
+    13.9
+    """
+    return float(-scipy.special.stdtrit(blocks - 1, max(p_value, 1e-300)))
 
 
 def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
