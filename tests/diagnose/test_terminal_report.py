@@ -66,6 +66,23 @@ def test_one_law_on_all_joints_is_one_table(monkeypatch, capsys):
     assert re.search(rf"{JOINTS[6]} df 3.244 3.191 to 3.297 N m", flat)
 
 
+def test_what_the_log_does_not_tell_from_what_is_named_stands_beside_the_name():
+    told, how = explained(), {"experiment": "move it further"}
+    joint, pair = JOINTS[1], ("encoder_offset", "backlash")
+    told["undecided"] = [
+        {"joint": joint, "effects": [*pair], **how},
+        {"joint": joint, "effects": ["encoder_offset", "joint_elasticity"], **how},
+        {"joint": None, "effects": ["torque_lag", "time_delay"], **how},
+    ]
+    said = evidence_sentence(told)
+    assert (
+        f"; this log does not tell encoder_offset from backlash or joint_elasticity on {joint};"
+        in said
+    )
+    assert "; this log does not tell torque_lag from time_delay (error" in said
+    assert "To tell torque_lag from time_delay apart: move it further." in next_steps(told)
+
+
 @pytest.mark.parametrize("name", ["$x_{$", "[/b]", "a/b", "=1+1", "<script>", "\u03c6 1"])
 def test_odd_names_are_printed_as_they_are(name, monkeypatch, capsys):
     told = json.loads(json.dumps(explained()).replace(JOINTS[1], name))

@@ -7,6 +7,7 @@ from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
 from jaxswarm.diagnose.report.remains import left_of, look_at
+from jaxswarm.diagnose.report.rivals import not_told_apart, to_tell_apart
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines, event_lines, rest_lines, unscored_lines
 
@@ -140,7 +141,7 @@ def _found(result: dict) -> str:
         f"{entry['joint']} follows a law of its own: {entry['formula']}"
         for entry in result["discovered"]
     ]
-    return "; ".join(clauses)
+    return "; ".join(clauses + not_told_apart(result))
 
 
 def law_facts(entry: dict) -> list[str]:
@@ -174,10 +175,7 @@ def reasons(result: dict) -> list[str]:
 
 def next_steps(result: dict) -> list[str]:
     """What to measure or do next."""
-    steps = [
-        f"To tell {' from '.join(u['effects'])} apart on {u['joint']}: {u['experiment']}."
-        for u in result["undecided"]
-    ]
+    steps = to_tell_apart(result)
     for law in result["discovered"]:
         steps += [
             f"To tell {law['formula']} from {other['formula']} on {law['joint']}: {other['experiment']}."
