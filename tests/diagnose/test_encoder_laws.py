@@ -8,7 +8,7 @@ from elbow import ask, elbow, elbow_log, fitted, passing
 
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
-from jaxswarm.diagnose.selection.tenable import can_be_read
+from jaxswarm.diagnose.selection.tenable import can_be_as_wrong
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.torque_along import torque_along
 
@@ -42,13 +42,15 @@ def test_true_positions_are_left_as_they_are():
     assert not passing(ask(fitted(elbow_log()), *LAWS))
 
 
-def test_an_encoder_that_would_be_worse_than_any_is_refused():
-    assert can_be_read(Term("gear_coupling_error", 2, 1, values={"c": 0.3}))
-    assert not can_be_read(Term("gear_coupling_error", 2, 1, values={"c": 0.5}))
-    assert not can_be_read(Term("encoder_offset", 1, values={"dq0": -0.5}))
-    assert can_be_read(Term("time_delay", None, values={"seconds": 0.02}))
-    assert not can_be_read(Term("time_delay", None, values={"seconds": 0.05}))
-    assert can_be_read(Term("viscous_friction", 1, values={"b": 0.0}))
+def test_an_encoder_or_a_base_that_would_be_worse_than_any_is_refused():
+    assert can_be_as_wrong(Term("gear_coupling_error", 2, 1, values={"c": 0.3}))
+    assert not can_be_as_wrong(Term("gear_coupling_error", 2, 1, values={"c": 0.5}))
+    assert not can_be_as_wrong(Term("encoder_offset", 1, values={"dq0": -0.5}))
+    assert can_be_as_wrong(Term("time_delay", None, values={"seconds": 0.02}))
+    assert not can_be_as_wrong(Term("time_delay", None, values={"seconds": 0.05}))
+    assert can_be_as_wrong(Term("base_tilt", None, values={"gx": -0.3, "gy": 2.9}))
+    assert not can_be_as_wrong(Term("base_tilt", None, values={"gx": -0.3, "gy": 3.0}))
+    assert can_be_as_wrong(Term("viscous_friction", 1, values={"b": 0.0}))
 
 
 def test_friction_follows_the_true_motion_and_not_what_an_encoder_says():

@@ -1,6 +1,7 @@
 """What an addition has to do on motion it was not fitted to."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from jaxswarm.diagnose.selection import unpredicted as unpredicted_module
 from jaxswarm.diagnose.selection.elsewhere import added_columns, errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.survives import harmful, survives
+from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
 from jaxswarm.diagnose.selection.tenable import can_swing
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -135,6 +136,26 @@ def test_a_law_that_one_half_of_the_log_denies_the_other_is_refused():
     after = refit(before, (*before.model.terms, Term("torque_ripple", 0, values={"n": 12.0})))
     assert (after.fit.sigma[0] / before.fit.sigma[0]) ** 2 < 0.8
     assert "stretches" in survives(before, after, 0)
+
+
+@pytest.mark.parametrize(
+    ("height", "share", "unknown"),
+    [(0.15, 0.28, True), (0.15, 0.4, False), (1.0, 0.28, True), (1.0, 0.6, False)],
+)
+def test_a_part_of_what_a_smooth_function_explains_is_no_law_near_the_noise_too(
+    height, share, unknown
+):
+    """Friction by another joint's speed was told as friction by the load, at twice the noise."""
+    log = log_with()
+    tau = log.tau.copy()
+    dq = np.gradient(log.q, log.t, axis=0)
+    tau[:, 1] += height * np.abs(dq[:, 0]) * np.tanh(dq[:, 1] / 0.3)
+    motion = prepare(replace(log, tau=tau), BAND)
+    before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    chosen = SimpleNamespace(
+        share=share, joint=1, candidate=SimpleNamespace(term=Term("load_dependent_friction", 1))
+    )
+    assert stands_in(chosen, before, cross_fit(before), 0) is unknown
 
 
 def with_noise(found, times: float):

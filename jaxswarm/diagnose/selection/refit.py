@@ -9,7 +9,7 @@ from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
-    can_be_read,
+    can_be_as_wrong,
     can_be_resolved,
     can_swing,
     goes_beyond,
@@ -125,7 +125,7 @@ def _holds(after: Estimate, term: Term, fall: float) -> bool:
     fitted, errors = after.model.terms[number], after.std_errors[number]
     physical = can_be(fitted, errors)
     physical = physical and stands_for_itself(fitted, errors) and goes_beyond(fitted, errors)
-    physical = physical and can_swing(after, fitted) and can_be_read(fitted)
+    physical = physical and can_swing(after, fitted) and can_be_as_wrong(fitted)
     physical = physical and can_be_resolved(after, fitted, errors)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     return physical and (is_certain(fitted, errors) or fall > NEEDED)

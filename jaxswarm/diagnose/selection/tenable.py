@@ -7,7 +7,7 @@ import numpy as np
 from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE, CERTAIN, MOST_DAMPING
 from jaxswarm.effects import get_law
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw, TransmissionLaw
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw, TransmissionLaw
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -89,15 +89,18 @@ def _one_is_certain(term: Term, errors: dict[str, float], names: list[str]) -> b
     )
 
 
-def can_be_read(term: Term) -> bool:
-    """Whether an encoder or a clock can be as wrong as a term says: true of every other term.
+def can_be_as_wrong(term: Term) -> bool:
+    """Whether an encoder, a clock or a base can be as wrong as a term says: true of every other term.
 
     One that wants to be worse than its law allows is not what is wrong: friction in a wrist whose drives run
     through each other was told as a coupling ratio that is off by its bound, the bristles of four slow joints
-    of a clean arm as a clock that is late by its bound of 50 ms.
+    of a clean arm as a clock that is late by its bound of 50 ms, a spring on the second link of a level arm as
+    a base that is tilted by its bound of 3 m/s^2 both ways.
     """
     law = term.law
-    if not isinstance(law, MeasurementLaw) or (law.excess is None and not law.clock):
+    read = isinstance(law, MeasurementLaw) and (law.excess is not None or law.clock)
+    stands = isinstance(law, BodyChange) and law.gravity is not None
+    if not (read or stands):
         return True
     return all(p.lower < term.values[p.name] < p.upper for p in law.parameters)
 
