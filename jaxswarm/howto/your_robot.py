@@ -21,7 +21,8 @@ A DH table is six lines of TOML, angles in rad; ``joints = ["a", "b"]`` in it na
 Joints that no log has are held still: ``--lock gripper=0.02,rail`` at a position, or ``--joints a,b,c`` for
 the chain of interest; what is locked is lumped into the link that carries it. Joints that mimic another one
 are locked and told. A tool is ``--tool MASS,X,Y,Z`` in the frame of the last link, an arm on a wall has
-``--gravity X,Y,Z`` in base axes. A xacro template is expanded first: ``xacro arm.urdf.xacro > arm.urdf``.
+``--gravity X,Y,Z`` in base axes, and its log tells where that is wrong. A xacro template is
+expanded first: ``xacro arm.urdf.xacro > arm.urdf``.
 
 An arm that measures currents needs its drive gains in N m per ampere, ``drive_gain = [14.9, 13.3]`` in the
 TOML file; a scale that is wrong there scales every parameter of the joint, and no log can tell.

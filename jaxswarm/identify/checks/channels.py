@@ -22,6 +22,7 @@ from jaxswarm.identify.checks.guesses import (
     torque_guesses,
     torque_scale_guesses,
 )
+from jaxswarm.identify.checks.mounting import mounting_guesses
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.checks.sound import NONE, UNRELATED, Tried, is_sound
@@ -102,9 +103,10 @@ def wrong_channels(
         *(exchanged_positions(robot) if poor else ()),
         *(degree_guesses(robot, far) if poor or far.any() else ()),
         *zero_guesses(robot, rough, logged.power),
+        *mounting_guesses(robot, rough, logged.power),
     ]
     for guess in motions:
-        other = Rough(robot, guess.moved(rough.samples))
+        other = Rough(guess.arm or robot, guess.moved(rough.samples))
         tried.append((guess, other.as_logged()[0]))
     if every_joint:
         tried = [(g, t) for g, t in tried if t.left.max() < UNRELATED]
@@ -200,8 +202,7 @@ def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
         f"{guess.what}: as logged {driven}rigid body and friction leave {100 * logged.size:.2g} % of the "
         f"torque, without it {100 * found.size:.2g} %"
     )
-    remedy = guess.remedy or "Mend these columns of the log"
-    return Finding(guess.check, what, remedy, refused=guess.remedy is None)
+    return Finding(guess.check, what, guess.remedy, refused=not guess.told_only)
 
 
 def unrelated(rough: Rough) -> Finding | None:

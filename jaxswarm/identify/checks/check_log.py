@@ -15,6 +15,7 @@ from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.dead_torque import dead_torque
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.late import late_torque
+from jaxswarm.identify.checks.mounting import MOUNTING
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, fine_samples, samples_of
 from jaxswarm.identify.checks.torque_unit import wrong_unit
@@ -37,6 +38,7 @@ CHECKS = {
     "swapped_channels": "columns of joints exchanged",
     "encoder_scale": "positions in degrees, or a multiple of what is logged",
     ENCODER_ZERO: "positions that read too large or too small by a constant",
+    MOUNTING: "a base on a wall, under a ceiling or on its edge that is declared otherwise",
     "torque_scale": "a joint's torque that is a multiple of what is logged",
     "time_scale": "time that is a multiple of what is logged",
     "late_torque": "a joint's torque that is late or early against its motion",

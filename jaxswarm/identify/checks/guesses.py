@@ -34,7 +34,9 @@ class Guess:
         nearby: Of a scale, the same guess with so many times its factor; None for what is no number.
         likely: Whether the motion itself says so, before any torque is asked.
         sizable: Of a zero, whether it is larger than those that springs, cables and tilts look like.
-        remedy: What to do, where nobody has to mend the log first; None: the log is refused.
+        arm: The robot it would be a log of; None: the one declared.
+        remedy: What to do.
+        told_only: Whether the log is fitted as it is.
     """
 
     check: str
@@ -45,7 +47,9 @@ class Guess:
     nearby: Callable[[float], "Guess"] | None = None
     likely: bool = False
     sizable: bool = False
-    remedy: str | None = None
+    arm: Robot | None = None
+    remedy: str = "Mend these columns of the log"
+    told_only: bool = False
 
     def moved(self, samples: Samples) -> Samples:
         """The log as it would be with the guess's motion."""
@@ -154,7 +158,9 @@ def zero_guess(robot: Robot, joint: int, zero: float) -> Guess:
     remedy = "Take it off the positions, or fit the offset of that encoder"
     sizable = abs(zero) > _SIZABLE[robot.kinds[joint]]
     moved = _moved(joint, -zero)
-    return Guess(ENCODER_ZERO, text, (joint,), motion=moved, sizable=sizable, remedy=remedy)
+    return Guess(
+        ENCODER_ZERO, text, (joint,), motion=moved, sizable=sizable, remedy=remedy, told_only=True
+    )
 
 
 def _torque_scale(robot: Robot, joint: int, factor: float) -> Guess:
