@@ -11,6 +11,7 @@ from jaxswarm.identify.checks.channels import (
     unrelated,
     wrong_channels,
 )
+from jaxswarm.identify.checks.conventions import CONVENTION
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.dead_torque import dead_torque
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
@@ -38,6 +39,7 @@ CHECKS = {
     "swapped_channels": "columns of joints exchanged",
     "encoder_scale": "positions in degrees, or a multiple of what is logged",
     ENCODER_ZERO: "positions that read too large or too small by a constant",
+    CONVENTION: "joints that turn the other way, or from another zero, than in the robot's file",
     MOUNTING: "a base on a wall, under a ceiling or on its edge that is declared otherwise",
     "torque_scale": "a joint's torque that is a multiple of what is logged",
     "time_scale": "time that is a multiple of what is logged",

@@ -35,6 +35,7 @@ class Guess:
         likely: Whether the motion itself says so, before any torque is asked.
         sizable: Of a zero, whether it is larger than those that springs, cables and tilts look like.
         arm: The robot it would be a log of; None: the one declared.
+        of_robot: Whether nothing is wrong with the log, but with the robot it is declared of.
         remedy: What to do.
         told_only: Whether the log is fitted as it is.
     """
@@ -48,8 +49,14 @@ class Guess:
     likely: bool = False
     sizable: bool = False
     arm: Robot | None = None
+    of_robot: bool = False
     remedy: str = "Mend these columns of the log"
     told_only: bool = False
+
+    @property
+    def changes(self) -> int:
+        """How many things would be wrong: that with fewer is likelier."""
+        return 1 if self.arm is not None else len(self.joints)
 
     def moved(self, samples: Samples) -> Samples:
         """The log as it would be with the guess's motion."""

@@ -63,6 +63,7 @@ def _guess(robot: Robot, rough: Rough, gravity: np.ndarray) -> Guess:
         text,
         tuple(range(robot.num_joints)),
         arm=_along(robot, gravity),
+        of_robot=True,
         remedy=f"Pass --gravity {numbers}, or turn the base in the robot's file",
         told_only=not _carries_weight(robot, rough.samples.q),
     )  # fmt: skip

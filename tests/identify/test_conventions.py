@@ -1,0 +1,67 @@
+"""Joints that turn the other way or from another zero than in the file are told, with what the file has."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jaxswarm.identify.checks.check_log import against_robot
+from jaxswarm.identify.checks.conventions import CONVENTION, Joint
+from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.segments import prepare_segments
+from jaxswarm.robot.load import load_robot
+
+QUARTER = 0.5 * np.pi
+OTHER_WAY = (1.0, -1.0, 1.0, -1.0, 1.0, 1.0), (0.0,) * 6, "joint2 = -logged, joint4 = -logged"
+OTHER_ZERO = (
+    (1.0,) * 6,
+    (0.0, -QUARTER, 0.0, QUARTER, 0.0, 0.0),
+    "joint2 = logged - 1.571, joint4 = logged + 1.571",
+)
+BOTH = (
+    (1.0, 1.0, -1.0, 1.0, 1.0, 1.0),
+    (0.0, 0.0, QUARTER, 0.0, 0.0, 0.0),
+    "joint3 = -logged + 1.571",
+)
+
+
+@pytest.fixture(scope="module")
+def arm():
+    bare = load_robot("ur10e")
+    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
+
+
+@pytest.fixture(scope="module")
+def log(arm):
+    return synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
+
+
+def found(arm, log):
+    return against_robot(arm, prepare_segments(log, Filtering(torque_cutoff=5.0))[1])
+
+
+@pytest.mark.parametrize(("sign", "zero", "told"), [OTHER_WAY, OTHER_ZERO, BOTH])
+def test_another_convention_is_told_by_what_the_file_has(arm, log, sign, zero, told):
+    other = replace(log, q=np.array(sign) * (log.q - np.array(zero)), tau=np.array(sign) * log.tau)
+    (finding,) = found(arm, other)
+    assert finding.check == CONVENTION and finding.refused
+    assert f"than in the robot's file, where {told}:" in finding.what
+
+
+def test_the_files_own_convention_is_not(arm, log):
+    assert found(arm, log) == []
+
+
+def test_columns_that_fit_no_convention_are_not_told_as_one(arm, log):
+    """Of torques in another order a turned arm leaves a little less, and still nearly all."""
+    order = [5, 4, 3, 2, 1, 0]
+    told = found(arm, replace(log, q=log.q[:, order], tau=log.tau[:, order]))
+    assert CONVENTION not in {finding.check for finding in told}
+
+
+def test_changes_of_a_joint_follow_each_other():
+    """x -> -x + a, then -> -x + b: x -> x - a + b."""
+    once = Joint(-1.0, 1)
+    assert once.then(Joint(-1.0, 2)) == Joint(1.0, 1)
+    assert once.then(once) == Joint()
