@@ -8,7 +8,7 @@ from test_unexplained import LAWS, with_extra
 
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
-from jaxswarm.diagnose.report.remains import remaining
+from jaxswarm.diagnose.report.remains import look_at, remaining
 from jaxswarm.diagnose.report.text import evidence_sentence
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.logs.motion import prepare
@@ -70,6 +70,19 @@ def test_the_sentence_says_how_much_of_it_holds_elsewhere():
     )
 
 
+def test_states_that_one_log_does_not_tell_from_time_are_told_with_what_would():
+    entry = {
+        **{"joint": "joint1", "share": 0.85, "over_noise": 9.0, "depends_on": ["q_joint1", "t"]},
+        **{"band_hz": [0.2, 3.0], "windows": [], "share_on_other_motion": None},
+    }
+    both = {**entry, "or_states": {"depends_on": ["q_joint2", "q_joint1"], "share": 0.75}}
+    assert remaining({**entry, "or_states": None}).endswith("follows q_joint1 and t")
+    told = "follows q_joint1 and t, or nearly as well q_joint2 and q_joint1 (75 %)"
+    assert remaining(both).endswith(told)
+    more = [step for step in look_at(both) if step not in look_at(entry)]
+    assert [step.split(":")[0] for step in more] == ["Record another motion and pass both logs"]
+
+
 def test_the_sentence_names_the_joints_and_times_that_matter_most():
     """All of them stand in the list below it."""
     windows = [{"log": 0, "start": float(k), "end": k + 0.5 + 0.1 * k} for k in range(4)]
@@ -81,7 +94,7 @@ def test_the_sentence_names_the_joints_and_times_that_matter_most():
     result = {
         **{"error": {"before": errors, "after": errors}, "verdict": "unexplained", "proof": "none"},
         **{"effects": [], "changed": [], "discovered": [], "unexplained": left, "joints": []},
-        "residual_over_noise": [],
+        **{"residual_over_noise": [], "undecided": []},
     }
     told = evidence_sentence(result)
     assert all(f"joint{k} is left with" in told for k in (0, 2, 3)) and "joint1" not in told

@@ -111,6 +111,31 @@ def test_structure_over_time_is_shown_but_not_put_into_the_model():
     np.testing.assert_array_equal(model.robot.parameters, found.model.robot.parameters)
 
 
+def left_with(shape, duration: float, motion_seed: int):
+    """What is left on joint 2 of a log with a further torque ``shape(q, t)``."""
+    log = log_with(duration=duration, motion_seed=motion_seed)
+    extra = np.zeros_like(log.tau)
+    extra[:, 1] = shape(log.q, log.t)
+    (left,) = find_unexplained(*declared_fit(replace(log, tau=log.tau + extra)), joints=[1])
+    return left
+
+
+def test_states_that_go_along_with_time_in_slow_motion_stand_beside_it():
+    """Of this motion of 8 s a smooth function of time explains more than one of the states of the law."""
+    left = left_with(lambda q, t: 3.0 * q[:, 0] ** 2 * q[:, 1], 8.0, 9)
+    assert left.depends_on == ("q_joint1", "t")
+    names, share = left.or_states
+    assert set(names) == {"q_joint1", "q_joint2"}
+    assert 0.9 < share < left.share
+
+
+def test_a_drift_is_told_by_time_alone():
+    assert left_with(lambda q, t: 0.2 * t, 20.0, 7).or_states is None
+    faint = left_with(lambda q, t: 0.05 * np.sin(0.5 * t), 20.0, 7)
+    assert faint.depends_on == ("t",) and faint.or_states is None
+    assert faint.share < 0.5
+
+
 def test_white_residual_has_no_structure():
     found, crossfit = declared_fit(log_with())
     assert find_unexplained(found, crossfit) == []

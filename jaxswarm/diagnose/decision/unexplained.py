@@ -4,7 +4,8 @@ The residual of each joint is regressed on smooth random features of every singl
 variables, by ridge regression fitted to one half of the time and scored on the other. Features are
 :math:`\cos(\omega^T x + \varphi)` with x standardized (A. Rahimi, B. Recht, NIPS 2007), freed of what the
 model absorbs, so that a share of the error is claimed only if the model cannot follow it by refitting.
-A second variable is named only if it raises the held-out share clearly over the first alone.
+A second variable is named only if it raises the held-out share clearly over the first alone; beside time stand
+the states that say nearly as much.
 """
 
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ from jaxswarm.diagnose.decision.smooth_rows import (
     table_of,
     waves_of,
 )
+from jaxswarm.diagnose.decision.telling import most_telling
 from jaxswarm.diagnose.folds.joint_rows import joint_rows
 from jaxswarm.diagnose.folds.other_motion import regions
 from jaxswarm.diagnose.folds.partial_out import CrossFit
@@ -48,6 +50,7 @@ class Unexplained:
         change: Change of the model's columns' values that goes with it, shape (p,).
         elsewhere: Share that it takes off on motion it was not fitted to: on the worst other log, or without
             any in regions of the states held out in turn; below zero where it adds error, None if unknown.
+        or_states: Where time is named, states that say nearly as much, and their share; None if none do.
     """
 
     joint: int
@@ -59,6 +62,7 @@ class Unexplained:
     term: Smooth | None
     change: np.ndarray
     elsewhere: float | None = None
+    or_states: tuple[tuple[str, ...], float] | None = None
 
 
 def find_unexplained(
@@ -89,28 +93,18 @@ def _look(
         return held_out_share(halves, crossfit.block, rows)
 
     own = found.model.robot.joints[joint]
-    narrow = [SmoothOf((n,), narrow=True) for n in (f"q_{own}", f"dq_{own}") if n in table]
-    singles = [(tried(of), of) for of in [*(SmoothOf((n,)) for n in table), *narrow]]
-    singles.sort(key=lambda item: -item[0].share)
-    best, pick = singles[0]
-    # Pairs with each of the three most telling variables, and with the joint's own velocity.
-    telling = list(dict.fromkeys(item[1].names[0] for item in singles))[:3]
-    leads = dict.fromkeys([*telling, f"dq_{own}"])
-    pairs = [(a, b) for a in leads for b in table if a in table and b != a]
-    told = sorted(((tried(of), of) for of in map(SmoothOf, pairs)), key=lambda item: -item[0].share)
-    asked = len(singles) + len(told)
-    if told and told[0][0].share > best.share + SECOND_VARIABLE:
-        best, pick = told[0]
+    (best, pick), states, asked = most_telling(tried, table, own)
     # A load is a function of all positions: it is named where it says more than any two of them do.
     loads = [SmoothOf(names) for n in load for names in ((n,), (f"dq_{own}", n))]
     for share, of in [(tried(of), of) for of in loads]:
         if share.share > best.share + SECOND_VARIABLE:
-            best, pick = share, of
+            best, pick, states = share, of, None
     asked += len(loads)
     worth = best._replace(p_value=min(1.0, best.p_value * asked))
     if worth.share < STRUCTURE or worth.p_value > STRUCTURE_SIGNIFICANCE:
         return None
-    return _unexplained(found, crossfit, joint, pick, worth, known, seed)
+    item = _unexplained(found, crossfit, joint, pick, worth, known, seed)
+    return replace(item, or_states=states and (states[1].names, states[0].share))
 
 
 def with_smooth_terms(found: Estimate, left: Sequence[Unexplained]) -> Model:

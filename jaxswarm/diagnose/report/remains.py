@@ -28,9 +28,18 @@ def remaining(entry: dict, most: int | None = None) -> str:
         names = " and ".join(entry["depends_on"])
         return (
             f"{percent(entry['share'], 0)} of the remaining error of {entry['joint']} ({times}) "
-            f"follows {names}{_elsewhere(entry)}"
+            f"follows {names}{_or_states(entry)}{_elsewhere(entry)}"
         )
     return f"{entry['joint']} is left with {times}"
+
+
+def _or_states(entry: dict) -> str:
+    """States that the log does not tell from time, with what they say."""
+    told = entry.get("or_states")
+    if told is None:
+        return ""
+    names = " and ".join(told["depends_on"])
+    return f", or nearly as well {names} ({percent(told['share'], 0)})"
 
 
 def _elsewhere(entry: dict) -> str:
@@ -87,6 +96,11 @@ def look_at(entry: dict) -> list[str]:
         f"Vary {names} alone to see the shape on {joint}; a law registered with "
         "jaxswarm.effects.register becomes a candidate at once."
     ]
+    if told := entry.get("or_states"):
+        steps.append(
+            f"Record another motion and pass both logs: in this one {' and '.join(told['depends_on'])} go "
+            f"along with time, and it does not tell which of them {joint} follows."
+        )
     if entry.get("in_model"):
         steps.append(
             f"model.json holds a smooth function of {names} for {joint}: it predicts what "

@@ -195,14 +195,14 @@ def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], join
             "share": u.share,
             "p_value": u.p_value,
             "in_model": u.term is not None,
+            "share_on_other_motion": u.elsewhere,
+            "or_states": u.or_states and {"depends_on": [*u.or_states[0]], "share": u.or_states[1]},
         }
-        entry["share_on_other_motion"] = u.elsewhere
         told.append((u.joint, {"depends_on": list(u.depends_on), **entry}))
-    seen = {joint for joint, _ in told}
     for r in remains:
-        if not r.near and r.joint not in seen:
+        if not r.near and r.joint not in {u.joint for u in left}:
             entry = {"share": 1.0 - 1.0 / r.over_noise**2, "p_value": None, "in_model": False}
-            entry["share_on_other_motion"] = None
+            entry |= dict.fromkeys(("share_on_other_motion", "or_states"))
             told.append((r.joint, {"depends_on": [], **entry}))
     return [
         {
