@@ -11,6 +11,10 @@ as measured is within 1.5 times that of the true torque on 11 (with laws of the 
 was told as a gravity compensator and a ripple; since several laws on one joint are doubted its own form is
 found. The error of the four-bar balancer was 12 times the true one's, and 1.36 times since waves of a turn are
 asked together; on another one (case 18) it is 2.6 times.
+
+Of cases 25 to 53, two of most kinds, all 22 mechanisms are told by a formula of the right class or, two springs
+with a dead zone, by their name; the unseen error as measured is 1.00 to 1.32 times that of the true torque.
+Seven clean logs stay as they are. 3 to 83 s of CPU, median 13.
 """
 
 import json
@@ -78,7 +82,7 @@ def run_case(number: int) -> dict:
             for f in search.found
         ],
         "in_vain": [n.because for n in search.vain],
-        "class_right": hidden is not None and _class_right(hidden, search.found),
+        "class_right": hidden is not None and class_right(hidden, after.kept, search.found),
         "error": {
             "declared": _error(before.declared.model, motion, clean, joints),
             "loop": _error(before.final.model, motion, clean, joints),
@@ -108,9 +112,11 @@ def _error_of_form(case: Prepared, told, filtering: Filtering, joints: list[int]
     return _error(model, *case.like(filtering, without=one), joints)
 
 
-def _class_right(hidden: Hidden, found) -> bool:
-    """Whether a formula on the joint has the variables and the parity of the mechanism."""
+def class_right(hidden: Hidden, kept, found) -> bool:
+    """Whether a formula on the joint has the variables and the parity of the mechanism, or a law is its own."""
     kind = hidden.kind
+    if any((s.added.effect, s.added.joint) == (kind.known, hidden.joint) for s in kept):
+        return True
     same = {"direction": "dq", "static_load": "load"}
     for one in found:
         if one.added.joint != hidden.joint:
@@ -132,7 +138,7 @@ def mechanisms_table(rows: list[dict]) -> str:
     lines = [
         f"{len(there)} mechanisms, {len(clean)} clean logs.",
         f"A formula on {sum(bool(r['found']) for r in there)} of the mechanisms, "
-        f"of the right class on {sum(r['class_right'] for r in there)}; "
+        f"of the right class, or the mechanism's own name, on {sum(r['class_right'] for r in there)}; "
         f"clean logs with a formula or a law: {sum(bool(r['found'] or r['catalog']) for r in clean)}.",
         "",
         "| mechanism | found | class | declared | loop | discovered | seconds of one core |",

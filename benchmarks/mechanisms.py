@@ -27,6 +27,7 @@ class Mechanism:
         parity: ``odd`` or ``even`` under reversal of the joint's velocity.
         also_on_other: Torque of the partner by the same mechanism; None: it feels nothing.
         place_on_other: Whether ``q0`` is a place on the partner's way.
+        known: Law of the catalog that is the same, under which name it is told right as well.
     """
 
     draw: Callable[[np.random.Generator], dict]
@@ -35,6 +36,7 @@ class Mechanism:
     parity: str
     also_on_other: Callable[..., np.ndarray] | None = None
     place_on_other: bool = False
+    known: str | None = None
 
 
 def stored(energy: Callable, place: int = 0) -> Callable:
@@ -171,6 +173,7 @@ MECHANISMS = {
         stored(_dead_zone),
         _ALONE,
         "even",
+        known="dead_zone_spring",
     ),
     "buffer": Mechanism(
         lambda r: {"q0": r.uniform(-0.4, 0.4), "side": r.choice([-1, 1])},

@@ -1,13 +1,16 @@
 """Mechanisms of the benchmark of discovery are what they say, and what it needs can be loaded."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from benchmarks.diagnosis_mechanisms import class_right
 from benchmarks.mechanism_cases import prepared_case
 from benchmarks.mechanisms import MECHANISMS
 from benchmarks.worlds.library import joint_library
+from jaxswarm.effects.term import Term
 
 
 def motion(rng):
@@ -45,6 +48,15 @@ def test_a_case_hides_what_it_says():
     others = [j for j in range(3) if j != hidden.joint]
     assert np.abs(case.extra[:, hidden.joint]).max() > 1.0 and not case.extra[:, others].any()
     assert prepared_case(3).hidden is None
+
+
+def test_a_mechanism_that_the_catalog_holds_is_told_right_by_its_name():
+    hidden = prepared_case(5).hidden
+    law = Term("dead_zone_spring", hidden.joint)
+    told = [SimpleNamespace(added=law)]
+    assert class_right(hidden, told, [])
+    assert not class_right(hidden, [SimpleNamespace(added=replace(law, joint=hidden.other))], [])
+    assert not class_right(prepared_case(6).hidden, told, [])
 
 
 def test_the_library_of_the_rivals_holds_finite_columns():
