@@ -24,12 +24,6 @@ from jaxswarm.robot.load import load_robot
 
 
 @pytest.fixture(scope="module")
-def arm():
-    bare = load_robot("ur10e")
-    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
-
-
-@pytest.fixture(scope="module")
 def short(arm):
     return synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=7.0, rate=125.0)
 

@@ -7,10 +7,8 @@ import pytest
 
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.conventions import CONVENTION, Joint
-from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
-from jaxswarm.robot.load import load_robot
 
 QUARTER = 0.5 * np.pi
 OTHER_WAY = (1.0, -1.0, 1.0, -1.0, 1.0, 1.0), (0.0,) * 6, "joint2 = -logged, joint4 = -logged"
@@ -24,17 +22,6 @@ BOTH = (
     (0.0, 0.0, QUARTER, 0.0, 0.0, 0.0),
     "joint3 = -logged + 1.571",
 )
-
-
-@pytest.fixture(scope="module")
-def arm():
-    bare = load_robot("ur10e")
-    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
-
-
-@pytest.fixture(scope="module")
-def log(arm):
-    return synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
 
 
 def found(arm, log):

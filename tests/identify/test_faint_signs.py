@@ -23,21 +23,9 @@ from jaxswarm.identify.checks.lateness import Lateness
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.checks.sound import Tried
-from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
 from jaxswarm.robot.load import load_robot
-
-
-@pytest.fixture(scope="module")
-def arm():
-    bare = load_robot("ur10e")
-    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
-
-
-@pytest.fixture(scope="module")
-def log(arm):
-    return synthetic_log(arm, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
 
 
 def column(values, joint, factor):

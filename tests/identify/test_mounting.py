@@ -17,12 +17,6 @@ from jaxswarm.robot.options import RobotOptions
 WALL, CEILING, EDGE = (9.81, 0.0, 0.0), (0.0, 0.0, 9.81), (0.0, -6.937, -6.937)
 
 
-@pytest.fixture(scope="module")
-def arm():
-    bare = load_robot("ur10e")
-    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
-
-
 def motions(robot):
     log = synthetic_log(robot, (), 3, noise=Noise(2e-5, 0.05), duration=20.0, rate=125.0)
     return prepare_segments(log, Filtering(torque_cutoff=5.0))[1]

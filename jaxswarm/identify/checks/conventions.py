@@ -50,12 +50,12 @@ def convention_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Gue
     joints, left = (Joint(),) * robot.num_joints, power
     while True:
         tried = [
-            (_left(robot, rough, changed), changed)
+            (_left(robot, rough, one), one)
             for j, kind in enumerate(robot.kinds)
             for change in (_TURNING if kind == "revolute" else _SLIDING)
-            for changed in [(*joints[:j], joints[j].then(change), *joints[j + 1 :])]
+            for one in [(*joints[:j], joints[j].then(change), *joints[j + 1 :])]
         ]
-        low, best = min(tried, key=lambda one: one[0])
+        low, best = min(tried, key=lambda pair: pair[0])
         if low > left - _WORTH:
             break
         joints, left = best, low

@@ -66,7 +66,7 @@ def _guess(robot: Robot, rough: Rough, gravity: np.ndarray) -> Guess:
         of_robot=True,
         remedy=f"Pass --gravity {numbers}, or turn the base in the robot's file",
         told_only=not _carries_weight(robot, rough.samples.q),
-    )  # fmt: skip
+    )
 
 
 def _along(robot: Robot, gravity: np.ndarray) -> Robot:
