@@ -108,7 +108,7 @@ def _(law: BodyChange, rng, num_draws):
         _require(same, law, "changes gravity where its parameters are neutral")
         return
     if law.placement is not None:
-        still = np.asarray(law.placement({p.name: 0.0 for p in law.linear}))
+        still = np.asarray(law.placement(law.neutral()))
         _require(still.shape == (2, 2) and not still.any(), law, "moves a joint by nothing")
         return
     if law.compliance is not None:

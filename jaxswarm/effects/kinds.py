@@ -164,8 +164,8 @@ class BodyChange(Effect):
 
     @property
     def changes_rigid_columns(self) -> bool:
-        """They depend on gravity, not on the links' parameters."""
-        return self.gravity is not None
+        """They depend on gravity and geometry, not on the links' parameters."""
+        return self.gravity is not None or self.placement is not None
 
     def free(self, values: Mapping[str, float]) -> tuple:
         """A body is found in one linear step, but for when it was carried."""
@@ -186,13 +186,13 @@ class BodyChange(Effect):
         super().check()
         ways = (self.gravity, self.body, self.placement, self.compliance)
         told = [x for x in ways if x is not None]
-        linear = self.window or self.placement is not None or self.compliance is not None
+        linear = self.window or self.compliance is not None
         scope = "global" if self.placement is None else "joint"
         if self.scope != scope or len(told) != 1 or bool(self.linear) != linear:
             raise ValueError(
                 f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body, "
                 "placement and compliance, scope 'global' ('joint' for a placement), and linear parameters "
-                "for a body in a window, a placement and a compliance only"
+                "for a body in a window and a compliance only"
             )
         own = len(self.linear or self.parameters)
         if self.body is not None and not (self.reference_only and own == 10):

@@ -19,6 +19,7 @@ from jaxswarm.diagnose.selection.tenable import (
     unphysical_beside,
 )
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
+from jaxswarm.effects.base import get_law
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import Noise, synthetic_log
@@ -126,13 +127,14 @@ def test_a_law_of_one_number_is_within_its_bound():
 
 
 @pytest.mark.parametrize(
-    ("x", "error", "possible", "within"),
-    [(0.1, 0.01, True, True), (0.9, 0.3, True, False), (0.9, 0.1, False, False)],
+    ("part", "error", "possible", "within"),
+    [(0.1, 0.01, True, True), (1.9, 0.5, True, False), (1.9, 0.1, False, False)],
 )
-def test_a_law_may_be_above_its_bound_by_chance(x, error, possible, within):
-    """A joint 0.9 m off its drawing was told beside its bound of 0.2 m."""
-    values = {"x": x, "y": 0.0, "turn_x": 0.0, "turn_y": 0.0}
-    term = Term("link_geometry", 1, values=values)
+def test_a_law_may_be_above_its_bound_by_chance(part, error, possible, within):
+    """A number 4.5 times its bound was told beside that bound."""
+    most = get_law("base_compliance").linear[0].upper
+    values, error = {"cx": part * most, "cy": 0.0}, error * most
+    term = Term("base_compliance", values=values)
     assert can_be(term, dict.fromkeys(values, error)) is possible
     assert is_within(term) is within
 

@@ -14,7 +14,7 @@ from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.body import Body, body_along, tilted
+from jaxswarm.identify.forward.body import Body, arm_of, body_along
 from jaxswarm.identify.forward.columns import columns_along, joint_series, partner_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
@@ -39,7 +39,7 @@ class Linearization:
         self.memory.look_at(found.motions)
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
-        self.arm = tilted(model.robot, model.terms)
+        self.arm = arm_of(model.robot, model.terms)
         self.own_slopes: dict[tuple[int, int], np.ndarray] = {}
         self.slopes: dict[tuple[int, int], list[np.ndarray]] = {}
         bodies = self._see(model)

@@ -123,7 +123,7 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate | None:
             return lin.reported(k, placement_columns(law, term.index, *at))
 
         columns = lin.stack(moved)
-        return Candidate(term, lin.on_all(columns), columns.shape[2])
+        return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
     if law.compliance is not None:
 
         def swayed(k):
@@ -176,7 +176,8 @@ def _by_gravity(lin: Linearization, directions: np.ndarray) -> list[np.ndarray]:
     """
     measured = of_kind(lin.found.model.terms, MeasurementLaw)
     chain = [(t.place, *t.values.items()) for t in measured]
-    places = (directions.tobytes(), *(id(q) for q, _, _ in lin.moved), *chain)
+    arm = np.asarray(lin.arm.translation).tobytes(), np.asarray(lin.arm.rotation).tobytes()
+    places = (directions.tobytes(), *arm, *(id(q) for q, _, _ in lin.moved), *chain)
     memory = lin.memory
     if places in memory.gravity:
         return memory.gravity[places][1]

@@ -16,7 +16,7 @@ from jaxswarm.effects.kinds import (
     TorqueLaw,
     TransmissionLaw,
 )
-from jaxswarm.identify.forward.body import tilted
+from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
@@ -71,7 +71,7 @@ def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) ->
     level = rows(model.robot)
     _, size, directions = thin_svd(level)
     unfelt = directions[size <= 1e-9 * size[0]].T
-    felt = rows(tilted(model.robot, model.terms)) @ unfelt
+    felt = rows(arm_of(model.robot, model.terms)) @ unfelt
     change = unfelt @ lstsq(felt, torque.ravel(), rcond=1e-6)
     parameters = model.robot.parameters + jnp.asarray(change.reshape(-1, 10))
     return replace(model, robot=model.robot.replace(parameters=parameters))

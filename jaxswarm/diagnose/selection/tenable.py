@@ -11,7 +11,7 @@ from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw, Transm
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.body import tilted
+from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 
 
@@ -99,7 +99,7 @@ def can_be_as_wrong(term: Term) -> bool:
     """
     law = term.law
     read = isinstance(law, MeasurementLaw) and (law.excess is not None or law.clock)
-    stands = isinstance(law, BodyChange) and law.gravity is not None
+    stands = isinstance(law, BodyChange) and law.changes_rigid_columns
     if not (read or stands):
         return True
     return all(p.lower < term.values[p.name] < p.upper for p in law.parameters)
@@ -132,7 +132,7 @@ def can_swing(found: Estimate, term: Term) -> bool:
     if not isinstance(law, TransmissionLaw) or law.spring is None or law.gap is not None:
         return True
     pi = np.asarray(found.model.robot.parameters).ravel()
-    arm = tilted(found.model.robot, found.model.terms)
+    arm = arm_of(found.model.robot, found.model.terms)
     inertia = np.median(
         [
             np.median(np.abs(sensitivity_of(arm, m, term.index, r).inertia(pi)))

@@ -23,7 +23,7 @@ from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.estimation.usual import as_usual, told_apart, usual_shapes
-from jaxswarm.identify.forward.body import tilted
+from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
 from jaxswarm.identify.forward.model import Model, linear_values
@@ -208,7 +208,7 @@ def _finish(
             errors[free.term][free.name] = float(error * slope)
     for term, own in zip(terms, errors, strict=True):
         own.update({p.name: np.nan for p in term.law.free(term.values) if p.name not in own})
-        pressed = flank_compression(tilted(robot, terms), term, first, here.pi, problem.rigids[0])
+        pressed = flank_compression(arm_of(robot, terms), term, first, here.pi, problem.rigids[0])
         if pressed:
             own["gap"] = float(np.hypot(own["gap"], pressed))
         logs = problem.motions, problem.rigids

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 
 from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.placement import moved_joint, own_moves
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import (
     Load,
@@ -25,12 +26,16 @@ from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
 
-def tilted(robot: Robot, terms: tuple[Term, ...]) -> Robot:
-    """The robot in the gravity its terms say."""
+def arm_of(robot: Robot, terms: tuple[Term, ...]) -> Robot:
+    """The robot in the gravity and with its joints where its terms say."""
     for term in of_kind(terms, BodyChange):
         if term.law.gravity is not None:
             values = {name: np.float64(value) for name, value in term.values.items()}
             robot = robot.replace(gravity=_gravity(term.law, values, robot.gravity))
+        if term.law.placement is not None:
+            # A turn that is told as the parent's wrong zero is none of the joint's.
+            moves = own_moves(robot, term.index) * np.asarray(term.law.placement(term.values))
+            robot = moved_joint(robot, term.index, moves)
     return robot
 
 
@@ -50,7 +55,7 @@ class Body:
     """A rigid body on its way. Its columns are made where they are asked for, and then kept.
 
     Attributes:
-        arm: The robot in its gravity.
+        arm: The robot in its gravity, with its joints where they are.
         moved: Motion of the links, q, dq, ddq, each (T, n).
         motion: The log, with what its encoders say too much taken off.
         pi: Rigid parameters, (10 n,).
@@ -105,7 +110,7 @@ def body_along(
     """The rigid body of a model along a log; ``rigid``: columns of the plain motion, where known."""
     if rigid is not None and not moves_links(terms):
         return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
-    arm, true = tilted(robot, terms), true_motion(terms, motion)
+    arm, true = arm_of(robot, terms), true_motion(terms, motion)
     known = rigid if true is motion else None
     return Body(arm, link_motion(arm, terms, true, pi, known), true, pi, None)
 

@@ -24,7 +24,6 @@ from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.placement import placement_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -159,8 +158,6 @@ def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
 def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None) -> np.ndarray:
     """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
     law = term.law
-    if isinstance(law, BodyChange) and law.placement is not None:
-        return placement_columns(law, term.index, body.arm, body.moved, body.pi)
     if isinstance(law, BodyChange) and law.compliance is not None:
         return compliance_columns(law, body.arm, body.moved, body.pi, body.motion)
     if isinstance(law, BodyChange) and law.window:

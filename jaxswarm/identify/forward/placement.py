@@ -11,7 +11,7 @@ from jaxswarm.robot.model import Robot
 def placement_columns(
     law: BodyChange, joint: int, arm: Robot, moved: tuple[np.ndarray, ...], pi: np.ndarray
 ) -> np.ndarray:
-    """Derivatives (T, n, k) of the rigid torque by the linear parameters of a placement.
+    """Derivatives (T, n, k) of the rigid torque by the parameters of a placement.
 
     Args:
         law: A law with a placement.
@@ -21,10 +21,10 @@ def placement_columns(
         pi: Rigid parameters, (10 n,).
     """
     arm = arm.replace(parameters=np.asarray(pi, float).reshape(-1, 10), name="", notes=())
-    neutral, own = {p.name: 0.0 for p in law.linear}, own_moves(arm, joint)
+    neutral, own = {p.name: 0.0 for p in law.parameters}, own_moves(arm, joint)
     placement = law.placement
     assert placement is not None
-    by_each = np.stack([np.asarray(placement({**neutral, p.name: 1.0})) for p in law.linear])
+    by_each = np.stack([np.asarray(placement({**neutral, p.name: 1.0})) for p in law.parameters])
     # Parameters, shifts and turns, along two directions each.
     moves = (own * by_each) @ across(arm, joint)
     q, dq, ddq = moved

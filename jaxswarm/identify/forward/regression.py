@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
-from jaxswarm.identify.forward.body import tilted
+from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid, column_names
 from jaxswarm.identify.forward.link_lag import (
     lag_slopes,
@@ -171,7 +171,7 @@ def _slopes(
     if slope_terms(terms):
         true = true_motion(terms, motion)
         known = rigid if true is motion else None
-        slopes = lag_slopes(tilted(robot, terms), terms, true, pi, known)
+        slopes = lag_slopes(arm_of(robot, terms), terms, true, pi, known)
         rigid_part = motion.decimator.apply(report(terms, motion, slopes))
         others = sum(len(t.columns(robot.joints)) for t in terms)
         parts.append(np.pad(rigid_part, ((0, 0), (0, 0), (0, others))))

@@ -151,7 +151,7 @@ def sensitivity_of(
         joint: The joint.
         rigid: The log's rigid columns where they are known; it keeps what is found here.
     """
-    if rigid is None or not np.array_equal(robot.gravity, rigid.gravity):
+    if rigid is None or not _same_arm(robot, rigid.robot):
         return Sensitivity(robot, motion, joint)
     if joint not in rigid.sensed:
         if not is_kept(motion):  # of a long log the torques of one joint are enough
@@ -159,3 +159,9 @@ def sensitivity_of(
         full = rigid.full if is_kept(motion) else None
         return rigid.sensed.setdefault(joint, Sensitivity(robot, motion, joint, full))
     return rigid.sensed[joint]
+
+
+def _same_arm(one: Robot, other: Robot) -> bool:
+    """Whether two arms have the same gravity and geometry."""
+    names = ("gravity", "translation", "rotation")
+    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in names)
