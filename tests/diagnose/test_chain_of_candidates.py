@@ -6,6 +6,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from elbow import elbow_log, fitted
 from planted import BAND, blank, declared_fit, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.backlash import _curves, _Point
@@ -88,6 +89,16 @@ def test_a_payload_and_a_tilt_pass_the_drives_too(lin):
     slope = np.concatenate([(high - low) / (2 * step) for high, low in tilted])
     found_slope = body_candidate(lin, Term("base_tilt")).columns[0][:, :, 0]
     np.testing.assert_allclose(found_slope, slope * lin.crossfit.weight, rtol=1e-4, atol=1e-4)
+
+
+def test_a_tilt_loads_no_masses_but_those_that_a_level_arm_does_not_feel():
+    """What merges into another link's does so in any gravity: four columns of none were counted too."""
+    found = fitted(elbow_log())
+    columns = body_candidate(Linearization(found, cross_fit(found)), Term("base_tilt")).columns[0]
+    aside = 2  # the first link's moments about its vertical axis
+    assert columns.shape[2] == 2 + aside
+    # They hold up the first joint alone.
+    assert np.abs(columns[:, 1:, 2:]).max() < 1e-9 * np.abs(columns).max()
 
 
 def fold_of(residual):

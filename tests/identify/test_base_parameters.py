@@ -25,6 +25,14 @@ def columns_of(robot, samples=40, seed=0):
     return full.reshape(-1, full.shape[2])
 
 
+def test_what_merges_or_is_dead_leaves_the_torque_as_it_is():
+    columns = columns_of(ur10e())
+    base = find_base(columns, standard_parameter_names(ur10e()))
+    assert base.unfelt.shape == (60, 60 - base.size)
+    assert np.linalg.matrix_rank(base.unfelt) == 60 - base.size
+    assert np.abs(columns @ base.unfelt).max() < 1e-9 * np.abs(columns).max()
+
+
 @pytest.fixture(scope="module")
 def rx60_columns():
     return columns_of(rx60())

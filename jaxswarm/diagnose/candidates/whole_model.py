@@ -153,19 +153,22 @@ def _gravity_columns(lin: Linearization, term: Term) -> np.ndarray:
     """Decimated torque by each parameter of a gravity, (T', n, p and more).
 
     Gravity aside also loads masses that the level arm never felt, such as that of a first link
-    about its vertical axis: their torques follow as further columns with free coefficients.
+    about its vertical axis: their torques follow as further columns with free coefficients. They are those of
+    the directions in which the level arm's torque stays as it is: what merges into another link's does so in any
+    gravity, and made sixteen columns of none on an arm of seven joints, with which a tilt predicted nothing.
     """
-    unknown = np.setdiff1d(np.arange(len(lin.pi)), lin.found.fit.base.kept)
+    unfelt = lin.found.fit.base.unfelt[: len(lin.pi)]
     *aside, level = _by_gravity(lin, _directions(lin, term))
     known = np.stack([rows @ lin.pi for rows in aside], axis=2)
-    free = np.concatenate([rows[:, :, unknown] for rows in aside], axis=2)
+    free = np.concatenate([rows @ unfelt for rows in aside], axis=2)
+    largest = max(np.linalg.norm(rows, axis=(0, 1)).max() for rows in aside)
     # What the level arm's own columns cannot say already, as few columns as span it.
     own = level.reshape(-1, len(lin.pi))
     basis, size, _ = thin_svd(own)
     inside = basis[:, size > 1e-9 * size[0]]
     flat = free.reshape(len(own), -1)
     u, size, _ = thin_svd(flat - inside @ (inside.T @ flat))
-    fresh = u[:, size > 1e-6 * max(np.linalg.norm(flat, axis=0).max(), 1e-300)]
+    fresh = u[:, size > 1e-6 * largest]
     return np.concatenate([known, fresh.reshape(*known.shape[:2], -1)], axis=2)
 
 

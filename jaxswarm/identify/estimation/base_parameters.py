@@ -46,6 +46,15 @@ class BaseParameters:
         """Number of base parameters."""
         return len(self.kept)
 
+    @property
+    def unfelt(self) -> np.ndarray:
+        """Directions of full vectors along which the columns' sum stays as it is, (p, p - b)."""
+        directions = np.zeros((len(self.names), len(self.dropped) + len(self.dead)))
+        gone = np.concatenate([self.dropped, self.dead])
+        directions[gone, np.arange(len(gone))] = 1.0
+        directions[self.kept, : len(self.dropped)] = -self.merge
+        return directions
+
     def expressions(self, tolerance: float = 1e-6) -> tuple[str, ...]:
         """Each base parameter in the standard ones, for example ``Izz1 + Iyy2 + Iyy3``."""
         lines = []
