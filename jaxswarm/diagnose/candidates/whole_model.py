@@ -153,9 +153,9 @@ def _gravity_columns(lin: Linearization, term: Term) -> np.ndarray:
     """Decimated torque by each parameter of a gravity, (T', n, p and more).
 
     Gravity aside also loads masses that the level arm never felt, such as that of a first link
-    about its vertical axis: their torques follow as further columns with free coefficients. They are those of
-    the directions in which the level arm's torque stays as it is: what merges into another link's does so in any
-    gravity, and made sixteen columns of none on an arm of seven joints, with which a tilt predicted nothing.
+    about its vertical axis: their torques follow as further columns with free coefficients, by the directions
+    in which the level arm's torque stays as it is. What merges into another link's does so in any gravity: it
+    made sixteen columns of none on an arm of seven joints, with which a tilt predicted nothing.
     """
     unfelt = lin.found.fit.base.unfelt[: len(lin.pi)]
     *aside, level = _by_gravity(lin, _directions(lin, term))
