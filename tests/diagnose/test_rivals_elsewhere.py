@@ -4,9 +4,13 @@ import importlib
 from types import SimpleNamespace
 
 import pytest
+from planted import BAND, declared_fit, log_with
 
+from jaxswarm.diagnose.decision.evaluate import score_on
+from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
+from jaxswarm.logs.motion import prepare
 
 rivals_module = importlib.import_module("jaxswarm.diagnose.selection.rivals_elsewhere")
 survives_module = importlib.import_module("jaxswarm.diagnose.selection.survives")
@@ -37,6 +41,25 @@ def test_the_error_of_other_motion_decides_where_it_differs(monkeypatch, left, b
     )
     assert chosen.name == after == best
     assert [s.name for s in rivals] == kept
+
+
+@pytest.mark.parametrize(
+    ("hidden", "told"),
+    [
+        (Term("joint_spring", 1, values={"k": 6.0, "tau0": 2.0}), True),
+        (Term("torque_offset", 1, values={"tau0": 6.0}), False),
+    ],
+)
+def test_other_motion_tells_a_law_from_what_it_contains(monkeypatch, hidden, told):
+    """A spring that its own log did not tell from a constant torque came out as one on a lever."""
+    current, _ = declared_fit(log_with(hidden))
+    other = [prepare(log_with(hidden, seed=2, motion_seed=8), BAND)]
+    (spring,) = score_on(current, [Term("joint_spring", 1)], 0)
+    monkeypatch.setattr(refitting, "goes_beyond", lambda *_: False)  # the log's own doubt
+    assert refitting.refit_with(current, spring) is None
+    after = rivals_module.told_elsewhere(current, spring, other, 0.2)
+    assert (after is not None) is told
+    assert rivals_module.told_elsewhere(current, spring, [], 0.2) is None
 
 
 def test_what_no_part_of_a_log_can_show_is_not_added(monkeypatch):

@@ -42,18 +42,20 @@ _MANY_TIMES = 1.8
 _INSIDE = 0.95
 
 
-def refit_with(current: Estimate, chosen: Score) -> Estimate | None:
+def refit_with(current: Estimate, chosen: Score, beyond: bool = True) -> Estimate | None:
     """The estimate with one more term, without those it contains; None if the cost does not fall, a
     coefficient leaves its physical bounds or the torque leaves the finite numbers.
+
+    ``beyond``: whether the term has to be certain in what those that it contains have not.
 
     Where it comes to nothing beside terms that it may replace, it is fitted without these, and has to take
     nearly as much off its joint's error as it promised beside them. From there they are asked once more.
     """
     law, joint = chosen.candidate.term.law, chosen.joint
-    after = _refit_without(current, chosen, law.contains)
+    after = _refit_without(current, chosen, law.contains, beyond)
     if after is not None or not law.replaces:
         return after
-    after = _refit_without(current, chosen, law.contains + law.replaces)
+    after = _refit_without(current, chosen, law.contains + law.replaces, beyond)
     if after is None:
         return None
     one, two = (float((e.fit.residual[:, joint] ** 2).sum()) for e in (current, after))
@@ -78,7 +80,9 @@ def _put_back(current: Estimate, after: Estimate) -> Estimate:
     return both if possible and _cost(both, after) < _cost(after, after) else after
 
 
-def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -> Estimate | None:
+def _refit_without(
+    current: Estimate, chosen: Score, dropped: tuple[str, ...], beyond: bool
+) -> Estimate | None:
     """As :func:`refit_with`, without the terms of these names on the same joint."""
     term = _with_start(chosen)
     weight = row_weight(current)
@@ -91,7 +95,7 @@ def _refit_without(current: Estimate, chosen: Score, dropped: tuple[str, ...]) -
     def stands(after: Estimate) -> bool:
         fall = 1.0 - cost(after) / whole
         own = 1.0 - left_on(after, chosen.joint, weight) / part
-        held = fall > 0.0 and _holds(after, term, own)
+        held = fall > 0.0 and _holds(after, term, own, beyond)
         if not held or unphysical_beside(current, after, term):
             return False
         within = 1.0 - cost(_within_own_bounds(after, term)) / whole
@@ -119,12 +123,13 @@ def share_left(current: Estimate, rest: Estimate) -> np.ndarray:
     return with_it / np.maximum(bare, 1e-300)
 
 
-def _holds(after: Estimate, term: Term, fall: float) -> bool:
+def _holds(after: Estimate, term: Term, fall: float, beyond: bool) -> bool:
     """Whether a fitted term can be, and is needed for the fall of the squared error of its joint."""
     number = number_of(term, after.model.terms)
     fitted, errors = after.model.terms[number], after.std_errors[number]
     physical = can_be(fitted, errors)
-    physical = physical and stands_for_itself(fitted, errors) and goes_beyond(fitted, errors)
+    physical = physical and stands_for_itself(fitted, errors)
+    physical = physical and (not beyond or goes_beyond(fitted, errors))
     physical = physical and can_swing(after, fitted) and can_be_as_wrong(fitted)
     physical = physical and can_be_resolved(after, fitted, errors)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.

@@ -29,7 +29,7 @@ from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.one_for_several import one_for_several
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
-from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere
+from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere, told_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
@@ -181,7 +181,9 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term)
         return True
     search.progress(f"adding {term.label(joints)}")
-    after = refit_with(current, chosen)
+    after = refit_with(current, chosen) or told_elsewhere(
+        current, chosen, search.other, search.rules.share
+    )
     if after is None:
         search.refuse(term)
         return True
