@@ -65,8 +65,8 @@ class Motion:
         model_noise: What the doubt of the motion makes of a model's torque on every decimated row,
             (T', n) [N m or N]; None: not known yet.
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
-        steady_noise: What is as strong at all times just above the torque cutoff, and not made by the doubt
-            of the motion, below it [N m or N], (n,); None: not known yet.
+        steady_noise: Below the torque cutoff, what is as strong at all times there or just above and not
+            made by the doubt of the motion [N m or N], (n,); NaN: too short to tell; None: not known yet.
         step_noise: What the times of jumps, unknown between samples, and joints that stick make of the
             residual, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.

@@ -1,7 +1,7 @@
 r"""The noise in the compared band: what no model can go below, row by row.
 
 Four things make it. The torque's own sensor noise is told by its sample-to-sample differences and, where it is
-stronger the slower it is, by what is as strong at all times just above the compared band
+stronger the slower it is, by what is as strong at all times just above the compared band and in it
 (:mod:`jaxswarm.diagnose.folds.steady`). The motion is
 known only as well as its encoders tell: its noise goes through smoothing and derivatives into
 :math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
@@ -58,7 +58,8 @@ def row_noise(found: Estimate) -> np.ndarray:
     """The same of every row, (T', n)."""
 
     def part(motion: Motion) -> np.ndarray:
-        steady = np.min([_known(m.steady_noise) for m in found.motions], axis=0)
+        # A part of a log between two gaps may be too short to tell.
+        steady = np.nan_to_num(np.fmin.reduce([_known(m.steady_noise) for m in found.motions]))
         slow = np.sqrt(np.maximum(steady**2 - _sensor(found) ** 2, 0.0))
         # What is steady is seen above the band once more, where what is sharp is read off.
         sharp = np.sqrt(np.maximum(_known(motion.sharp_noise) ** 2 - slow**2, 0.0))
