@@ -63,7 +63,10 @@ def _densities(
     if len(left) < (_STRETCHES + 1) * length // 2:
         return np.full((len(octaves), left.shape[1]), np.nan)
     frequency, spectra = stretch_spectra(left, rate, length)
-    power = np.stack(list(spectra))
+    lowest, highest = octaves[-1][0] * cutoff, octaves[0][1] * cutoff
+    asked = (frequency >= lowest) & (frequency < highest)
+    # All lines of a long log would take twice its memory.
+    power, frequency = np.stack([density[asked] for density in spectra]), frequency[asked]
     inside = [(frequency >= a * cutoff) & (frequency < b * cutoff) for a, b in octaves]
     # A line of white noise is exponentially distributed about its mean.
     return np.stack(
