@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.folds.steady import steady_power
+from jaxswarm.diagnose.folds.steady import band_power, steady_power
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.butterworth import butterworth
@@ -39,6 +39,9 @@ _ABOVE, _WINDOW = 1.5, 0.25
 # Decimated rows that missing samples have this share in are unknown to events: where 0.08 s were missing, a
 # line across them was told as a push. Their noise over the largest residual: none of them counts.
 _ACROSS, _UNKNOWN = 0.02, 1e3
+# Noise in the band counts from this multiple on of what is told from above it: two readings of white noise
+# differ by a fifth.
+_CLEARLY = 1.25
 # Without this share of the working rate above the band, it tells nothing.
 _LEAST_SHARE = 0.05
 # Residuals beyond this multiple of the noise are bounded in their influence.
@@ -135,9 +138,14 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
 
 def _steady_power(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np.ndarray:
     """Power (n,) of the steady noise that the doubt of the motion does not make."""
-    of_motion = [steady_power(x, motion.rate, motion.torque_cutoff) for x in drawn]
-    of_all = steady_power(left, motion.rate, motion.torque_cutoff)
-    return np.maximum(of_all - np.sum(of_motion, axis=0) / max(len(drawn), 1), 0.0)
+
+    def told(read: Callable[[np.ndarray, float, float], np.ndarray]) -> np.ndarray:
+        of_all, *of_motion = (read(x, motion.rate, motion.torque_cutoff) for x in (left, *drawn))
+        return np.maximum(of_all - np.sum(of_motion, axis=0) / max(len(drawn), 1), 0.0)
+
+    beside, within = told(steady_power), told(band_power)
+    known = np.maximum(np.sqrt(np.nan_to_num(beside)), _known(motion.torque_noise))
+    return np.where(np.sqrt(within) > _CLEARLY * known, within, beside)
 
 
 def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
