@@ -163,3 +163,15 @@ def test_a_ridge_loses_no_digits_to_its_squares(ridge):
     train = np.ones(len(free), bool)
     rows = JointRows(train, nothing, nothing[:0], residual, none, np.zeros((0, 0)), none)
     np.testing.assert_allclose(rows.coefficients(free, ridge)[0], exact, rtol=1e-10, atol=1e-14)
+
+
+def test_a_joint_that_stands_all_the_time_has_structure_without_a_velocity():
+    """Held by dry friction: its load varies with the other joints, its own state does not."""
+    log = log_with(duration=30.0)
+    q = log.q.copy()
+    q[:, 1] = 0.3
+    tau = log.tau.copy()
+    tau[:, 1] = 3.0 * np.sin(2.0 * q[:, 0]) + 0.01 * np.random.default_rng(0).normal(size=len(q))
+    found, crossfit = declared_fit(replace(log, q=q, dq=None, tau=tau))
+    left = [u for u in find_unexplained(found, crossfit) if u.joint == 1]
+    assert all("dq_joint2" not in u.depends_on for u in left)

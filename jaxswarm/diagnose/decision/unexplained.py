@@ -95,7 +95,9 @@ def _look(
     own = found.model.robot.joints[joint]
     (best, pick), states, asked = most_telling(tried, table, own)
     # A load is a function of all positions: it is named where it says more than any two of them do.
-    loads = [SmoothOf(names) for n in load for names in ((n,), (f"dq_{own}", n))]
+    # A joint that stands all the time has no velocity that varies.
+    pairs = [(n,) for n in load] + [(v, n) for n in load if (v := f"dq_{own}") in table]
+    loads = [SmoothOf(names) for names in pairs]
     for share, of in [(tried(of), of) for of in loads]:
         if share.share > best.share + SECOND_VARIABLE:
             best, pick, states = share, of, None
