@@ -10,6 +10,7 @@ from planted import BAND, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import Unexplained
@@ -31,6 +32,7 @@ from jaxswarm.identify.estimation.standing import (
     held_lines,
     held_shares,
     leave_out,
+    mixed_with,
     standing,
 )
 from jaxswarm.identify.forward.metrics import moves_at
@@ -186,7 +188,7 @@ def test_rest_may_be_all_that_was_missing(monkeypatch, near):
     first.current = replace(first.current, motions=tuple(out))
     size = {id(first.current): 3.4, id(second.current): 0.3 if near else 3.4}
     monkeypatch.setattr(with_rest_module, "over_noise", lambda found: np.array([size[id(found)]]))
-    told = with_rest(first, [motion], lambda motions, most: second)
+    told = with_rest(first, [motion], lambda *of: second)
     assert told is (second if near else first)
 
 
@@ -209,7 +211,7 @@ def test_a_law_of_more_numbers_explains_rest_where_another_log_says_so(monkeypat
     monkeypatch.setattr(with_rest_module, "over_noise", lambda found: size)
     monkeypatch.setattr(with_rest_module, "_numbers", lambda search: 4 if search is second else 2)
     monkeypatch.setattr(with_rest_module, "errors_elsewhere", lambda *of: compared * len(of[2]))
-    ended = with_rest(first, [motion], lambda motions, most: second)
+    ended = with_rest(first, [motion], lambda *of: second)
     assert (ended is second) == told
 
 
@@ -233,6 +235,24 @@ def test_where_friction_holds_joints_for_moments_rest_has_to_ask_for_a_law(
     monkeypatch.setattr(with_rest_module, "_numbers", lambda search: 2)
     with_rest(first, motions, lambda *of: searched.append(of) or first)
     assert len(searched) == again
+
+
+@pytest.mark.parametrize(("law", "goes_on"), [("joint_spring", True), ("viscous_friction", False)])
+def test_rest_is_searched_on_only_for_what_acts_there(monkeypatch, law, goes_on):
+    """Friction that motion had told was told again beside rest, in four fifths of the time of seven joints."""
+    hidden = Term("joint_spring", 0, values={"k": 8.0, "tau0": 2.0})
+    motion = prepare(stopping(1.0, 0, *([hidden] * goes_on)), BAND)
+    rest = standing([motion])
+    dry = tuple(t for t in blank() if t.effect == "coulomb_friction")
+    found = estimate(small_arm(), dry, [replace(motion, held=np.zeros_like(rest[0]))])
+    found = with_motion_noise(found)
+    search = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search.crossfit = cross_fit(found)
+    passed = score_on(found, [Term(law, 0)], 0)
+    monkeypatch.setattr(with_rest_module, "held", lambda left, rest, mixed: np.ones(2, bool))
+    asked = rest, mixed_with([motion], rest), search
+    assert with_rest_module._may_explain(*asked, passed) == goes_on
+    assert with_rest_module._may_explain(*asked, [])
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,7 @@ class Search:
         scores: Of all candidates in the latest round.
         spent: The budget that ended the search; None: none has.
         ended: Whether it ended by its number of rounds, and more might be added.
+        given_up: Whether it was left since it cannot lead to what it was made for.
         skews: Clock skews that were allowed for.
         everyday: Whether what every drive has was asked already.
         settled: Whether every choice was made again already.
@@ -56,6 +57,7 @@ class Search:
     scores: list[Score] = field(default_factory=list)
     spent: Spent | None = None
     ended: bool = False
+    given_up: bool = False
     skews: list[float] = field(default_factory=list)
     everyday: bool = False
     settled: bool = False

@@ -6,6 +6,7 @@ made once more with the others in place; when that changes nothing, the search i
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -80,15 +81,17 @@ def diagnose(
     rules, budget = rules or Rules(), budget or Budget()
     memory = Memory(journal, rules.share)
 
-    def searched(logs: Sequence[Motion], most: int) -> Search:
+    def searched(logs: Sequence[Motion], most: int, goes_on: Callable = _always) -> Search:
+        question = replace(_LACKING, act=partial(_act_if, goes_on))
         with declared_alone(robot, declared, logs) as alone:
             progress("fitting the declared model")
             start = estimate(robot, declared, logs, bounded=False)
             search = Search(start, start, rules, seed, memory, other, progress, budget)
-            run_rounds(search, _LACKING, most)
-            while take_back(search) or leave_out_sticks(search):
-                run_rounds(search, _LACKING, most)
-            finish(search, alone)
+            run_rounds(search, question, most)
+            while not search.given_up and (take_back(search) or leave_out_sticks(search)):
+                run_rounds(search, question, most)
+            if not search.given_up:
+                finish(search, alone)
         return search
 
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
@@ -140,6 +143,18 @@ def _act(search: Search, passed: list[Score]) -> bool:
     if one_for_several(search) or _choose_again(search):
         return True
     return not search.budget.spent and add_two_laws(search)
+
+
+def _always(search: Search, passed: list[Score]) -> bool:
+    return True
+
+
+def _act_if(
+    goes_on: Callable[[Search, list[Score]], bool], search: Search, passed: list[Score]
+) -> bool:
+    """Act on those that passed, unless the search does not go on with them: then it is given up."""
+    search.given_up = not goes_on(search, passed)
+    return not search.given_up and _act(search, passed)
 
 
 def _allow(search: Search, lin: Linearization, eligible: Sequence[Term]) -> bool:

@@ -10,6 +10,7 @@ at rest, by a sign whose width motion alone does not tell, and was left at 3.4 t
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,10 @@ from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ABOVE_NOISE, NEAR
+from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
@@ -33,7 +37,7 @@ _MORE_ROUNDS = 3
 def with_rest(
     search: Search,
     motions: Sequence[Motion],
-    searched: Callable[[Sequence[Motion], int], Search],
+    searched: Callable[[Sequence[Motion], int, Callable[[Search, list[Score]], bool]], Search],
 ) -> Search:
     """The search with all rows, where its model explains rest and motion by no more numbers; else the search.
 
@@ -43,12 +47,15 @@ def with_rest(
     Nor is it where friction was found to hold joints for moments too and rest asks for no other law of its
     joints: friction holds them then as well. On a measured arm of six joints the second search found the eight
     laws of the first, for half of the whole time. Without such moments it is made whatever rest asks for: that
-    asks for nothing beside a spring which had been told for a push, and a part of the push.
+    asks for nothing beside a spring which had been told for a push, and a part of the push. It is given up
+    where what it would add does not act at rest: of seven joints with stiction it found the viscous friction of
+    the first once more, in four fifths of the whole time.
 
     Args:
         search: A search that may have left out rest.
         motions: The logs it was given.
-        searched: ``searched(motions, most)``: a search of so many rounds on these logs.
+        searched: ``searched(motions, most, goes_on)``: a search of so many rounds on these logs, given up in
+            the round in which it does not go on with those that passed.
     """
     rest = standing(motions)
     left_out = _left_out(search, rest)
@@ -60,9 +67,10 @@ def with_rest(
     if search.sticking and not loud and not _asks_for_more(search, every, left_out):
         return search
     # A model that is far from the noise in motion gets there by what rest shows, or not at all.
-    again = searched(every, _MORE_ROUNDS + (0 if loud else len(search.steps)))
+    most = _MORE_ROUNDS + (0 if loud else len(search.steps))
+    again = searched(every, most, partial(_may_explain, rest, mixed_with(motions, rest)))
     nothing = not again.steps and not loud  # what was near with something added lacked it
-    if again.ended or again.budget.spent or again.sticking or nothing:
+    if again.given_up or again.ended or again.budget.spent or again.sticking or nothing:
         return search
     plain = loud or _numbers(again) <= _numbers(search) or _better_elsewhere(search, again)
     return again if plain and _explains(again.current, rest, motions) else search
@@ -88,6 +96,40 @@ def _asks_for_more(search: Search, every: Sequence[Motion], joints: np.ndarray) 
     added = [step.added for step in search.steps if not step.removed]
     passed = accepted(score_on(beside, terms, search.seed), search.rules, added)
     return any(joints[s.joint] for s in passed)
+
+
+def _may_explain(
+    rest: Sequence[np.ndarray], mixed: Sequence[np.ndarray], search: Search, passed: list[Score]
+) -> bool:
+    """Whether a round of the search with rest may lead to a model that explains it.
+
+    It does not where friction would hold joints as before, and none of those that passed lowers what is left of
+    them at rest: it finds what motion alone had told, and rest is what it cannot tell.
+    """
+    stuck = held(search.current.fit.residual, rest, mixed)
+    rows = np.concatenate(rest) & stuck
+    return (
+        not passed
+        or not stuck.any()
+        or any(_lowers(s, search.folds, rows, search.rules.share) for s in passed)
+    )
+
+
+def _lowers(one: Score, crossfit: CrossFit, rows: np.ndarray, share: float) -> bool:
+    """Whether a candidate takes a share off a joint's squared error in rows (T, n) that it is not fitted to.
+
+    By its own torque there: viscous friction has none at rest, but without it the rigid body is bent, and rest
+    with it.
+    """
+    columns = one.candidate.columns
+    parts = next(free_parts([columns], crossfit))
+    before, after, own = np.zeros((3, rows.shape[1]))
+    for fold, free, whole in zip(crossfit.halves, parts[1:], columns[1:], strict=True):
+        a, out = coefficients(free, fold), rows & ~fold.train[:, None]
+        sizes = (fold.residual, fold.residual - free @ a, whole @ a)
+        squares = (np.square(np.where(out, x, 0.0)).sum(axis=0) for x in sizes)
+        before, after, own = (x + y for x, y in zip((before, after, own), squares, strict=True))
+    return bool(((after < (1.0 - share) * before) & (own > share * before)).any())
 
 
 def _explains(found: Estimate, rest: Sequence[np.ndarray], motions: Sequence[Motion]) -> bool:
