@@ -1,11 +1,12 @@
 r"""The stretch of a log in which the last link carried another body.
 
-Beside a model that has the last link's columns X on all rows, columns that act within a window only are
-worth what two bodies, one within and one without, explain of the residual: with running sums of
-:math:`X^T X` and :math:`X^T r` that is a small linear solution for every window, and all are tried.
+Columns X that act within a window only are worth what they explain of the residual r beside all that the model
+holds, with Q its basis: :math:`h^T (X^T X - P^T P)^{-1} h` with :math:`h = X^T r` and :math:`P = Q^T X`. With
+running sums of the three that is a small linear solution for every window, and all are tried.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from jaxswarm.decomposition import thin_svd
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.partial_out import Fold
+from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.lengths import filled
 
@@ -43,9 +45,8 @@ def windowed_candidate(lin: Linearization, term: Term, columns: np.ndarray) -> C
     values = [{n: float(np.clip(x, *bounds[n])) for n, x in v.items()} for v in found]
     t, log = lin.found.regression.t, lin.found.regression.log
 
-    weights = [
-        np.asarray(term.law.weight(v, filled(t)))[: len(t)] * (log == v["log"]) for v in values
-    ]
+    law = term.law_of(BodyChange)
+    weights = [np.asarray(law.weight(v, filled(t)))[: len(t)] * (log == v["log"]) for v in values]
     untold = [_untold(w, fold.train) for w, fold in zip(weights, lin.crossfit.folds, strict=True)]
     placed = replace(term, values={p.name: values[0][p.name] for p in term.law.nonlinear})
     within = tuple(w[:, None, None] * columns for w in weights)
@@ -69,22 +70,20 @@ def _best_window(lin: Linearization, fold: Fold, seen: np.ndarray) -> dict | Non
     """Start, end and log of the window that explains most of a fold's rows; None if none does."""
     regression = lin.found.regression
     x = np.where(fold.train[:, None, None], seen, 0.0)
-    squares = np.einsum("tja,tjb->tab", x, x)
-    inner = np.einsum("tja,tj->ta", x, fold.residual)
-    whole = squares.sum(axis=0), inner.sum(axis=0)
     best, found = 0.0, None
     for number in np.unique(regression.log):
         rows = np.flatnonzero(regression.log == number)
-        sums = [np.concatenate([0 * s[:1], np.cumsum(s[rows], axis=0)]) for s in (squares, inner)]
-        least, count = int(_LEAST * len(rows)), len(rows)
+        own = slice(rows[0], rows[-1] + 1)
+        part = x[own], fold.residual[own], fold.basis[own]
+        count = len(rows)
         edges = np.linspace(0, count, _EDGES + 1).astype(int)
-        gain, pick = _look(sums, whole, edges, edges, least)
+        gain, pick = _look(part, edges, edges)
         width = count // _EDGES + 1
         starts, ends = (
             np.unique(np.clip(np.linspace(p - width, p + width, _FINE).astype(int), 0, count))
             for p in pick
         )
-        again, closer = _look(sums, whole, starts, ends, least)
+        again, closer = _look(part, starts, ends)
         gain, pick = (again, closer) if again > gain else (gain, pick)
         if gain > best:
             t = regression.t[rows]
@@ -93,24 +92,44 @@ def _best_window(lin: Linearization, fold: Fold, seen: np.ndarray) -> dict | Non
     return found
 
 
-def _look(sums, whole, starts: np.ndarray, ends: np.ndarray, least: int) -> tuple[float, tuple]:
-    """The largest gain of the windows between row numbers, and its first and last row."""
+def _look(
+    part: tuple[np.ndarray, np.ndarray, np.ndarray], starts: np.ndarray, ends: np.ndarray
+) -> tuple[float, tuple]:
+    """The largest gain of the windows between row numbers of a log, and its first and last row.
+
+    ``part``: The columns (T, n, d), the residual (T, n) and the basis (T, n, b) on the log's rows.
+    """
+    count = len(part[0])
+    least = int(_LEAST * count)
     a, b = (x.ravel() for x in np.meshgrid(starts, ends, indexing="ij"))
-    count = len(sums[0]) - 1
     fits = (a > 0) & (b - a >= least) & (count - (b - a) >= least)
     if not fits.any():
         return 0.0, (0, count)
     a, b = a[fits], b[fits]
-    inside = sums[0][b] - sums[0][a], sums[1][b] - sums[1][a]
-    outside = whole[0] - inside[0], whole[1] - inside[1]
-    gains = _explained(*inside) + _explained(*outside)
+    edges = np.unique([*a, *b])
+    first, last = np.searchsorted(edges, a), np.searchsorted(edges, b)
+    squares, inner, held = (x[last] - x[first] for x in _running(part, edges))
+    gains = _explained(squares, inner, held)
     pick = int(np.argmax(gains))
     return float(gains[pick]), (int(a[pick]), int(b[pick]))
 
 
-def _explained(squares: np.ndarray, inner: np.ndarray) -> np.ndarray:
-    """h^T G^-1 h for many G (m, d, d) and h (m, d)."""
+def _running(
+    part: tuple[np.ndarray, np.ndarray, np.ndarray], edges: np.ndarray
+) -> list[np.ndarray]:
+    """Sums of X^T X, X^T r and Q^T X from the first of some row numbers up to each of them, (E, ...) each."""
+    columns, residual, basis = part
+    sums = []
+    for begin, end in pairwise(edges):
+        x, q = (y[begin:end].reshape(-1, y.shape[2]) for y in (columns, basis))
+        sums.append((x.T @ x, x.T @ residual[begin:end].ravel(), q.T @ x))
+    return [np.cumsum([0.0 * one[0], *one], axis=0) for one in zip(*sums, strict=True)]
+
+
+def _explained(squares: np.ndarray, inner: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """h^T (G - P^T P)^-1 h for many G (m, d, d), h (m, d) and P (m, b, d)."""
     size = squares.shape[-1]
     ridge = _RIDGE * np.trace(squares, axis1=1, axis2=2)[:, None, None] + 1e-300
-    solved = np.linalg.solve(squares + ridge * np.eye(size), inner[:, :, None])
+    free = squares - np.swapaxes(held, 1, 2) @ held
+    solved = np.linalg.solve(free + ridge * np.eye(size), inner[:, :, None])
     return np.einsum("md,md->m", inner, solved[:, :, 0])
