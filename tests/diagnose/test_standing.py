@@ -239,7 +239,7 @@ def test_where_friction_holds_joints_for_moments_rest_has_to_ask_for_a_law(
 
 @pytest.mark.parametrize(("law", "goes_on"), [("joint_spring", True), ("viscous_friction", False)])
 def test_rest_is_searched_on_only_for_what_acts_there(monkeypatch, law, goes_on):
-    """Friction that motion had told was told again beside rest, in four fifths of the time of seven joints."""
+    """Friction that motion had told was told again beside rest, for half of the time of four joints."""
     hidden = Term("joint_spring", 0, values={"k": 8.0, "tau0": 2.0})
     motion = prepare(stopping(1.0, 0, *([hidden] * goes_on)), BAND)
     rest = standing([motion])

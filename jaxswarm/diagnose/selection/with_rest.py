@@ -48,8 +48,8 @@ def with_rest(
     joints: friction holds them then as well. On a measured arm of six joints the second search found the eight
     laws of the first, for half of the whole time. Without such moments it is made whatever rest asks for: that
     asks for nothing beside a spring which had been told for a push, and a part of the push. It is given up
-    where what it would add does not act at rest: of seven joints with stiction it found the viscous friction of
-    the first once more, in four fifths of the whole time.
+    where what it would add does not act at rest: of four joints with stiction it found the viscous friction of
+    the first once more, for half of the whole time.
 
     Args:
         search: A search that may have left out rest.
