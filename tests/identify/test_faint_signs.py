@@ -9,13 +9,11 @@ import pytest
 from jaxswarm.identify.checks.channels import _believed, wrong_channels
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.faint import clear_gain, is_worth
+from jaxswarm.identify.checks.guess import Scale
 from jaxswarm.identify.checks.guesses import (
     ENCODER_ZERO,
-    Guess,
-    degree_guesses,
     motion_scale_guesses,
     torque_guesses,
-    torque_scale_guesses,
     zero_guess,
 )
 from jaxswarm.identify.checks.late import late_torque
@@ -23,9 +21,9 @@ from jaxswarm.identify.checks.lateness import Lateness
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.checks.sound import Tried
+from jaxswarm.identify.checks.torque_scales import torque_scale_guesses
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
-from jaxswarm.robot.load import load_robot
 
 
 def column(values, joint, factor):
@@ -103,8 +101,11 @@ def test_a_wrong_scale_gains_far_more_in_a_fine_model(arm, log, check):
 def test_the_least_of_a_flat_valley_may_lie_a_little_beside_the_scale(arm, low, high, exact):
     """Half the torque of a joint with thermal drift left a hundredth less at 0.77 of the right scale."""
     left = {1.0 / 1.3: low, 1.0: 0.0, 1.3: high}
-    guess = Guess("torque_scale", "", (0,), mixture=1.0)
-    guess = replace(guess, nearby=lambda times: replace(guess, mixture=times))
+
+    def scale(factor):
+        return Scale("torque_scale", "", (0,), mixture=factor, factor=factor, nearby=scale)
+
+    guess = scale(1.0)
 
     class Left(Tried):
         power = 0.0
@@ -167,18 +168,6 @@ def test_zeros_that_nothing_shows_are_not_guessed(arm, log):
     """A first axis that is vertical, and a last one: no motion tells where they begin to count."""
     off = replace(log, q=log.q + 0.3 * np.isin(np.arange(6), (0, 5)))
     assert against_robot(arm, motions(off)) == []
-
-
-def test_turns_that_no_arm_makes_are_degrees_for_less():
-    robot, far = load_robot("emps"), np.array([True])
-    assert list(degree_guesses(robot, far)) == []  # a slide alone turns by nothing
-    turning = load_robot("rx60")
-    likely = {g.joints: g.likely for g in degree_guesses(turning, np.array([True, False, True]))}
-    assert likely == {(0, 1, 2): False, (0, 2): True}
-    (guess,) = degree_guesses(turning, np.ones(3, bool))
-    logged, found = (Tried(np.full(3, left), np.ones(3)) for left in (0.3, 0.26))
-    assert _believed(guess, found, logged, 1.0)
-    assert not _believed(replace(guess, likely=False), found, logged, 1.0)
 
 
 class Known:

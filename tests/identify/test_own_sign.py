@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jaxswarm.identify.checks.channels import _believed
-from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.guess import Guess
 from jaxswarm.identify.checks.sound import Tried
 
 LEFT = np.array([0.005, 0.034, 0.108, 0.731])

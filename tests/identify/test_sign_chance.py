@@ -8,7 +8,7 @@ import pytest
 
 from jaxswarm.identify.checks.channels import _believed, wrong_channels
 from jaxswarm.identify.checks.check_log import against_robot
-from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.guess import Guess
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, samples_of
 from jaxswarm.identify.checks.sound import Tried, is_sound

@@ -10,24 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.identify.checks.conventions import convention_guesses
+from jaxswarm.identify.checks.every_guess import every_guess
 from jaxswarm.identify.checks.faint import clear_gain, is_a_gain, is_denied, is_worth
-from jaxswarm.identify.checks.guesses import (
-    ENCODER_ZERO,
-    Guess,
-    degree_guesses,
-    exchanged_positions,
-    likely_order_guess,
-    motion_scale_guesses,
-    position_sign_guesses,
-    torque_guesses,
-    torque_scale_guesses,
-)
-from jaxswarm.identify.checks.mounting import mounting_guesses
+from jaxswarm.identify.checks.guess import Guess, OtherRobot
+from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.checks.sound import NONE, UNRELATED, Tried, is_sound
-from jaxswarm.identify.checks.zeros import zero_guesses
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
@@ -46,12 +35,6 @@ _OWN_SIGN = 0.1
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
 # 0.04 at most, on joints without friction.
 _SAME, _DRIVES = 0.3, 0.08
-# The log is asked for exchanged positions and degrees too, which costs a regressor a guess, where it leaves
-# this much, or so much on one joint.
-_POOR, _POOR_JOINT = 0.1, 0.3
-# And for other conventions, which cost seven a joint, where it leaves this much: half of 85 logs of right
-# robots leave 0.04, three quarters less than 0.08.
-_UNUSUAL = 0.06
 _SIGNS = {"torque_sign", "position_sign"}
 # Scales are believed where they lower that sum by less: nothing but the scale changes, so that on 305 logs that
 # are clean or lack a law no torque's scale lowers it by more than 0.3 and time's by 0.35. A last joint's
@@ -61,8 +44,6 @@ _SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8, ENCOD
 # A torque's scale is a valley: any other scale of it costs this part of that more. Where a joint disagrees with
 # the others for another reason, all scales that take its word from it help alike.
 _VALLEY = 0.5
-# Turns of a joint [rad] and travels [m] that no arm makes; degrees make them at once and need to gain less.
-_FAR, _LIKELY = 4.0 * np.pi, 0.3
 # Share of the torque left from which on motion explains nothing of so few joints: one law may rule them.
 _FEW_UNRELATED, _FEW = 0.8, 2
 # Travel [rad or m] below which a position is one number but for the rounding of its smoothing.
@@ -94,25 +75,7 @@ def wrong_channels(
     """
     logged, sigma = rough.as_logged()
     much = rough.strictness
-    likely = rough.likely_order()
-    guesses = [*torque_guesses(robot), *torque_scale_guesses(robot)]
-    mixtures = [g.mixture for g in guesses if g.mixture is not None]
-    tried = list(zip(guesses, rough.fit(mixtures, sigma), strict=True))
-    tried += _with_its_own_weights(robot, rough, likely)
-    poor = logged.size > _POOR or logged.left.max() > _POOR_JOINT or logged.braking.min() < -NONE
-    far = np.ptp(rough.samples.q, axis=0) > _FAR
-    motions = [
-        *motion_scale_guesses(robot),
-        *position_sign_guesses(robot),
-        *(exchanged_positions(robot) if poor else ()),
-        *(degree_guesses(robot, far) if poor or far.any() else ()),
-        *zero_guesses(robot, rough, logged.power),
-        *mounting_guesses(robot, rough, logged.power),
-        *(convention_guesses(robot, rough, logged.power) if logged.size > _UNUSUAL else ()),
-    ]
-    for guess in motions:
-        other = Rough(guess.arm or robot, guess.moved(rough.samples))
-        tried.append((guess, other.as_logged()[0]))
+    tried = every_guess(robot, rough, logged, sigma)
     if every_joint:
         tried = [(g, t) for g, t in tried if t.left.max() < UNRELATED]
     believed = [
@@ -155,25 +118,13 @@ def _with_rivals(robot: Robot, guess: Guess, alike: list[Guess]) -> Guess:
     ]
     if rivals:  # as of parallel axes
         guess = replace(guess, what=f"{guess.what} (or that of {' or '.join(rivals)})")
-    for other in (g for g in alike if g.of_robot and guess.of_robot and g.check != guess.check):
+    if not isinstance(guess, OtherRobot):
+        return guess
+    for other in (g for g in alike if isinstance(g, OtherRobot) and g.check != guess.check):
         # An arm under a ceiling, and one whose second joint is zero upside down.
         remedy = f"{guess.remedy}; or {other.remedy[0].lower()}{other.remedy[1:]}"
         guess = replace(guess, what=f"{guess.what}, or {other.what}", remedy=remedy)
     return guess
-
-
-def _with_its_own_weights(
-    robot: Robot, rough: Rough, likely: tuple[int, ...]
-) -> list[tuple[Guess, Tried]]:
-    """The likely order of the torques, if it is another one, weighted by what it leaves itself.
-
-    The weights of the log as it is belong to its order: a joint that gets the torque of a far weaker one would
-    not count at all.
-    """
-    order = likely_order_guess(robot, likely)
-    if order is None or order.mixture is None:
-        return []
-    return [(order, rough.settled(order.mixture)[0])]
 
 
 def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
@@ -188,13 +139,13 @@ def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH
     if guess.check in _SIGNS:
         needed = min(needed, much * _SIGN)
-    needed = _LIKELY if guess.likely else needed
+    needed = needed if guess.needed is None else guess.needed
     return change < -needed or (guess.check in _SIGNS and change < _SAME and drove)
 
 
 def _is_valley(guess: Guess, found: Tried, tried: list[tuple[Guess, Tried]], much: float) -> bool:
     """Whether all other scales of the same torque are clearly worse; true of what is no such scale."""
-    if guess.check != "torque_scale":
+    if guess.check != "torque_scale" or len(guess.joints) > 1:
         return True
     others = [
         t.power

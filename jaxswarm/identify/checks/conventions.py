@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.guess import OtherRobot, scaled
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
+from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.robot.model import Robot
 
 CONVENTION = "convention"
@@ -37,7 +38,9 @@ _TURNING = [Joint(s, k) for s in (1.0, -1.0) for k in range(4)][1:]
 _SLIDING = [Joint(-1.0)]
 
 
-def convention_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Guess]:
+def convention_guesses(
+    robot: Robot, rough: Rough, logged: Tried
+) -> Iterator[tuple[OtherRobot, Tried]]:
     """The signs and zeros of joints that leave least, if some leave clearly less than those of the file.
 
     Joint after joint is changed as long as that gains: all combinations of six are a quarter of a million.
@@ -45,9 +48,9 @@ def convention_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Gue
     Args:
         robot: Kinematics.
         rough: Model of the log as it is.
-        power: What that leaves, as a sum of logarithms.
+        logged: What that leaves.
     """
-    joints, left = (Joint(),) * robot.num_joints, power
+    joints, left = (Joint(),) * robot.num_joints, logged
     while True:
         tried = [
             (_left(robot, rough, one), one)
@@ -55,41 +58,36 @@ def convention_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Gue
             for change in (_TURNING if kind == "revolute" else _SLIDING)
             for one in [(*joints[:j], joints[j].then(change), *joints[j + 1 :])]
         ]
-        low, best = min(tried, key=lambda pair: pair[0])
-        if low > left - _WORTH:
+        low, best = min(tried, key=lambda pair: pair[0].power)
+        if low.power > left.power - _WORTH:
             break
         joints, left = best, low
-    if left < power:
-        yield _guess(robot, joints)
+    if left is not logged:
+        yield _guess(robot, joints), left
 
 
 def changed(samples: Samples, joints: tuple[Joint, ...]) -> Samples:
     """The log as it would be in the file's convention."""
     sign = np.array([j.sign for j in joints])
     zero = 0.5 * np.pi * np.array([j.quarters for j in joints])
+    turned = scaled(sign)(samples)
     return replace(
-        samples,
-        q=sign * samples.q + zero,
-        dq=sign * samples.dq,
-        ddq=sign * samples.ddq,
-        tau=sign * samples.tau,
-        tau_rate=sign * samples.tau_rate,
+        turned, q=turned.q + zero, tau=sign * samples.tau, tau_rate=sign * samples.tau_rate
     )
 
 
-def _left(robot: Robot, rough: Rough, joints: tuple[Joint, ...]) -> float:
-    return Rough(robot, changed(rough.samples, joints)).as_logged()[0].power
+def _left(robot: Robot, rough: Rough, joints: tuple[Joint, ...]) -> Tried:
+    return Rough(robot, changed(rough.samples, joints)).as_logged()[0]
 
 
-def _guess(robot: Robot, joints: tuple[Joint, ...]) -> Guess:
+def _guess(robot: Robot, joints: tuple[Joint, ...]) -> OtherRobot:
     wrong = tuple(i for i, joint in enumerate(joints) if joint != Joint())
     told = [f"{robot.joints[i]} = {_in_words(joints[i])}" for i in wrong]
-    return Guess(
+    return OtherRobot(
         CONVENTION,
         f"joints have other signs or zeros in the log than in the robot's file, where {', '.join(told)}",
         wrong,
         motion=lambda samples: changed(samples, joints),
-        of_robot=True,
         remedy="Change these joints in the file, or position and torque in the log",
     )
 

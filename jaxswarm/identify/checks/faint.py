@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from jaxswarm.identify.checks.guesses import ENCODER_ZERO, Guess
+from jaxswarm.identify.checks.guess import Guess, Scale, Zero
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_fit import STRICTEST
 from jaxswarm.identify.checks.sound import Tried, is_sound
@@ -44,14 +44,16 @@ def clear_gain(robot: Robot, fine: Rough, guess: Guess) -> float:
         fine: Model of the log as it is.
         guess: A scale or a zero.
     """
-    zero = guess.check == ENCODER_ZERO
+    zero = isinstance(guess, Zero)
     logged, sigma = fine.as_logged()
     found = _tried(robot, fine, sigma, guess)
     least, of_few = (_FAINT_ZERO, _FAINT_ZERO_OF_FEW) if zero else (_FAINT, _FAINT_OF_FEW)
     gain = logged.power - found.power
     if gain < max(least, of_few * fine.strictness) or not is_sound(guess, found):
         return 0.0
-    return gain if zero or _is_exact(robot, fine, sigma, guess, found.power) else 0.0
+    if isinstance(guess, Scale) and not _is_exact(robot, fine, sigma, guess, found.power):
+        return 0.0
+    return gain
 
 
 def is_denied(robot: Robot, fine: Rough, guess: Guess, gain: float) -> bool:
@@ -59,7 +61,7 @@ def is_denied(robot: Robot, fine: Rough, guess: Guess, gain: float) -> bool:
 
     A rough model's columns are not low-passed, so that a motion with sharp ends bends them.
     """
-    if guess.nearby is None or fine.strictness >= STRICTEST:
+    if not isinstance(guess, Scale) or fine.strictness >= STRICTEST:
         return False
     logged, sigma = fine.as_logged()
     return logged.power - _tried(robot, fine, sigma, guess).power < _CONFIRMED * gain
@@ -80,22 +82,22 @@ def is_a_gain(robot: Robot, fine: Rough, guess: Guess) -> bool:
 
 def _gains_beside(guess: Guess) -> Iterator[Guess]:
     """The scales beside a torque's that the gain of its drive can be."""
-    if guess.nearby is None or guess.mixture is None:
+    if not isinstance(guess, Scale) or guess.mixture is None:
         return
-    factor = guess.mixture[guess.joints[0], guess.joints[0]]
     for times in (1.0 / _BESIDE, _BESIDE):
-        if _GAINS[0] < factor * times < _GAINS[1]:
+        if _GAINS[0] < guess.factor * times < _GAINS[1]:
             yield guess.nearby(times)
 
 
 def is_worth(guess: Guess, gain: float) -> bool:
     """Whether a fine model may be asked about a guess that gains so much in a rough one."""
-    return gain > _WORTH and (guess.nearby is not None or guess.sizable)
+    return gain > _WORTH and (
+        isinstance(guess, Scale) or (isinstance(guess, Zero) and guess.sizable)
+    )
 
 
-def _is_exact(robot: Robot, fine: Rough, sigma: np.ndarray, guess: Guess, here: float) -> bool:
+def _is_exact(robot: Robot, fine: Rough, sigma: np.ndarray, guess: Scale, here: float) -> bool:
     """Whether what is left has its least at this scale, as far as those beside it tell."""
-    assert guess.nearby is not None
     low, high = (
         _tried(robot, fine, sigma, guess.nearby(times)).power for times in (1.0 / _BESIDE, _BESIDE)
     )

@@ -12,8 +12,9 @@ from itertools import product
 import jax.numpy as jnp
 import numpy as np
 
-from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.guess import OtherRobot
 from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
@@ -26,44 +27,46 @@ _BESIDE = 0.5
 _NO_WEIGHT = 1e-6
 
 
-def mounting_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Guess]:
+def mounting_guesses(
+    robot: Robot, rough: Rough, logged: Tried
+) -> Iterator[tuple[OtherRobot, Tried]]:
     """The direction of gravity that leaves least, if one leaves clearly less than the one declared.
 
     Args:
         robot: Kinematics, with the gravity declared.
         rough: Model of the log as it is.
-        power: What that leaves, as a sum of logarithms.
+        logged: What that leaves.
     """
     declared = np.asarray(robot.gravity, float)
     size = float(np.linalg.norm(declared))
     if size == 0.0:
         return
 
-    def left(direction: np.ndarray) -> float:
-        return Rough(_along(robot, size * direction), rough.samples).as_logged()[0].power
+    def left(direction: np.ndarray) -> Tried:
+        return Rough(_along(robot, size * direction), rough.samples).as_logged()[0]
 
     every = [np.array(d) / np.linalg.norm(d) for d in product((-1.0, 0.0, 1.0), repeat=3) if any(d)]
     sides = [d for d in every if np.count_nonzero(d) == 1 and d @ declared < (1 - 1e-9) * size]
     tried = [(left(d), d) for d in sides]
-    low, best = min(tried, key=lambda one: one[0])
-    if low > power - _WORTH:
+    low, best = min(tried, key=lambda one: one[0].power)
+    if low.power > logged.power - _WORTH:
         return
     beside = [d for d in every if np.count_nonzero(d) > 1 and d @ best > _BESIDE]
-    direction = min([(low, best), *((left(d), d) for d in beside)], key=lambda one: one[0])[1]
-    yield _guess(robot, rough, size * direction)
+    tried = [(low, best), *((left(d), d) for d in beside)]
+    found, direction = min(tried, key=lambda one: one[0].power)
+    yield _guess(robot, rough, size * direction), found
 
 
-def _guess(robot: Robot, rough: Rough, gravity: np.ndarray) -> Guess:
+def _guess(robot: Robot, rough: Rough, gravity: np.ndarray) -> OtherRobot:
     numbers = ",".join(f"{x:.3g}" for x in gravity + 0.0)
     text = (
         f"the base is mounted otherwise than declared, free fall is along ({numbers}) m/s^2 of it"
     )
-    return Guess(
+    return OtherRobot(
         MOUNTING,
         text,
         tuple(range(robot.num_joints)),
         arm=_along(robot, gravity),
-        of_robot=True,
         remedy=f"Pass --gravity {numbers}, or turn the base in the robot's file",
         told_only=not _carries_weight(robot, rough.samples.q),
     )

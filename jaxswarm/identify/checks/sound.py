@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxswarm.identify.checks.guesses import Guess
+from jaxswarm.identify.checks.guess import Guess, OtherRobot
 
 # Friction of a guess that drives by less than this share of the torque is none.
 NONE = 0.05
@@ -46,7 +46,7 @@ class Tried:
 
 def is_sound(guess: Guess, found: Tried) -> bool:
     """Whether friction brakes in what a guess leaves, and enough of the torques is explained by it."""
-    most = _ROBOT_LEAVES if guess.of_robot else UNRELATED
+    most = _ROBOT_LEAVES if isinstance(guess, OtherRobot) else UNRELATED
     if found.braking.min() < -NONE or found.size > most:
         return False
     own = found.left[list(guess.joints)].max()

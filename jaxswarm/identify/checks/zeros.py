@@ -4,8 +4,10 @@ from collections.abc import Iterator
 
 import scipy
 
-from jaxswarm.identify.checks.guesses import Guess, zero_guess
+from jaxswarm.identify.checks.guess import Zero
+from jaxswarm.identify.checks.guesses import zero_guess
 from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.robot.model import Robot
 
 # Zeros [rad or m] that every joint is asked for, whatever the log; and how many times that is the farthest.
@@ -18,28 +20,31 @@ _WORTH, _FAINTLY = 0.15, 0.05
 _WIDTH, _MOST = 0.01, 16
 
 
-def zero_guesses(robot: Robot, rough: Rough, power: float) -> Iterator[Guess]:
+def zero_guesses(robot: Robot, rough: Rough, logged: Tried) -> Iterator[tuple[Zero, Tried]]:
     """For every joint the zero that leaves least, if one leaves clearly less than the log as it is.
 
     Args:
         robot: Kinematics.
         rough: Model of the log as it is.
-        power: What that leaves, as a sum of logarithms.
+        logged: What that leaves.
     """
     for joint, kind in enumerate(robot.kinds):
+        known: dict[float, Tried] = {}
 
-        def left(zero: float, joint: int = joint) -> float:
+        def left(zero: float, joint: int = joint, known: dict[float, Tried] = known) -> float:
             guess = zero_guess(robot, joint, zero)
-            return Rough(robot, guess.moved(rough.samples)).as_logged()[0].power
+            known[zero] = Rough(robot, guess.moved(rough.samples)).as_logged()[0]
+            return known[zero].power
 
         probe = _PROBE[kind]
         low, zero = min((left(side), side) for side in (-probe, probe))
-        if low > power - _FAINTLY:
+        if low > logged.power - _FAINTLY:
             continue
         ends = sorted((0.0, _FARTHEST * zero))
         found = scipy.optimize.minimize_scalar(
             left, bounds=ends, method="bounded", options={"xatol": _WIDTH, "maxiter": _MOST}
         )
-        guess = zero_guess(robot, joint, float(found.x))
-        if guess.sizable or low < power - _WORTH:
-            yield guess
+        best = float(found.x)
+        guess = zero_guess(robot, joint, best)
+        if guess.sizable or low < logged.power - _WORTH:
+            yield guess, known[best]
