@@ -9,6 +9,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.channels import _believed
 from jaxswarm.identify.checks.check_log import against_robot, checked
 from jaxswarm.identify.checks.position_units import position_unit_guesses
+from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import samples_of
 from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.logs import read_log
@@ -28,6 +29,14 @@ def test_the_unit_of_all_positions_is_told_as_the_option_that_names_it(arm, log,
     finding, *_ = found(arm, replace(log, q=log.q / size))
     assert finding.check == "encoder_scale" and finding.refused
     assert finding.remedy == f"Name the unit: --columns q:{unit}"
+
+
+def test_revolutions_are_told_where_undeclared_friction_leaves_much(data_root):
+    """They gain 0.6 there, and on logs that are right nothing."""
+    robot = load_robot("rx60")
+    log = read_log(data_root / "cases" / "p02" / "train.npz", robot.joints)
+    with pytest.raises(InputError, match="encoder_scale: .* in revolutions"):
+        checked(replace(log, q=log.q / TURN, dq=None), robot, Filtering())
 
 
 def test_one_joint_in_revolutions_is_told(arm, log):
@@ -61,7 +70,7 @@ def test_turns_that_no_arm_makes_are_degrees_for_less(arm, log):
     samples = samples_of(motions)
     near = replace(samples, q=1e-2 * samples.q)
     (degrees,), (usual,) = (
-        [g for g in position_unit_guesses(arm, s, True) if "degrees" in g.what]
+        [g for g in position_unit_guesses(arm, Rough(arm, s), True) if "degrees" in g.what]
         for s in (samples, near)
     )
     logged, less = (Tried(np.full(6, left), np.ones(6)) for left in (0.3, 0.28))

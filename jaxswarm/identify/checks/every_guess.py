@@ -85,7 +85,7 @@ def _with_another_motion(robot: Robot, rough: Rough, logged: Tried) -> list[tupl
     ]
     tried += left(revolution_guesses(robot, more))
     tried += left(position_sign_guesses(robot))
-    tried += left(position_unit_guesses(robot, rough.samples, bool(poor)))
+    tried += left(position_unit_guesses(robot, rough, bool(poor)))
     if poor:
         tried += left(exchanged_positions(robot))
         tried += column_order_guesses(robot, rough, logged)
