@@ -14,6 +14,7 @@ from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.check_log import CHECKS, checked
 from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.motion import Filtering
+from jaxswarm.logs.pace import slow_clock
 from jaxswarm.robot.load import load_robot
 
 RNG = np.random.default_rng(7)
@@ -143,6 +144,21 @@ def test_a_table_converted_to_degrees_has_slides_that_travel_meters(data_root):
     log = read_log(data_root / "cases" / "q03" / "train.npz", robot.joints)
     with pytest.raises(InputError, match=f"encoder_scale: .*{robot.joints[3]} are in degrees"):
         checked(replace(log, q=np.degrees(log.q), dq=None), robot, Filtering())
+
+
+def test_milliseconds_of_a_fast_log_are_told(data_root):
+    """Of five kilohertz they seem to be five samples a second."""
+    robot = load_robot("tx40")
+    log = read_log(data_root / "data" / "tx40" / "train.npz", robot.joints)
+    with pytest.raises(InputError, match="time_scale: .*--columns t:ms"):
+        checked(replace(log, t=1e3 * log.t, dq=None), robot, Filtering())
+
+
+def test_a_joint_that_creeps_is_not_taken_for_one_in_milliseconds():
+    """A degree a second, to and fro, as of a test of friction."""
+    t = np.arange(0.0, 400.0, 0.1)
+    way = np.deg2rad(20.0) * np.abs((t / 20.0) % 2.0 - 1.0)
+    assert slow_clock(Log("creeping", ("joint1",), t, way[:, None])) == []
 
 
 def test_torques_light_for_an_arm_of_unknown_masses_are_told(clean, arm):

@@ -21,7 +21,7 @@ from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, fine_samples, samples_of
 from jaxswarm.identify.checks.torque_unit import wrong_unit
 from jaxswarm.identify.checks.weak import WEAK, all_rest
-from jaxswarm.logs import frozen, lost, spikes
+from jaxswarm.logs import frozen, lost, pace, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
 from jaxswarm.logs.finding import Finding, with_findings
 from jaxswarm.logs.log import Log
@@ -78,6 +78,7 @@ def checked(
             raise InputError(f"unknown check {name!r} to accept. {nearest(name, CHECKS)}")
     if refuse_dead:
         refuse_dead_torque(log)
+    log = with_findings(log, pace.slow_clock(log), accept)
     log, found = spikes.bridged(log)
     found += lost.lost_samples(log)
     log, saturated = frozen.without_saturated(log)
