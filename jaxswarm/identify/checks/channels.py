@@ -16,7 +16,7 @@ from jaxswarm.identify.checks.guess import Guess, OtherRobot
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
-from jaxswarm.identify.checks.sound import NONE, UNRELATED, Tried, is_sound
+from jaxswarm.identify.checks.sound import NONE, UNRELATED, Tried, is_sound, may_be
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
@@ -95,6 +95,14 @@ def wrong_channels(
     if not believed:
         return None
     best = min(t.power for _, t in believed)
+    if not all(g.told_only for g, _ in believed):
+        # A log that is refused anyhow is told the likeliest cause, though much is left with that too.
+        likelier: list[tuple[Guess, Tried]] = [
+            (g, t)
+            for g, t in tried
+            if isinstance(g, OtherRobot) and t.power < best - _SAME and may_be(t)
+        ]
+        believed, best = believed + likelier, min([best, *(t.power for _, t in likelier)])
     alike = [(g, t) for g, t in believed if t.power < best + _SAME]
     guess, found = min(
         alike, key=lambda one: (one[0].changes, one[0].motion is not None, one[1].power)

@@ -44,10 +44,14 @@ class Tried:
         return float(np.sum(np.log(np.maximum(self.left, 1e-9))))
 
 
+def may_be(found: Tried) -> bool:
+    """Whether friction brakes in what is left, and motion explains the torques at all."""
+    return bool(found.braking.min() >= -NONE and found.size <= UNRELATED)
+
+
 def is_sound(guess: Guess, found: Tried) -> bool:
     """Whether friction brakes in what a guess leaves, and enough of the torques is explained by it."""
-    most = _ROBOT_LEAVES if isinstance(guess, OtherRobot) else UNRELATED
-    if found.braking.min() < -NONE or found.size > most:
+    if not may_be(found) or (isinstance(guess, OtherRobot) and found.size > _ROBOT_LEAVES):
         return False
     own = found.left[list(guess.joints)].max()
     return bool(guess.check != "torque_scale" or own <= _SCALE_LEAVES)
