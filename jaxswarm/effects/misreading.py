@@ -31,9 +31,9 @@ def excess_of_said(
     Array(True, dtype=bool)
     """
     assert law.excess is not None  # the law is one of encoders
-    true = said
-    for _ in range(ROUNDS):
-        true = said - law.excess(p, true, partner)
+    excess = law.excess
+    # One round in a loop: eight in a row, differentiated three times, took XLA 3.3 s to compile, this 0.7.
+    true = jax.lax.fori_loop(0, ROUNDS, lambda _, x: said - excess(p, x, partner), said)
     return law.excess(p, true, partner)
 
 

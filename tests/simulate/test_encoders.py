@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from arms import two_joint_arm
 
+from jaxswarm.effects import get_law
+from jaxswarm.effects.misreading import excess_of_said
 from jaxswarm.robot import inverse_dynamics
 from jaxswarm.simulate import PD, Acting, Reference, make_plant, rest, simulate, track
 
@@ -63,3 +65,11 @@ def test_a_controller_follows_what_the_encoder_says():
     )(start)
     np.testing.assert_allclose(motion.q[-1], wanted[-1], atol=0.05)
     np.testing.assert_allclose(motion.q_link[-1, 1], motion.q[-1, 1] - 0.2, atol=1e-7)
+
+
+def test_rounds_of_substitution_do_not_make_the_program_longer():
+    """Eight in a row, differentiated by time twice and by four parameters, took 3.3 s to compile."""
+    law, x = get_law("encoder_eccentricity"), jnp.linspace(-1.0, 1.0, 5)
+    program = str(jax.make_jaxpr(lambda said: excess_of_said(law, WAVES, said, said))(x))
+    once = str(jax.make_jaxpr(lambda said: law.excess(WAVES, said, said))(x))
+    assert program.count(" = sin ") == 2 * once.count(" = sin ") > 0
