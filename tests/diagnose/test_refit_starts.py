@@ -22,9 +22,9 @@ def test_a_curve_of_usual_shape_begins_from_lower_speeds_too(monkeypatch, hidden
     (score,) = score_terms(Linearization(before, crossfit), [Term(hidden.effect, 1)], 0)
     asked, holds = [], refit_module._holds
 
-    def at_last(after, term, fall):
+    def at_last(after, term, fall, beyond):
         asked.append(find_term(after, term))
-        return len(asked) == 3 and holds(after, term, fall)
+        return len(asked) == 3 and holds(after, term, fall, beyond)
 
     monkeypatch.setattr(refit_module, "_holds", at_last)
     after = refit_with(before, score)
