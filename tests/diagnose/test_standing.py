@@ -154,6 +154,14 @@ def test_rest_that_another_width_of_the_sign_tells_is_fitted():
     np.testing.assert_allclose(found.model.width, truth().width, rtol=0.2)
 
 
+@pytest.mark.parametrize("declared", [(), (Term("coulomb_friction", 1),)])
+def test_a_joint_without_declared_friction_is_held_without_a_width_to_ask(monkeypatch, declared):
+    """A clean log of six joints of which no friction was declared ended in a traceback."""
+    monkeypatch.setattr(held_rest, "held", lambda left, rest, mixed: np.ones(2, bool))
+    found = estimate(small_arm(), declared, [prepare(stopping(2.0), BAND)], bounded=False)
+    assert found.motions[0].held.any(axis=0).all()
+
+
 def test_nothing_is_added_for_what_friction_holds():
     found = diagnose(small_arm(), blank(), [prepare(stopping(2.5), BAND)])
     assert not found.kept

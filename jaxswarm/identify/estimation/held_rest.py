@@ -42,9 +42,12 @@ def without_rest(
         every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
         left = every.target - every.columns @ here.theta
         found = held(left, rest, mixed)
+        # Where no friction is declared no sign has a width that could tell.
+        signed = {t.joint for t in terms if t.law.uses_direction}
         own = [
             width_parameter((j,), width_range(motions, (j,)))
             for j in np.flatnonzero(found).tolist()
+            if j in signed
         ]
         if own:
             whole = Problem(robot, tuple(motions), tuple(rigids), False)
