@@ -138,12 +138,12 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
 
 def _steady_power(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np.ndarray:
     """Power (n,) of the steady noise that the doubt of the motion does not make."""
-
-    def told(read: Callable[[np.ndarray, float, float], np.ndarray]) -> np.ndarray:
-        of_all, *of_motion = (read(x, motion.rate, motion.torque_cutoff) for x in (left, *drawn))
-        return np.maximum(of_all - np.sum(of_motion, axis=0) / max(len(drawn), 1), 0.0)
-
-    beside, within = told(steady_power), told(band_power)
+    band = motion.rate, motion.torque_cutoff
+    told = [
+        (beside := steady_power(x, *band), band_power(x, *band, beside)) for x in (left, *drawn)
+    ]
+    of_all, *of_motion = map(np.array, told)
+    beside, within = np.maximum(of_all - np.sum(of_motion, axis=0) / max(len(drawn), 1), 0.0)
     known = np.maximum(np.sqrt(np.nan_to_num(beside)), _known(motion.torque_noise))
     return np.where(np.sqrt(within) > _CLEARLY * known, within, beside)
 
