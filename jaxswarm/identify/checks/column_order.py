@@ -1,7 +1,7 @@
 """Columns of joints in another order than the robot's: positions and torques alike, or positions alone."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -22,11 +22,9 @@ def exchanged_positions(robot: Robot) -> Iterator[Guess]:
     for j, k in combinations(range(robot.num_joints), 2):
         order = _exchanged(np.arange(robot.num_joints), j, k)
         text = f"the positions of {named(robot, (j, k))} are exchanged"
-
-        def moved(s: Samples, order: np.ndarray = order) -> Samples:
-            return replace(s, q=s.q[:, order], dq=s.dq[:, order], ddq=s.ddq[:, order])
-
-        yield Guess("swapped_channels", text, (j, k), motion=moved)
+        yield Guess(
+            "swapped_channels", text, (j, k), motion=partial(Samples.reordered, positions=order)
+        )
 
 
 def column_order_guesses(
@@ -45,7 +43,7 @@ def column_order_guesses(
     own = np.arange(robot.num_joints)
 
     def left(order: np.ndarray) -> Tried:
-        return Rough(robot, in_order(rough.samples, order)).as_logged()[0]
+        return Rough(robot, rough.samples.reordered(order, order)).as_logged()[0]
 
     usual = [(left(o), o) for o in (own[::-1], np.argsort(np.argsort(np.array(robot.joints))))]
     starts = [(logged, own), *(one for one in usual if one[0].power < logged.power - _WORTH)]
@@ -69,18 +67,6 @@ def _descended(
     return least, order
 
 
-def in_order(samples: Samples, order: np.ndarray) -> Samples:
-    """The log with column ``order[j]`` for joint j."""
-    return replace(
-        samples,
-        q=samples.q[:, order],
-        dq=samples.dq[:, order],
-        ddq=samples.ddq[:, order],
-        tau=samples.tau[:, order],
-        tau_rate=samples.tau_rate[:, order],
-    )
-
-
 def _exchanged(order: np.ndarray, j: int, k: int) -> np.ndarray:
     other = order.copy()
     other[[j, k]] = order[[k, j]]
@@ -97,6 +83,6 @@ def _guess(robot: Robot, order: np.ndarray) -> Guess:
         "swapped_channels",
         f"positions and torques are {are}",
         moved,
-        motion=lambda samples: in_order(samples, order),
+        motion=lambda samples: samples.reordered(order, order),
         remedy="Name the columns by their joints, or put them in the robot's order",
     )

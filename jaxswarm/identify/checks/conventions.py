@@ -5,11 +5,11 @@ measured wrongly then: position and torque of such a joint change sign together.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from jaxswarm.identify.checks.guess import OtherRobot, scaled
+from jaxswarm.identify.checks.guess import OtherRobot
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.checks.sound import Tried
@@ -66,18 +66,14 @@ def convention_guesses(
         yield _guess(robot, joints), left
 
 
-def changed(samples: Samples, joints: tuple[Joint, ...]) -> Samples:
+def _changed(samples: Samples, joints: tuple[Joint, ...]) -> Samples:
     """The log as it would be in the file's convention."""
-    sign = np.array([j.sign for j in joints])
-    zero = 0.5 * np.pi * np.array([j.quarters for j in joints])
-    turned = scaled(sign)(samples)
-    return replace(
-        turned, q=turned.q + zero, tau=sign * samples.tau, tau_rate=sign * samples.tau_rate
-    )
+    quarters = np.array([j.quarters for j in joints])
+    return samples.turned(np.array([j.sign for j in joints]), 0.5 * np.pi * quarters)
 
 
 def _left(robot: Robot, rough: Rough, joints: tuple[Joint, ...]) -> Tried:
-    return Rough(robot, changed(rough.samples, joints)).as_logged()[0]
+    return Rough(robot, _changed(rough.samples, joints)).as_logged()[0]
 
 
 def _guess(robot: Robot, joints: tuple[Joint, ...]) -> OtherRobot:
@@ -87,7 +83,7 @@ def _guess(robot: Robot, joints: tuple[Joint, ...]) -> OtherRobot:
         CONVENTION,
         f"joints have other signs or zeros in the log than in the robot's file, where {', '.join(told)}",
         wrong,
-        motion=lambda samples: changed(samples, joints),
+        motion=lambda samples: _changed(samples, joints),
         remedy="Change these joints in the file, or position and torque in the log",
     )
 

@@ -1,7 +1,7 @@
 """What a guess about a log is: one way in which it, or the robot declared for it, may be wrong."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -81,15 +81,6 @@ class OtherRobot(Guess):
     def changes(self) -> int:
         """How many things would be wrong."""
         return 1 if self.arm is not None else len(self.joints)
-
-
-def scaled(factor: np.ndarray) -> Callable[[Samples], Samples]:
-    """Positions and their derivatives times a factor of every joint, (n,)."""
-
-    def changed(s: Samples) -> Samples:
-        return replace(s, q=factor * s.q, dq=factor * s.dq, ddq=factor * s.ddq)
-
-    return changed
 
 
 def times(factor: float) -> str:

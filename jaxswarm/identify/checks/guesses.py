@@ -1,12 +1,12 @@
 """What a log might be instead: other signs, scales or clocks, torques exchanged; each as a changed log."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
+from functools import partial
 from itertools import combinations, permutations, product
 
 import numpy as np
 
-from jaxswarm.identify.checks.guess import Guess, Scale, Zero, named, scaled, times
+from jaxswarm.identify.checks.guess import Guess, Scale, Zero, named, times
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.robot.model import Robot
 
@@ -53,7 +53,7 @@ def position_sign_guesses(robot: Robot) -> Iterator[Guess]:
     for j in range(n):
         factor = np.where(np.arange(n) == j, -1.0, 1.0)
         text = f"the position of {robot.joints[j]} has the wrong sign"
-        yield Guess("position_sign", text, (j,), motion=scaled(factor))
+        yield Guess("position_sign", text, (j,), motion=partial(Samples.placed, scale=factor))
 
 
 def motion_scale_guesses(robot: Robot) -> Iterator[Scale]:
@@ -83,7 +83,8 @@ def zero_guess(robot: Robot, joint: int, zero: float) -> Zero:
     )
     remedy = "Take it off the positions, or fit the offset of that encoder"
     sizable = abs(zero) > _SIZABLE[robot.kinds[joint]]
-    moved = _moved(joint, -zero)
+    shift = -zero * (np.arange(robot.num_joints) == joint)
+    moved = partial(Samples.placed, zero=shift)
     return Zero(
         ENCODER_ZERO, text, (joint,), motion=moved, remedy=remedy, told_only=True, sizable=sizable
     )
@@ -93,7 +94,7 @@ def _encoder_scale(robot: Robot, joint: int, factor: float) -> Scale:
     text = f"the position of {robot.joints[joint]} is {times(factor)} what is logged"
     one = np.where(np.arange(robot.num_joints) == joint, factor, 1.0)
     return Scale(
-        "encoder_scale", text, (joint,), motion=scaled(one),
+        "encoder_scale", text, (joint,), motion=partial(Samples.placed, scale=one),
         factor=factor, nearby=lambda more: _encoder_scale(robot, joint, factor * more),
     )  # fmt: skip
 
@@ -101,7 +102,7 @@ def _encoder_scale(robot: Robot, joint: int, factor: float) -> Scale:
 def _time_scale(robot: Robot, factor: float) -> Scale:
     text = f"time is {times(1.0 / factor)} as long as logged, or the robot has other lengths or gravity"
     return Scale(
-        "time_scale", text, tuple(range(robot.num_joints)), motion=_slower(factor),
+        "time_scale", text, tuple(range(robot.num_joints)), motion=partial(Samples.faster, factor=factor),
         factor=factor, nearby=lambda more: _time_scale(robot, factor * more),
     )  # fmt: skip
 
@@ -116,17 +117,3 @@ def _orders(n: int) -> Iterator[tuple[int, ...]]:
         order = list(same)
         order[j], order[k] = k, j
         yield tuple(order)
-
-
-def _slower(factor: float) -> Callable[[Samples], Samples]:
-    def changed(s: Samples) -> Samples:
-        return replace(s, dq=factor * s.dq, ddq=factor**2 * s.ddq)
-
-    return changed
-
-
-def _moved(joint: int, by: float) -> Callable[[Samples], Samples]:
-    def changed(s: Samples) -> Samples:
-        return replace(s, q=s.q + by * (np.arange(s.q.shape[1]) == joint))
-
-    return changed

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from jaxswarm.identify.checks.guess import Guess, named, scaled
+from jaxswarm.identify.checks.guess import Guess, named
 from jaxswarm.identify.checks.rough import Rough
+from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.robot.model import Robot
 
 # Turns of a joint [rad] and travels [m] that no arm makes. What such a unit makes of them needs to gain less.
@@ -88,7 +90,7 @@ def _guess(
         "encoder_scale",
         f"the position{'s' * (len(joints) > 1)} of {' and of '.join(told)}",
         joints,
-        motion=scaled(factor),
+        motion=partial(Samples.placed, scale=factor),
         remedy=_remedy(tuple(units), factor),
         needed=_NO_MORE if certain else likely,
     )

@@ -1,7 +1,7 @@
 """Motion and torque of a log as the checks take it: thinned to what a rough model needs, or as a fit has it."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,6 +55,27 @@ class Samples:
         ends = np.flatnonzero((steps <= 0.0) | (steps > _GAP * usual)) + 1
         parts = zip(np.split(values, ends), np.split(self.t, ends), strict=True)
         return np.concatenate([np.gradient(x, t) if len(x) > 1 else 0.0 * x for x, t in parts])
+
+    def placed(self, scale: np.ndarray | float = 1.0, zero: np.ndarray | float = 0.0) -> "Samples":
+        """Every position (n,) times a scale, plus a zero [rad or m]; its derivatives go with it."""
+        return replace(self, q=scale * self.q + zero, dq=scale * self.dq, ddq=scale * self.ddq)
+
+    def faster(self, factor: float) -> "Samples":
+        """The same positions with the clock running so many times as fast."""
+        return replace(self, dq=factor * self.dq, ddq=factor**2 * self.ddq)
+
+    def turned(self, sign: np.ndarray, zero: np.ndarray) -> "Samples":
+        """Joints that turn the other way where the sign (n,) is -1: positions as placed, torques with them."""
+        return replace(self.placed(sign, zero), tau=sign * self.tau, tau_rate=sign * self.tau_rate)
+
+    def reordered(self, positions: np.ndarray, torques: np.ndarray | None = None) -> "Samples":
+        """Column ``positions[j]`` of the motion and ``torques[j]`` of the torque for joint j; None: its own."""
+        moved = replace(
+            self, q=self.q[:, positions], dq=self.dq[:, positions], ddq=self.ddq[:, positions]
+        )
+        if torques is None:
+            return moved
+        return replace(moved, tau=self.tau[:, torques], tau_rate=self.tau_rate[:, torques])
 
     def _blocks(self) -> Iterator[tuple[slice, Decimator]]:
         for part, low in self.parts:
