@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
@@ -58,3 +59,11 @@ def test_what_is_given_or_has_one_minimum_stays(lever):
     first, last = with_starts(arm, blank(LEVER, FRICTION[0]), [motion])
     assert first.effect == LEVER.effect and set(first.values) == {"b", "q0"}
     assert last.values == {}
+
+
+@pytest.mark.parametrize("name", [n for n in sorted(REGISTRY) if REGISTRY[n].grid_size is not None])
+def test_every_such_law_stays_in_its_place(lever, name):
+    arm, motion = lever
+    terms = (*blank(FRICTION[0]), Term(name, 1), *blank(FRICTION[1]))
+    found = with_starts(arm, terms, [motion])
+    assert [t.place for t in found] == [t.place for t in terms]

@@ -48,10 +48,14 @@ def with_starts(
         if t not in asked
     )
     width = tuple(best_widths(robot, rest, motions, rigids))
+    begun = []
     for term in asked:
-        rest = (*rest, _placed(robot, rest, term, motions, rigids, width))
-    found = {t.identity: t for t in rest}
-    return tuple(found[t.identity] if t in asked else t for t in terms)
+        placed = _placed(robot, rest, term, motions, rigids, width)
+        rest = (*rest, placed)
+        begun.append(placed)
+    # In their order: the values that a term begins with may be part of its identity (a ripple's order).
+    in_turn = iter(begun)
+    return tuple(next(in_turn) if t in asked else t for t in terms)
 
 
 def _has_several_minima(term: Term) -> bool:
