@@ -72,6 +72,8 @@ class Motion:
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
         held: Whether a joint stands on a decimated row, held by dry friction at a torque that no law tells,
             (T', n); None: not known yet.
+        driven: Whether a drive's torque was sampled beside it, so that dry friction may turn between two
+            samples of a fast reversal; of a made motion it is known at every sample.
     """
 
     source: str
@@ -98,6 +100,7 @@ class Motion:
     step_noise: np.ndarray | None = None
     bridged: np.ndarray | None = None
     held: np.ndarray | None = None
+    driven: bool = False
 
     @property
     def filtering(self) -> Filtering:
@@ -143,8 +146,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     band = _band(filtering, find_band(q, rate, log.joints, logged, measured))
     torque_cutoff = _check_cutoff(log, band.torque, rate)
     stride = stride_for(log, len(full_clock), rate, band.motion.max())
-    working = rate / stride
-    clock = full_clock[::stride]
+    working, clock = rate / stride, full_clock[::stride]
     velocity = None if band.ratio is None or logged is None else thin(logged, rate, stride)
     q = smooth(thin(q, rate, stride), working, band.motion, velocity, band.ratio)
     dq, ddq = derivatives(q, working, 2)
@@ -179,6 +181,7 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         position_noise=band.noise / np.sqrt(stride),
         velocity_ratio=band.ratio,
         bridged=bridged_samples(log.t, clock, 1.0 / rate),
+        driven=True,
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
 

@@ -17,6 +17,7 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.direction import direction
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
@@ -184,11 +185,6 @@ def load_along(arm: Robot, moved: Moved, pi: np.ndarray) -> Load:
     return Load(torque_of(arm, q, dq, ddq, pi), rest)
 
 
-def direction(dq: np.ndarray, width: float) -> np.ndarray:
-    """Smooth sign of a velocity, ``tanh(dq / width)``; ``width`` [rad/s] > 0."""
-    return np.tanh(np.asarray(dq) / width)
-
-
 def joint_series(
     motion: Motion,
     width: Sequence[float],
@@ -207,7 +203,7 @@ def joint_series(
         q=motion.q[:, joint],
         dq=motion.dq[:, joint],
         ddq=motion.ddq[:, joint],
-        direction=direction(motion.dq[:, joint], width[joint]),
+        direction=direction(motion.dq[:, joint], width[joint], motion.driven),
         load=zero if load is None else load.full[:, joint],
         static_load=zero if load is None else load.static[:, joint],
         temperature=zero + np.nan if temperature is None else temperature[:, joint],
@@ -223,7 +219,8 @@ def joint_series(
 def partner_series(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
     """The fields (T,) of :func:`joint_series` that a partner fills, by name."""
     x = {"dq_other": motion.dq, "ddq_other": motion.ddq, "q_other": motion.q}
-    sum_of = direction(motion.dq[:, joint] + motion.dq[:, other], width[joint])
+    both = motion.dq[:, joint] + motion.dq[:, other]
+    sum_of = direction(both, width[joint], motion.driven)
     return {**{name: column[:, other] for name, column in x.items()}, "direction_sum": sum_of}
 
 
