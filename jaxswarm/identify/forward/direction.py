@@ -16,8 +16,8 @@ _MEAN = 0.5
 # Changes of the speed from sample to sample, in widths, from which on the mean counts, and counts in full. At
 # one width the two differ by 0.03 of the friction.
 _BETWEEN, _FULLY = 1.0, 2.0
-# Speeds, in widths, whose sign is one; and changes of which the mean is the value in their middle.
-_ONE, _SMALL = 20.0, 1e-3
+# Changes, in widths, of which the mean is the value in their middle.
+_SMALL = 1e-3
 
 
 def direction(dq: np.ndarray, width: float, driven: bool = False) -> np.ndarray:
@@ -41,16 +41,15 @@ def direction(dq: np.ndarray, width: float, driven: bool = False) -> np.ndarray:
     sign = np.tanh(x)
     if not driven or len(x) < 3:
         return sign
-    middle = 0.5 * (x[1:] + x[:-1])
-    before, after = np.append(x[0], middle), np.append(middle, x[-1])
-    step = np.abs(after - before)
-    low, high = np.minimum(before, after), np.maximum(before, after)
-    rows = np.flatnonzero((step > _BETWEEN) & (low < _ONE) & (high > -_ONE))
-    if len(rows):
-        a, b, c = before[rows], x[rows], after[rows]
-        part = np.minimum(1.0, (step[rows] - _BETWEEN) / (_FULLY - _BETWEEN))
-        part = _MEAN * part**2 * (3.0 - 2.0 * part)
-        sign[rows] += part * (0.5 * (_mean(a, b) + _mean(b, c)) - sign[rows])
+    turns = sign[1:] != sign[:-1]
+    rows = np.flatnonzero(np.append(False, turns) | np.append(turns, False))
+    rows = rows[(rows > 0) & (rows < len(x) - 1)]
+    step = 0.5 * np.abs(x[rows + 1] - x[rows - 1])
+    rows, step = rows[step > _BETWEEN], step[step > _BETWEEN]
+    a, b, c = 0.5 * (x[rows - 1] + x[rows]), x[rows], 0.5 * (x[rows] + x[rows + 1])
+    part = np.minimum(1.0, (step - _BETWEEN) / (_FULLY - _BETWEEN))
+    part = _MEAN * part**2 * (3.0 - 2.0 * part)
+    sign[rows] += part * (0.5 * (_mean(a, b) + _mean(b, c)) - sign[rows])
     return sign
 
 
