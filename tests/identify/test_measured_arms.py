@@ -39,7 +39,7 @@ def test_emps_gives_the_published_numbers(emps_motions):
     assert viscous == pytest.approx(203.5, rel=2e-3)
     assert coulomb == pytest.approx(20.39, rel=2e-3)
     assert offset == pytest.approx(-3.165, rel=1e-2)
-    # The published 4.083 % or less: a sign that turns between two samples is read half by its mean (4.035 without).
+    # The published 4.083 % or less: turns between two samples are read half by their mean (4.035 without).
     assert 4.0 < percent(found, train) < 4.133
     assert percent(found, test) == pytest.approx(5.982, abs=0.05)
 
