@@ -67,6 +67,8 @@ class Motion:
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
         steady_noise: Below the torque cutoff, what is as strong at all times there or just above and not
             made by the doubt of the motion [N m or N], (n,); NaN: too short to tell; None: not known yet.
+        noise_bound: Below the torque cutoff, the most that noise can be by what a model leaves just above and
+            below it [N m or N], (n,); infinite: not told; None: not known yet.
         step_noise: What the times of jumps, unknown between samples, and joints that stick make of the
             residual, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
@@ -97,6 +99,7 @@ class Motion:
     model_noise: np.ndarray | None = None
     sharp_noise: np.ndarray | None = None
     steady_noise: np.ndarray | None = None
+    noise_bound: np.ndarray | None = None
     step_noise: np.ndarray | None = None
     bridged: np.ndarray | None = None
     held: np.ndarray | None = None

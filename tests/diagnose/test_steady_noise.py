@@ -9,7 +9,7 @@ from planted import BAND, DECLARED, blank, small_arm
 
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
-from jaxswarm.diagnose.folds.steady import band_power, steady_power
+from jaxswarm.diagnose.folds.steady import steady_powers, with_steady_noise
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.identify.synthetic import Noise, synthetic_log
@@ -26,7 +26,7 @@ def noise(seed=0, alike=0.0, length=6000):
 
 def of_white(left):
     """Power over that of white noise of the same size."""
-    return steady_power(left, RATE, CUTOFF) / (SIZE**2 * CUTOFF / (0.5 * RATE))
+    return steady_powers(left, RATE, CUTOFF).above / (SIZE**2 * CUTOFF / (0.5 * RATE))
 
 
 def test_white_noise_has_its_power():
@@ -61,7 +61,7 @@ def test_noise_whose_corner_lies_within_the_band_is_told_from_the_band(rate, cut
     told, true = [], []
     for seed in range(20):
         left = of_first_order(corner, rate, seed)
-        told.append(band_power(left, rate, cutoff)[0])
+        told.append(steady_powers(left, rate, cutoff).within[0])
         true.append((scipy.signal.sosfiltfilt(low, left, axis=0) ** 2).mean())
     assert 0.75 < np.median(told) / np.mean(true) < 1.25
 
@@ -71,9 +71,9 @@ def test_what_a_law_leaves_within_the_band_is_not_taken_for_noise():
     t = np.arange(2400) / 100.0
     q = np.sin(0.9 * t) + 0.6 * np.sin(2.3 * t + 1.0) + 0.3 * np.sin(5.1 * t)
     little = 0.05 * noise(length=2400)
-    alone = band_power(little, 100.0, 17.0)
+    alone = steady_powers(little, 100.0, 17.0).within
     for left in (q, np.sign(np.gradient(q))):
-        told = band_power(left[:, None] + little, 100.0, 17.0)
+        told = steady_powers(left[:, None] + little, 100.0, 17.0).within
         assert told < 4.0 * alone  # of 400 times as much
 
 
@@ -81,13 +81,13 @@ def test_what_rises_faster_than_such_noise_does_is_counted_flat():
     slow = scipy.signal.lfilter([0.1], [1.0, -0.9], of_first_order(1.0, 100.0, 0, 40.0), axis=0)
     low = scipy.signal.butter(4, 17.0, fs=100.0, output="sos")
     true = (scipy.signal.sosfiltfilt(low, slow, axis=0) ** 2).mean()
-    assert band_power(slow, 100.0, 17.0) < 0.1 * true
+    assert steady_powers(slow, 100.0, 17.0).within < 0.1 * true
 
 
 def test_too_short_a_log_tells_nothing_and_does_not_silence_another():
-    for read in (steady_power, band_power):
-        assert np.isnan(read(noise(length=400), RATE, CUTOFF)).all()
-    assert steady_power(noise(), RATE, 40.0) == 0.0
+    told = steady_powers(noise(length=400), RATE, CUTOFF)
+    assert np.isnan(told.above).all() and np.isnan(told.within).all() and np.isinf(told.most).all()
+    assert steady_powers(noise(), RATE, 40.0).above == 0.0
     log = synthetic_log(small_arm(), DECLARED, 1, noise=Noise(2e-5, 0.0), duration=24.0, rate=RATE)
     slow = 0.1 * np.hstack([noise(seed, 0.6, len(log.t)) for seed in (1, 2)])
     log = replace(log, tau=log.tau + slow)
@@ -127,5 +127,47 @@ def test_white_noise_is_told_from_above_the_band_alone():
     found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
     (motion,) = found.motions
     left = motion.tau - np.asarray(model_torque(found.model, motion))
-    most = steady_power(left, motion.rate, motion.torque_cutoff)
+    most = steady_powers(left, motion.rate, motion.torque_cutoff).above
     assert (motion.steady_noise**2 <= most).all()
+
+
+def jitter(length, seed=0):
+    """Noise (length, 2) of unit size, the stronger the faster it is, as of a drive on coarse positions."""
+    drawn = np.random.default_rng(seed).normal(size=(length + 3, 2))
+    return np.diff(drawn, 3, axis=0) / np.sqrt(20.0)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.1])
+def test_jitter_near_half_the_rate_is_no_noise_of_the_band(share):
+    """Such logs were left with a tenth of what was told as their noise, and effects of its size not seen."""
+    log = synthetic_log(small_arm(), DECLARED, 1, noise=Noise(2e-5, 0.03), duration=24.0, rate=RATE)
+    log = replace(log, tau=log.tau + share * jitter(len(log.t)))
+    found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
+    (motion,) = found.motions
+    assert (found.fit.sigma < 0.35 * motion.torque_noise).all()
+    assert all(0.5 < r.over_noise < 1.3 for r in remainders(found))
+
+
+def test_what_a_law_leaves_beside_jitter_stands_out():
+    log = synthetic_log(small_arm(), DECLARED, 1, noise=Noise(2e-5, 0.03), duration=24.0, rate=RATE)
+    more = jitter(len(log.t)) + 0.1 * np.sin(11.0 * log.q)
+    log = replace(log, tau=log.tau + more)
+    found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
+    assert all(r.over_noise > 2.0 for r in remainders(found))
+
+
+def test_what_shakes_just_above_the_band_is_no_noise_of_the_band():
+    """A loop that rings there was told as three times the noise."""
+    above = scipy.signal.butter(4, (13.0, 22.0), "bandpass", fs=RATE, output="sos")
+    left = noise() + 4.0 * scipy.signal.sosfiltfilt(above, noise(1), axis=0)
+    log = synthetic_log(small_arm(), DECLARED, 1, noise=Noise(2e-5, 0.03), duration=24.0, rate=RATE)
+    motion = replace(prepare(log, BAND), torque_cutoff=CUTOFF, torque_noise=np.full(1, 0.25))
+    told = with_steady_noise(motion, left, [])
+    assert steady_powers(left, motion.rate, CUTOFF).above > 4.0 * told.steady_noise**2
+
+
+def test_the_bound_of_white_noise_is_not_below_it():
+    low = [steady_powers(noise(seed), RATE, CUTOFF).most for seed in range(100)]
+    white = SIZE**2 * CUTOFF / (0.5 * RATE)
+    assert 0.8 < np.median(low) / white < 1.1
+    assert np.min(low) > white / 1.5**2

@@ -1,7 +1,8 @@
 r"""The noise in the compared band: what no model can go below, row by row.
 
 Four things make it. The torque's own sensor noise is told by its sample-to-sample differences and, where it is
-stronger the slower it is, by what is as strong at all times just above the compared band and in it
+stronger the slower it is, by what is as strong at all times just above the compared band and in it; where the
+differences are those of a drive that jitters near half the rate, by what they cannot be more than there
 (:mod:`jaxswarm.diagnose.folds.steady`). The motion is
 known only as well as its encoders tell: its noise goes through smoothing and derivatives into
 :math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
@@ -20,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.folds.steady import band_power, steady_power
+from jaxswarm.diagnose.folds.steady import sensor_noise, with_steady_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.butterworth import butterworth
@@ -39,9 +40,6 @@ _ABOVE, _WINDOW = 1.5, 0.25
 # Decimated rows that missing samples have this share in are unknown to events: where 0.08 s were missing, a
 # line across them was told as a push. Their noise over the largest residual: none of them counts.
 _ACROSS, _UNKNOWN = 0.02, 1e3
-# Noise in the band counts from this multiple on of what is told from above it: two readings of white noise
-# differ by a fifth.
-_CLEARLY = 1.25
 # Without this share of the working rate above the band, it tells nothing.
 _LEAST_SHARE = 0.05
 # Residuals beyond this multiple of the noise are bounded in their influence.
@@ -105,7 +103,7 @@ def _known(noise: np.ndarray | None) -> np.ndarray:
 
 def _sensor(found: Estimate) -> np.ndarray:
     """Noise of the torque's sensor (n,), the least of the logs."""
-    measured = np.min([_known(m.torque_noise) for m in found.motions], axis=0)
+    measured = np.min([sensor_noise(m) for m in found.motions], axis=0)
     size = np.sqrt((found.regression.torque**2).mean(axis=0))
     return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
 
@@ -124,9 +122,8 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     """The same fit, with what the doubt of its logs' motion makes of the model, row by row."""
     motions = tuple(
         replace(
-            m,
+            with_steady_noise(m, left, drawn),
             model_noise=np.sqrt(_drawn_power(m, drawn)),
-            steady_noise=np.sqrt(_steady_power(m, left, drawn)),
             sharp_noise=_sharp_noise(m, left),
             step_noise=np.hypot(_step_noise(m, left), _stick_noise(found.model, m)),
         )
@@ -134,18 +131,6 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
         for left, drawn in [(m.tau - model_torque(found.model, m), _drawn(found, m, seed))]
     )
     return replace(found, motions=motions)
-
-
-def _steady_power(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np.ndarray:
-    """Power (n,) of the steady noise that the doubt of the motion does not make."""
-    band = motion.rate, motion.torque_cutoff
-    told = [
-        (beside := steady_power(x, *band), band_power(x, *band, beside)) for x in (left, *drawn)
-    ]
-    of_all, *of_motion = map(np.array, told)
-    beside, within = np.maximum(of_all - np.sum(of_motion, axis=0) / max(len(drawn), 1), 0.0)
-    known = np.maximum(np.sqrt(np.nan_to_num(beside)), _known(motion.torque_noise))
-    return np.where(np.sqrt(within) > _CLEARLY * known, within, beside)
 
 
 def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
