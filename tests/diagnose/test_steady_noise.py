@@ -171,3 +171,14 @@ def test_the_bound_of_white_noise_is_not_below_it():
     white = SIZE**2 * CUTOFF / (0.5 * RATE)
     assert 0.8 < np.median(low) / white < 1.1
     assert np.min(low) > white / 1.5**2
+
+
+def test_jitter_far_above_the_band_is_not_sharp():
+    """Of a drive that holds its torque for two samples differences tell little, and the power above it all."""
+    log = synthetic_log(small_arm(), DECLARED, 1, noise=Noise(2e-5, 0.03), duration=24.0, rate=RATE)
+    far = scipy.signal.butter(4, (45.0, 75.0), "bandpass", fs=RATE, output="sos")
+    wave = np.hstack([noise(seed, length=len(log.t)) for seed in (1, 2)])
+    log = replace(log, tau=log.tau + scipy.signal.sosfiltfilt(far, wave, axis=0))
+    found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
+    sharp = np.sqrt((found.motions[0].sharp_noise ** 2).mean(axis=0))
+    assert (sharp < 3.0 * found.fit.sigma).all()  # 8 and 12 times by all that is above

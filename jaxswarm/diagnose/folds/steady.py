@@ -104,7 +104,7 @@ def sensor_noise(motion: Motion) -> np.ndarray:
 
 
 def with_steady_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> Motion:
-    """The same log with the steady noise that the doubt of its motion does not make, and the bound of all noise.
+    """The same log with the steady noise that the doubt of its motion does not make, and the bound of noise.
 
     Args:
         motion: Whose noise it is.
