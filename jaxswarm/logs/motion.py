@@ -67,8 +67,7 @@ class Motion:
         sharp_noise: What is sharper than the motion is known makes of it, likewise.
         steady_noise: Below the torque cutoff, what is as strong at all times there or just above and not
             made by the doubt of the motion [N m or N], (n,); NaN: too short to tell; None: not known yet.
-        noise_bound: Below the torque cutoff, the most that noise can be by what a model leaves just above and
-            below it [N m or N], (n,); infinite: not told; None: not known yet.
+        bounded_noise: ``torque_noise`` or, where clearly less, what a model leaves beside the cutoff, (n,).
         step_noise: What the times of jumps, unknown between samples, and joints that stick make of the
             residual, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
@@ -99,7 +98,7 @@ class Motion:
     model_noise: np.ndarray | None = None
     sharp_noise: np.ndarray | None = None
     steady_noise: np.ndarray | None = None
-    noise_bound: np.ndarray | None = None
+    bounded_noise: np.ndarray | None = None
     step_noise: np.ndarray | None = None
     bridged: np.ndarray | None = None
     held: np.ndarray | None = None
@@ -114,6 +113,12 @@ class Motion:
     def rate(self) -> float:
         """Working rate [Hz]."""
         return 1.0 / (self.t[1] - self.t[0])
+
+    @property
+    def sensor_noise(self) -> np.ndarray:
+        """Noise of the torque below its cutoff as far as it is known, (n,)."""
+        assert self.torque_noise is not None, f"{self.source} has no torque"
+        return self.torque_noise if self.bounded_noise is None else self.bounded_noise
 
     @property
     def low_torque(self) -> np.ndarray:

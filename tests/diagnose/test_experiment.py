@@ -40,6 +40,16 @@ def test_chosen_motion_separates_more_than_the_log(one, other):
     assert f"joint{one.joint + 1}" in trial.text
 
 
+def test_a_difference_is_told_against_the_noise_of_the_band():
+    """Of a drive that jitters near half the rate differences tell more: a motion that tells was said not to."""
+    found, _ = declared_fit(log_with())
+    motion = found.motions[0]
+    models = [with_term(found.model, t) for t in RIVALS[1]]
+    quiet = replace(motion, bounded_noise=0.1 * motion.torque_noise)
+    ratio = [best_experiment(*models, m, 0).ratio for m in (motion, quiet)]
+    assert ratio[1] > 5.0 * ratio[0]
+
+
 def test_equal_models_cannot_be_told_apart():
     found, _ = declared_fit(log_with())
     trial = best_experiment(found.model, found.model, found.motions[0], None)

@@ -47,7 +47,7 @@ def test_what_does_not_hold_on_other_motion_is_told_and_kept_out_of_the_model(st
 def test_what_no_other_log_has_on_a_joint_near_its_noise_is_no_structure(structured):
     found, item = structured
     clean = prepare(log_with(motion_seed=8), found.model.filtering)
-    noisy = [replace(m, torque_noise=20.0 * m.torque_noise) for m in found.motions]
+    noisy = [replace(m, bounded_noise=20.0 * m.sensor_noise) for m in found.motions]
     loud = replace(found, motions=tuple(noisy))
     assert all(r.near for r in remainders(loud))
     assert proven(loud, [item], [clean]) == []

@@ -160,7 +160,7 @@ def test_a_part_of_what_a_smooth_function_explains_is_no_law_near_the_noise_too(
 
 def with_noise(found, times: float):
     """A fit whose torque is told to be noisier by a factor."""
-    motions = tuple(replace(m, torque_noise=times * m.torque_noise) for m in found.motions)
+    motions = tuple(replace(m, bounded_noise=times * m.sensor_noise) for m in found.motions)
     return replace(found, motions=motions)
 
 

@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.folds.steady import sensor_noise, with_steady_noise
+from jaxswarm.diagnose.folds.steady import with_steady_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.butterworth import butterworth
@@ -103,7 +103,7 @@ def _known(noise: np.ndarray | None) -> np.ndarray:
 
 def _sensor(found: Estimate) -> np.ndarray:
     """Noise of the torque's sensor (n,), the least of the logs."""
-    measured = np.min([sensor_noise(m) for m in found.motions], axis=0)
+    measured = np.min([m.sensor_noise for m in found.motions], axis=0)
     size = np.sqrt((found.regression.torque**2).mean(axis=0))
     return np.maximum(np.maximum(measured, _LEAST_NOISE * size), 1e-12)
 

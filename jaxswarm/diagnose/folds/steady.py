@@ -97,35 +97,30 @@ def steady_powers(left: np.ndarray, rate: float, cutoff: float) -> Powers:
     )
 
 
-def sensor_noise(motion: Motion) -> np.ndarray:
-    """Noise of a log's torque (n,) by its differences, where what a model leaves of it does not tell less."""
-    assert motion.torque_noise is not None  # asked for where there is a torque
-    return _at_most(motion.torque_noise, motion.noise_bound)
-
-
 def with_steady_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> Motion:
-    """The same log with the steady noise that the doubt of its motion does not make, and the bound of noise.
+    """The same log with the steady noise that the doubt of its motion does not make, and the bounded noise.
 
     Args:
         motion: Whose noise it is.
         left: What a model leaves of it on its working clock, (T, n).
         drawn: What draws of the noise of its positions make of the model's torque, each (T, n).
     """
+    assert motion.torque_noise is not None  # of a log with a torque
     of_all, *of_drawn = [
         steady_powers(x, motion.rate, motion.torque_cutoff) for x in (left, *drawn)
     ]
     told = np.array([(x.above, x.within) for x in (of_all, *of_drawn)])
     of_motion = told[1:].sum(axis=0) / max(len(drawn), 1)
     above, within = np.sqrt(np.maximum(told[0] - of_motion, 0.0))
-    motion = replace(motion, noise_bound=np.sqrt(of_all.most))
-    above = _at_most(above, motion.noise_bound)
-    known = np.maximum(np.nan_to_num(above), sensor_noise(motion))
-    return replace(motion, steady_noise=np.where(within > _CLEARLY * known, within, above))
+    most = np.sqrt(of_all.most)
+    above, sensor = _at_most(above, most), _at_most(motion.torque_noise, most)
+    known = np.maximum(np.nan_to_num(above), sensor)
+    steady = np.where(within > _CLEARLY * known, within, above)
+    return replace(motion, steady_noise=steady, bounded_noise=sensor)
 
 
-def _at_most(noise: np.ndarray, most: np.ndarray | None) -> np.ndarray:
-    if most is None:
-        return noise
+def _at_most(noise: np.ndarray, most: np.ndarray) -> np.ndarray:
+    """Noise (n,) where it is not clearly beyond the most that it can be, else that."""
     return np.where(noise > _BEYOND * most, most, noise)
 
 

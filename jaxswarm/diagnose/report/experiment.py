@@ -61,8 +61,7 @@ def best_experiment(one: Model, other: Model, motion: Motion, joint: int | None)
         motion: The log, for ranges and the noise.
         joint: The joint in question; None: the arm as a whole.
     """
-    assert motion.torque_noise is not None  # both models were fitted to a torque
-    noise = np.maximum(motion.torque_noise, 1e-12)
+    noise = np.maximum(motion.sensor_noise, 1e-12)
     best = None
     for text, trial in _candidates(motion, joint):
         apart = model_torque(one, trial) - model_torque(other, trial)

@@ -8,7 +8,6 @@ import numpy as np
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.noise import row_doubt, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, width_slopes
-from jaxswarm.diagnose.folds.steady import sensor_noise
 from jaxswarm.identify.estimation.base_parameters import find_base
 from jaxswarm.identify.estimation.clock_skew import with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -134,7 +133,7 @@ def with_doubt(found: Estimate, seed: int = 0) -> Estimate:
 def lacking(found: Estimate) -> np.ndarray:
     """What an earlier model left of its own log beyond the noise of the torque's sensor [N m or N], (n,)."""
     own = np.asarray(found.model.sigma)
-    told = [0.0 * own if m.torque_noise is None else sensor_noise(m) for m in found.motions]
+    told = [0.0 * own if m.torque_noise is None else m.sensor_noise for m in found.motions]
     sensor = np.max(told, axis=0)
     return np.sqrt(np.maximum(own**2 - sensor**2, 0.0))
 
