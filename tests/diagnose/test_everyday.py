@@ -1,6 +1,7 @@
 """Friction that nobody declared is found on all joints together, also in a log too short to show each alone."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.everyday import _more_than_clocks
+from jaxswarm.diagnose.selection.everyday import _held_out, _more_than_clocks
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.model import model_torque
@@ -63,3 +64,12 @@ def test_a_weight_told_late_is_no_friction():
     assert not {"viscous_friction", "coulomb_friction"} & {
         s.added.effect for s in diagnose(small_arm(), (), [early]).kept
     }
+
+
+def test_what_is_left_in_motion_is_seen_beside_what_friction_leaves_at_rest():
+    moving = np.arange(12)[:, None] % 3 > 0
+    train = np.arange(12) % 2 == 0
+    left = np.where(moving, 1.0, 10.0)
+    halves = [SimpleNamespace(train=rows, residual=2.0 * left) for rows in (train, ~train)]
+    folds = SimpleNamespace(weight=np.full((12, 1), 2.0), halves=halves)
+    assert _held_out(folds, moving).tolist() == [[408.0], [8.0]]

@@ -66,7 +66,7 @@ def test_what_no_part_of_a_log_can_show_is_not_added(monkeypatch):
     """No second log, no region and no stretch of time that the rest predicts."""
     robot = SimpleNamespace(joints=("joint1",))
     fit = SimpleNamespace(model=SimpleNamespace(robot=robot))
-    monkeypatch.setattr(survives_module, "_confirmed", lambda *a: None)
+    monkeypatch.setattr(survives_module, "unconfirmed", lambda *a: None)
     monkeypatch.setattr(survives_module, "noise_of", lambda found: None)
     monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [])
     monkeypatch.setattr(survives_module, "errors_elsewhere", lambda *a: iter(()))

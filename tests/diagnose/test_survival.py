@@ -9,7 +9,7 @@ from planted import BAND, blank, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.rules import KNOWN
+from jaxswarm.diagnose.decision.rules import KNOWN, Rules
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import elsewhere
@@ -19,6 +19,7 @@ from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
 from jaxswarm.diagnose.selection.tenable import can_swing
+from jaxswarm.diagnose.selection.unconfirmed import unconfirmed
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.validate import known_without, least_known, time_blocks
@@ -123,6 +124,23 @@ def test_what_is_little_beside_the_noise_is_not_confirmed(fits):
     told = [survives(with_noise(before, k), slight, 1, [other]) for k in (1.0, loud)]
     assert "beside the noise" not in told[0]
     assert "beside the noise" in told[1]
+
+
+@pytest.mark.parametrize(
+    ("kept", "told"), [(0.8, None), (1.0, "does not lower"), (0.97, "not lower")]
+)
+def test_what_motion_gains_is_confirmed_whatever_friction_leaves_at_rest(fits, kept, told):
+    before, *_ = fits
+    moving = before.regression.moving.copy()
+    moving[::3] = False
+    still = replace(before, regression=replace(before.regression, moving=moving))
+    held = np.where(moving, before.fit.residual, 20.0 * before.fit.sigma)
+    one, two = (
+        replace(still, fit=replace(before.fit, residual=np.where(moving, share * held, held)))
+        for share in (1.0, kept)
+    )
+    why = unconfirmed(one, two, 1, Rules())
+    assert why is None if told is None else told in why
 
 
 def test_a_law_that_one_half_of_the_log_denies_the_other_is_refused():

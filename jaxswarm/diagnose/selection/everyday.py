@@ -58,13 +58,15 @@ def add_everyday(
         rules: Thresholds; a joint's squared error has to fall by their share.
     """
     everyday = _more_than_clocks(scores, current, crossfit)
-    noise, before = noise_of(current), _held_out(crossfit)
+    moving = current.regression.moving
+    noise, before = noise_of(current), _held_out(crossfit, moving)
     while everyday:
         terms = tuple(s.candidate.term for s in everyday)
         after = refit(current, (*current.model.terms, *terms))
         dropped = _least_certain(after, everyday, noise)
         if not dropped:
-            lower = _held_out(cross_fit(after)) < (1.0 - rules.share) * before
+            left = _held_out(cross_fit(after), moving)
+            lower = (left < (1.0 - rules.share) * before).any(axis=0)
             dropped = [s for s in everyday if not lower[s.candidate.term.joint]]
         if not dropped:
             hidden = _hidden(after, everyday, scores)
@@ -107,13 +109,17 @@ def _hidden(after: Estimate, confirmed: Sequence[Score], asked: Sequence[Score])
     ]
 
 
-def _held_out(crossfit: CrossFit) -> np.ndarray:
-    """Squared error of every joint [N m or N], (n,), on the rows that a fold was not fitted to."""
+def _held_out(crossfit: CrossFit, moving: np.ndarray) -> np.ndarray:
+    """Squared error of every joint [N m or N] on the rows that a fold was not fitted to, (2, n).
+
+    Over all of them, and over those in which the joint moves, (T, n), which what friction leaves at rest hides.
+    """
     weight = crossfit.weight
-    total = np.zeros(weight.shape[1])
+    total = np.zeros((2, weight.shape[1]))
     for fold in crossfit.halves:
         raw = np.divide(fold.residual, weight, where=weight > 0, out=0.0 * weight)
-        total += (raw[~fold.train] ** 2).sum(axis=0)
+        square, unseen = raw**2, ~fold.train[:, None]
+        total += [(square * unseen).sum(axis=0), (square * (unseen & moving)).sum(axis=0)]
     return total
 
 

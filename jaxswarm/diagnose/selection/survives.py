@@ -48,6 +48,7 @@ from jaxswarm.diagnose.selection.elsewhere import (
     rows_of_both,
 )
 from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.unconfirmed import unconfirmed
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual, least_known, time_blocks
@@ -107,7 +108,7 @@ def survives(
         other: Logs that are not fitted.
         rules: Thresholds.
     """
-    why = _confirmed(before, after, joint, rules or Rules())
+    why = unconfirmed(before, after, joint, rules or Rules())
     if why:
         return why
     noise = noise_of(before)
@@ -127,22 +128,6 @@ def survives(
             return f"does not lower the error of {names[joint]} {where}"
         if _total(two, noise) > _total(one, noise):
             return f"does not lower the error of all joints {where}"
-    return None
-
-
-def _confirmed(before: Estimate, after: Estimate, joint: int, rules: Rules) -> str | None:
-    """Why a fit of everything does not confirm an addition; None if it does.
-
-    What was worth much beside a model that stood still may be worth little once all is fitted with it,
-    and little beside the noise, which holds what is unknown of the motion.
-    """
-    own = before.model.robot.joints[joint]
-    used = rows_of_both(before, after)[:, joint]
-    one, two = (rms(e.fit.residual[used, joint]) for e in (before, after))
-    if two > GAIN * one:
-        return f"does not lower the error of {own} once all is fitted with it"
-    if np.sqrt(one**2 - two**2) < rules.over_noise * noise_of(before)[joint]:
-        return f"takes little beside the noise off the error of {own} once all is fitted with it"
     return None
 
 
