@@ -66,7 +66,7 @@ def add_everyday(
         dropped = _least_certain(after, everyday, noise)
         if not dropped:
             left = _held_out(cross_fit(after), moving)
-            lower = (left < (1.0 - rules.share) * before).any(axis=0)
+            lower = np.any(left < (1.0 - rules.share) * before, axis=0)
             dropped = [s for s in everyday if not lower[s.candidate.term.joint]]
         if not dropped:
             hidden = _hidden(after, everyday, scores)

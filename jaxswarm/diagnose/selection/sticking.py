@@ -24,7 +24,7 @@ from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import chain
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import MOVES, hardly_moving, leave_out
+from jaxswarm.identify.estimation.standing import hardly_moving, leave_out, tells_motion
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import Motion
 
@@ -129,7 +129,7 @@ def _is_held(before: Estimate, after: Estimate) -> np.ndarray:
     size = np.sqrt((np.where(out, left, 0.0) ** 2).sum(axis=0) / np.maximum(out.sum(axis=0), 1))
     pairs = list(zip(remainders(before), remainders(after), strict=True))
     near = np.array([b.near and b.over_noise**2 < STICKS * a.over_noise**2 for a, b in pairs])
-    moves = after.regression.used_rows.mean(axis=0) >= MOVES
+    moves = tells_motion(after.regression.used_rows)
     return near & moves & (size <= np.abs(friction).max(axis=0))
 
 

@@ -31,7 +31,7 @@ def unconfirmed(before: Estimate, after: Estimate, joint: int, rules: Rules) -> 
         if not rows.any():
             continue
         one, two = (rms(x[rows]) for x in left)
-        falls = two <= GAIN * one
+        falls = bool(two <= GAIN * one)
         if falls and np.sqrt(one**2 - two**2) >= rules.over_noise * rms(noise[rows]):
             return None
         lower |= falls
