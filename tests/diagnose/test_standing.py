@@ -28,6 +28,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation import held_rest
 from jaxswarm.identify.estimation.gauss_newton import newton
+from jaxswarm.identify.estimation.held_rest import _foretold
 from jaxswarm.identify.estimation.standing import held as held_at_rest
 from jaxswarm.identify.estimation.standing import (
     held_lines,
@@ -405,3 +406,19 @@ def test_a_joint_that_hardly_moves_is_held_by_any_torque_within_its_friction():
     slow, fast = doubt[speed < found.model.width[1]], doubt[speed > 0.3 * speed.max()]
     assert slow.max() > 0.15 * fc > 0.0 and slow.mean() > 3.0 * np.median(fast)
     assert np.median(fast) < 0.05 * fc
+
+
+def test_a_joint_that_never_moves_says_nothing_of_what_motion_foretells():
+    rng = np.random.default_rng(0)
+    columns, left = rng.normal(size=(60, 2, 3)), rng.normal(size=(60, 2))
+    resting = np.zeros((60, 2), bool)
+    resting[30:] = True
+    columns[:30, :, 2] = 0.0  # what only rest tells: motion does not foretell it
+    assert not _foretold(columns, left, resting).any()
+    still = np.concatenate([columns, rng.normal(size=(60, 1, 3))], axis=1)
+    told = _foretold(
+        still,
+        np.pad(left, ((0, 0), (0, 1))),
+        np.pad(resting, ((0, 0), (0, 1)), constant_values=True),
+    )
+    assert told.tolist() == [False, False, True]

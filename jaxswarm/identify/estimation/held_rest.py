@@ -108,7 +108,9 @@ def _foretold(columns: np.ndarray, left: np.ndarray, resting: np.ndarray) -> np.
         left: What the fit to motion alone leaves, (T, n).
         resting: Rows at rest, (T, n).
     """
-    weighted = columns / _rms_in_motion(left, resting)[:, None]
+    # A joint that never moves tells nothing of the model, and has no error in motion.
+    size = np.where(resting.all(axis=0), np.inf, _rms_in_motion(left, resting))
+    weighted = columns / size[:, None]
     weighted = weighted[:, :, weighted.any(axis=(0, 1))]
     weighted = weighted / np.linalg.norm(weighted, axis=(0, 1))
     known = np.concatenate([weighted[~resting], _UNSEEN * np.eye(weighted.shape[2])])
