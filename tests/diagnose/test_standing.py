@@ -28,7 +28,6 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.estimation import held_rest
 from jaxswarm.identify.estimation.gauss_newton import newton
-from jaxswarm.identify.estimation.held_rest import _foretold
 from jaxswarm.identify.estimation.standing import held as held_at_rest
 from jaxswarm.identify.estimation.standing import (
     held_lines,
@@ -414,9 +413,9 @@ def test_a_joint_that_never_moves_says_nothing_of_what_motion_foretells():
     resting = np.zeros((60, 2), bool)
     resting[30:] = True
     columns[:30, :, 2] = 0.0  # what only rest tells: motion does not foretell it
-    assert not _foretold(columns, left, resting).any()
+    assert not held_rest._foretold(columns, left, resting).any()
     still = np.concatenate([columns, rng.normal(size=(60, 1, 3))], axis=1)
-    told = _foretold(
+    told = held_rest._foretold(
         still,
         np.pad(left, ((0, 0), (0, 1))),
         np.pad(resting, ((0, 0), (0, 1)), constant_values=True),
