@@ -88,6 +88,26 @@ def test_lags_of_some_options_at_a_time_are_those_of_all(motion, sets, own, requ
     np.testing.assert_allclose(found(), whole, rtol=1e-7, atol=1e-7 * np.abs(whole).max())
 
 
+@pytest.mark.parametrize("sets", [1, 30])
+def test_lags_of_a_long_log_are_made_of_no_more_options_than_pass_at_a_time(
+    motion, sets, in_parts, monkeypatch
+):
+    """Seven joints and a million samples took 1.7 GB for 72 options of which two were asked."""
+    made, lags = [], link_lag._lags
+
+    def counted(*given):
+        made.append(lags(*given))
+        return made[-1]
+
+    monkeypatch.setattr(link_lag, "_lags", counted)
+    pis = np.linspace(0.9, 1.1, sets)[:, None] * PI
+    gear = (np.geomspace(300.0, 3e4, 30), np.full(30, 5.0), np.zeros(30), np.zeros(30))
+    lag_torque(motion, sensitivity_of(ARM, motion, 1), pis, *gear)
+    at_once = max(1, link_lag.MOST_NUMBERS // motion.q.size)
+    assert 1 <= at_once < 30 and len(made) == -(-30 // at_once)
+    assert all(np.shape(x)[1] <= at_once for swings in made for x in swings)
+
+
 def test_candidates_of_a_long_log_are_those_of_a_short_one(motion, request):
     found = estimate(ARM, parse_terms("viscous_friction,coulomb_friction", ARM.joints), [motion])
     crossfit = cross_fit(found)

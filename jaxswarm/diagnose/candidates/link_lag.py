@@ -61,7 +61,7 @@ def lag_torque(
         some = slice(start, start + at_once)
         felt = sensed.at(pis if len(pis) == 1 else pis[some], _acted_on(sensed, own))
         gear = (k[some], d[some], gap[some], hard[some])
-        parts.append(_changed(motion, sensed.joint, felt, gear, substeps, terms, own))
+        parts.append(_changed(motion, sensed.joint, felt, gear, substeps, terms, own, at_once))
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
@@ -78,11 +78,12 @@ def _changed(
     substeps: int,
     terms: tuple[Term, ...],
     own: bool,
+    most: int,
 ) -> np.ndarray:
     """The torque of :func:`lag_torque` for options that stand in memory together, (m, T', n or 1)."""
     torque, by_q, by_dq, by_ddq = sensed
     joint, count = 0 if own else moving, len(gear[0])
-    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), gear)
+    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), gear, most)
     swings = _lags(*felt, *gear, 1.0 / motion.rate, calm_start(motion), substeps)
     e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in swings)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
@@ -100,10 +101,13 @@ def _changed(
     return -np.moveaxis(motion.decimator.apply(told), 2, 0)
 
 
-def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...]) -> tuple:
-    """What the joint feels (T, 1 or m) and gears (m,) with samples and options filled up by the last."""
+def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...], most: int) -> tuple:
+    """What the joint feels (T, 1 or m) and gears (m,) with samples and options filled up by the last.
+
+    Options are not filled up to more than the ``most`` that a long log takes at a time.
+    """
     count, own = len(gear[0]), felt[0].shape[1] > 1
-    more = -count % (_FEW if own and count <= _FEW else _MANY)
+    more = -count % min(_FEW if own and count <= _FEW else _MANY, most)
     felt = filled(felt)
     if own:
         felt = tuple(np.pad(x, ((0, 0), (0, more)), mode="edge") for x in felt)

@@ -17,7 +17,7 @@ from jaxswarm.robot.model import Robot
 # so that its step may be any, and linear in acceleration.
 _POSITION, _VELOCITY = 1e-5, 1e-2
 # Samples of a long log whose columns are made at a time.
-_BLOCK = 16_384
+_BLOCK = 8_192
 # Two threads that ask for the same columns make them once.
 _MAKING = Lock()
 
