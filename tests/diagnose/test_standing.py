@@ -299,6 +299,27 @@ def test_rest_is_searched_on_only_for_what_acts_there(monkeypatch, law, goes_on)
     assert with_rest_module._may_explain(*asked, [])
 
 
+@pytest.mark.parametrize(("left", "goes_on"), [(0.131, False), (0.05, True)])
+def test_rest_asks_for_what_takes_more_off_it_than_laws_without_torque_there(
+    monkeypatch, left, goes_on
+):
+    """Seven joints that moved one by one: viscous friction left 0.153 of rest, an asymmetric one 0.131."""
+    told = {"viscous": (1.0, 0.153, 0.0), "other": (1.0, left, 0.5)}
+    rest = [np.ones((4, 1), bool)]
+    search = SimpleNamespace(
+        current=SimpleNamespace(fit=SimpleNamespace(residual=np.ones((4, 1)))),
+        folds=None,
+        rules=Rules(),
+    )
+    monkeypatch.setattr(with_rest_module, "held", lambda left, rest, mixed: np.ones(1, bool))
+    monkeypatch.setattr(
+        with_rest_module, "_left_at_rest", lambda one, folds, rows: np.array([told[one]]).T
+    )
+    assert with_rest_module._may_explain(rest, rest, search, ["other"])
+    assert not with_rest_module._may_explain(rest, rest, search, ["viscous"])
+    assert with_rest_module._may_explain(rest, rest, search, ["viscous", "other"]) == goes_on
+
+
 @pytest.mark.parametrize(
     ("way", "error", "told"),
     [(1e-4, 0.0, False), (3e-4, 1e-5, False), (1e-3, 1e-4, True), (1e-3, 6e-4, False)],

@@ -107,29 +107,32 @@ def _may_explain(
     them at rest: it finds what motion alone had told, and rest is what it cannot tell.
     """
     stuck = held(search.current.fit.residual, rest, mixed)
-    rows = np.concatenate(rest) & stuck
-    return (
-        not passed
-        or not stuck.any()
-        or any(_lowers(s, search.folds, rows, search.rules.share) for s in passed)
-    )
+    if not passed or not stuck.any():
+        return True
+    rows, share = np.concatenate(rest) & stuck, search.rules.share
+    left = np.array([_left_at_rest(s, search.folds, rows) for s in passed])
+    before, after, own = left.transpose(1, 0, 2)
+    acts = own > share * before
+    # What laws without torque there take off it as well, rest does not ask for: viscous friction bent the
+    # rigid body less, and left as little of it as an asymmetric one in its place.
+    least = np.minimum(before, np.where(acts, np.inf, after).min(axis=0))
+    return bool((acts & (after < (1.0 - share) * least)).any())
 
 
-def _lowers(one: Score, crossfit: CrossFit, rows: np.ndarray, share: float) -> bool:
-    """Whether a candidate takes a share off a joint's squared error in rows (T, n) that it is not fitted to.
+def _left_at_rest(one: Score, crossfit: CrossFit, rows: np.ndarray) -> np.ndarray:
+    """Squared error of every joint in rows (T, n) not fitted to, without and with a candidate, (3, n).
 
-    By its own torque there: viscous friction has none at rest, but without it the rigid body is bent, and rest
-    with it.
+    And, last, the square of the candidate's own torque there: viscous friction has none at rest, but without it
+    the rigid body is bent, and rest with it.
     """
     columns = one.candidate.columns
     parts = next(free_parts([columns], crossfit))
-    before, after, own = np.zeros((3, rows.shape[1]))
+    total = np.zeros((3, rows.shape[1]))
     for fold, free, whole in zip(crossfit.halves, parts[1:], columns[1:], strict=True):
         a, out = coefficients(free, fold), rows & ~fold.train[:, None]
         sizes = (fold.residual, fold.residual - free @ a, whole @ a)
-        squares = (np.square(np.where(out, x, 0.0)).sum(axis=0) for x in sizes)
-        before, after, own = (x + y for x, y in zip((before, after, own), squares, strict=True))
-    return bool(((after < (1.0 - share) * before) & (own > share * before)).any())
+        total += [np.square(np.where(out, x, 0.0)).sum(axis=0) for x in sizes]
+    return total
 
 
 def _explains(found: Estimate, rest: Sequence[np.ndarray], motions: Sequence[Motion]) -> bool:
