@@ -232,22 +232,3 @@ def with_skew_of(motion: Motion, like: Motion) -> Motion:
     """Another log by the clocks that were found on one."""
     late = like.skew - motion.skew
     return shift_motion(motion, late) if late else motion
-
-
-def stretch(motion: Motion, first: int, last: int) -> Motion:
-    """The samples of a motion from one to before another."""
-    rows = slice(first, last)
-
-    def cut(x: np.ndarray | None) -> np.ndarray | None:
-        return None if x is None else x[rows]
-
-    return replace(
-        motion,
-        t=motion.t[rows],
-        q=motion.q[rows],
-        dq=motion.dq[rows],
-        ddq=motion.ddq[rows],
-        tau=cut(motion.tau),
-        bridged=cut(motion.bridged),
-        channels={name: x[rows] for name, x in motion.channels.items()},
-    )

@@ -164,3 +164,22 @@ def _prepared(part: Log, band: Filtering, first: Motion) -> Motion | None:
         return None
     filtered = len(motion.decimator.taps) > 1 or len(first.decimator.taps) == 1
     return motion if filtered else None
+
+
+def stretch(motion: Motion, first: int, last: int) -> Motion:
+    """The samples of a motion from one to before another."""
+    rows = slice(first, last)
+
+    def cut(x: np.ndarray | None) -> np.ndarray | None:
+        return None if x is None else x[rows]
+
+    return replace(
+        motion,
+        t=motion.t[rows],
+        q=motion.q[rows],
+        dq=motion.dq[rows],
+        ddq=motion.ddq[rows],
+        tau=cut(motion.tau),
+        bridged=cut(motion.bridged),
+        channels={name: x[rows] for name, x in motion.channels.items()},
+    )

@@ -24,7 +24,8 @@ from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.estimation.starts import with_starts
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
-from jaxswarm.logs.motion import Motion, shift_motion, stretch
+from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.logs.segments import stretch
 from jaxswarm.robot.model import Robot
 
 # Each step makes a new fit: a first one, one for what it changed, one to see that nothing is left.
