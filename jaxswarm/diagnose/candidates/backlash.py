@@ -18,7 +18,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
+from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, joined, lag_torque
 from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
@@ -99,8 +99,9 @@ def _curves(
     motions, sensed = lin.found.motions, lin.sensed(term.index)
     options = [{"gap": p.gap, "flank": p.flank} for p in points]
     terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
-    parts = [
-        lag_torque(motion, one, pi[None], *gears(law, options, one, pi), substeps, terms, own)
-        for motion, one in zip(motions, sensed, strict=True)
-    ]
-    return np.concatenate(parts, axis=1)
+    return joined(
+        [
+            lag_torque(motion, one, pi[None], *gears(law, options, one, pi), substeps, terms, own)
+            for motion, one in zip(motions, sensed, strict=True)
+        ]
+    )

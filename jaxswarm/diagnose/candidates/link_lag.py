@@ -56,13 +56,23 @@ def lag_torque(
         own: Whether the torque of the joint itself is enough: (m, T', 1).
     """
     at_once = max(1, MOST_NUMBERS // motion.q[:, : 1 if own else None].size)
-    parts = []
+    found = np.empty(0)
     for start in range(0, len(k), at_once):
         some = slice(start, start + at_once)
         felt = sensed.at(pis if len(pis) == 1 else pis[some], _acted_on(sensed, own))
         gear = (k[some], d[some], gap[some], hard[some])
-        parts.append(_changed(motion, sensed.joint, felt, gear, substeps, terms, own, at_once))
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        part = _changed(motion, sensed.joint, felt, gear, substeps, terms, own, at_once)
+        if len(part) == len(k):
+            return part
+        if not start:
+            found = np.empty((len(k), *part.shape[1:]))
+        found[some] = part
+    return found
+
+
+def joined(logs: list[np.ndarray]) -> np.ndarray:
+    """Torques (m, T', n) of several logs as those of one; of one log they are not copied."""
+    return logs[0] if len(logs) == 1 else np.concatenate(logs, axis=1)
 
 
 def _acted_on(sensed: Sensitivity, own: bool) -> slice:

@@ -13,6 +13,7 @@ from jaxswarm.diagnose.candidates.link_lag import (
     ROTOR_SHARES,
     best_option,
     gears,
+    joined,
     lag_torque,
     placed,
 )
@@ -87,7 +88,7 @@ def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarr
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
         parts.append(_weighted(lin, term, list(group), (lin.pi - share * rotor)[None]))
-    return np.concatenate(parts)
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _settled_curves(
@@ -98,21 +99,25 @@ def _settled_curves(
     When the link crosses it depends on small torques, and the parameters were fitted without the dead
     zone: they are settled with every gap, to first order, before it is scored.
     """
-    pis = lin.pi[None]
-    for _ in range(_SETTLE):
-        curves = _weighted(lin, term, options, pis)
+    curves = _weighted(lin, term, options, lin.pi[None])
+    for _ in range(_SETTLE - 1):
         pis = lin.pi - np.stack([_absorbed(lin, c) for c in curves])
+        del curves  # of a long log they are large: none stands beside those that follow
+        curves = _weighted(lin, term, options, pis)
     return curves
 
 
 def _weighted(lin: Linearization, term: Term, options: list[dict], pis) -> np.ndarray:
     """Weighted torque (m, T', n) of options with their rigid parameters."""
     terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
-    parts = [
-        lag_torque(m, own, pis, *gears(law, options, own, lin.pi), terms=terms)
-        for m, own in zip(lin.found.motions, lin.sensed(term.index), strict=True)
-    ]
-    return np.concatenate(parts, axis=1) * lin.crossfit.weight
+    curves = joined(
+        [
+            lag_torque(m, own, pis, *gears(law, options, own, lin.pi), terms=terms)
+            for m, own in zip(lin.found.motions, lin.sensed(term.index), strict=True)
+        ]
+    )
+    curves *= lin.crossfit.weight
+    return curves
 
 
 def _absorbed(lin: Linearization, torque: np.ndarray) -> np.ndarray:
