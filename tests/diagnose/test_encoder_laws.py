@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from elbow import ask, elbow, elbow_log, fitted, passing
 
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.selection.beside_sign import is_told_from_sign
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.diagnose.selection.tenable import can_be_as_wrong
@@ -69,3 +71,26 @@ def test_friction_follows_the_true_motion_and_not_what_an_encoder_says():
     )
     np.testing.assert_allclose(without, 0.0)
     np.testing.assert_allclose(own[:, 1], 2.0 * 0.5 * 0.3)
+
+
+def test_an_error_within_the_width_of_a_sign_is_the_shape_of_friction():
+    """A wrist of friction alone, its torque in coarse steps, was told as a coupling ratio off by 0.0014."""
+    found = with_motion_noise(fitted(elbow_log()))
+    motion = found.motions[0]
+    turned = Term("gear_coupling_error", 2, 1, values={"c": 0.02})
+    speed = 0.02 * np.sqrt(np.mean(motion.dq[:, 1] ** 2))
+
+    def told(width: float, loud: float) -> bool:
+        model = replace(found.model, terms=(*found.model.terms, turned), width=(width,) * 3)
+        noisy = replace(motion, model_noise=motion.model_noise + loud)
+        return is_told_from_sign(replace(found, model=model, motions=(noisy,)), turned)
+
+    assert not told(1.5 * speed, loud=10.0)
+    assert told(0.7 * speed, loud=10.0)
+    # Links go by it too.
+    assert told(1.5 * speed, loud=0.0)
+    for other in (
+        Term("encoder_offset", 1, values={"dq0": 1e-4}),
+        Term("viscous_friction", 1, values={"b": 1.0}),
+    ):
+        assert is_told_from_sign(found, other)

@@ -4,18 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import IN_PLACE, NEEDED, WITHIN_BOUNDS
+from jaxswarm.diagnose.decision.rules import IN_PLACE, WITHIN_BOUNDS
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import row_weight
+from jaxswarm.diagnose.selection.holds import holds
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
-    can_be_as_wrong,
-    can_be_resolved,
-    can_swing,
-    goes_beyond,
-    is_certain,
     is_within,
-    stands_for_itself,
     unphysical_beside,
     within_chance,
 )
@@ -95,7 +90,7 @@ def _refit_without(
     def stands(after: Estimate) -> bool:
         fall = 1.0 - cost(after) / whole
         own = 1.0 - left_on(after, chosen.joint, weight) / part
-        held = fall > 0.0 and _holds(after, term, own, beyond)
+        held = fall > 0.0 and holds(after, term, own, beyond)
         if not held or unphysical_beside(current, after, term):
             return False
         within = 1.0 - cost(_within_own_bounds(after, term)) / whole
@@ -121,19 +116,6 @@ def share_left(current: Estimate, rest: Estimate) -> np.ndarray:
     """Shares (n,) of the squared errors without an addition that are left with it."""
     with_it, bare = (np.square(e.fit.residual).sum(axis=0) for e in (current, rest))
     return with_it / np.maximum(bare, 1e-300)
-
-
-def _holds(after: Estimate, term: Term, fall: float, beyond: bool) -> bool:
-    """Whether a fitted term can be, and is needed for the fall of the squared error of its joint."""
-    number = number_of(term, after.model.terms)
-    fitted, errors = after.model.terms[number], after.std_errors[number]
-    physical = can_be(fitted, errors)
-    physical = physical and stands_for_itself(fitted, errors)
-    physical = physical and (not beyond or goes_beyond(fitted, errors))
-    physical = physical and can_swing(after, fitted) and can_be_as_wrong(fitted)
-    physical = physical and can_be_resolved(after, fitted, errors)
-    # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
-    return physical and (is_certain(fitted, errors) or fall > NEEDED)
 
 
 def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
