@@ -8,7 +8,8 @@ bounds the cutoff. Torques are compared over :data:`TORQUE_BAND` of the band of 
 than the motion of any joint is known that moves.
 
 Where a velocity is logged, both channels make one motion: the position at low, the velocity at high
-frequencies, by their noise. A velocity that is not the derivative of the position is left out, and told.
+frequencies, by their noise. A velocity that is not the derivative of the position is left out, and told; so is
+one that is late, as a filter makes it: its noise is not white, and beside it all of a torque seems to be early.
 """
 
 from dataclasses import dataclass
@@ -32,6 +33,9 @@ _MOVES = 100.0
 _TORQUE_ENERGY = 0.9999
 # A velocity may differ from the derivative of the position by this share of its size below the cutoff.
 _SAME_VELOCITY = 0.02
+# Stretches of a log that tell how late a velocity is, and the standard errors by which that has to be beyond
+# half a sample, which a difference of two positions is late by.
+_STRETCHES, _SURE = 20, 3.0
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,29 @@ def _velocity(
             f"dq of {names} is not the derivative of q (it differs by {100 * share:.3g} % of its size): "
             "logged velocities are not used",
         )
+    late, doubt = _lateness(given[inside] - own[inside], own[inside], rate)
+    slow = np.abs(late) - _SURE * doubt > 0.5 / rate
+    if slow.any():
+        names = ", ".join(joints[j] for j in np.flatnonzero(slow))
+        return None, (
+            f"dq of {names} is {1e3 * np.median(late[slow]):.3g} ms late against q, as a filter makes it: "
+            "logged velocities are not used",
+        )
     if (speed <= 0.0).any() or (position <= 0.0).any():
         return None, ()
     return position / speed, ()
+
+
+def _lateness(apart: np.ndarray, own: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Time [s] by which velocities are late, and its standard error over stretches of a log, each (n,).
+
+    Args:
+        apart: What they are more than the derivatives of positions (T, n).
+        own: These, (T, n): to first order ``apart`` is ``-late`` times their change.
+        rate: Sampling rate [Hz].
+    """
+    change = derivatives(own, rate, 1)[0]
+    square = np.maximum((change**2).sum(axis=0), 1e-300)
+    late = -(change * apart).sum(axis=0) / square
+    parts = np.array_split(change * (apart + late * change), _STRETCHES)
+    return late, np.sqrt(sum(part.sum(axis=0) ** 2 for part in parts)) / square

@@ -112,7 +112,7 @@ def prepare_segments(log: Log, filtering: Filtering | None = None) -> tuple[Log,
             dropped.append(f"{part.t[0]:.6g} to {part.t[-1]:.6g} s")
         else:
             motions.append(replace(motion, t=motion.t + (part.t[0] - log.t[0])))
-    notes = []
+    notes = [note for note in first.notes if note not in log.notes]
     if len(parts) > 1:
         cuts = len(parts) - 1
         notes.append(

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from jaxswarm.logs.bands import TORQUE_BAND, find_band
+from jaxswarm.logs.log import Log
+from jaxswarm.logs.segments import prepare_segments
 
 RATE = 250.0
 JOINTS = ("shoulder", "elbow", "wrist")
@@ -52,3 +54,17 @@ def test_a_slow_motion_sampled_often_keeps_its_velocity(rate):
     found = find_band(q[:, None], rate, ("shoulder",), dq[:, None])
     assert not found.notes
     assert found.ratio == pytest.approx(0.01, rel=0.2)
+
+
+@pytest.mark.parametrize(("late", "used"), [(0.0, True), (1e-3, True), (4e-3, False)])
+def test_a_late_velocity_is_not_used(late, used):
+    """One that a filter made 7.3 ms late moved a whole torque by 1 ms: told as a delay of the torque."""
+    t, rng = np.arange(0, 16, 1 / 500.0), np.random.default_rng(0)
+    q = np.sin(0.8 * np.pi * t) + 0.3 * np.sin(1.3 * np.pi * t + 0.4)
+    dq = np.gradient(np.interp(t - late, t, q), t)
+    q, dq = q + 1e-4 * rng.normal(size=len(t)), dq + 1e-3 * rng.normal(size=len(t))
+    found = find_band(q[:, None], 500.0, ("shoulder",), dq[:, None])
+    assert (found.ratio is not None) == used
+    log = Log("late.csv", ("shoulder",), t, q[:, None], dq[:, None])
+    told = prepare_segments(log)[0].notes
+    assert any("dq of shoulder is 4 ms late" in note for note in told) != used
