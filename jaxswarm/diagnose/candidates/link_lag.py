@@ -24,8 +24,9 @@ _MOST_LAG = 1.0
 # that few programs serve all lattices: an option more costs a tenth of a millisecond, a program a tenth of a
 # second.
 _FEW, _MANY = 24, 72
-# Numbers that a torque of all options may hold: of a long log some options pass at a time.
-MOST_NUMBERS = 2**24
+# Numbers that a torque of all options may hold: of a long log some options pass at a time. A link's swing and
+# its derivatives are as many as the torques of so many joints.
+MOST_NUMBERS, _SWINGS = 2**24, 4
 
 
 # Stiffness, damping, dead zone and hardening of options, each (m,).
@@ -55,7 +56,8 @@ def lag_torque(
         terms: The model's, whose drives report the torque.
         own: Whether the torque of the joint itself is enough: (m, T', 1).
     """
-    at_once = max(1, MOST_NUMBERS // motion.q[:, : 1 if own else None].size)
+    count, joints = motion.q.shape
+    at_once = max(1, MOST_NUMBERS // (count * max(_SWINGS, 1 if own else joints)))
     found = np.empty(0)
     for start in range(0, len(k), at_once):
         some = slice(start, start + at_once)
