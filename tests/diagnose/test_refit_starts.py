@@ -20,13 +20,13 @@ def test_a_curve_of_usual_shape_begins_from_lower_speeds_too(monkeypatch, hidden
     """Of a joint that was led slowly it went to a fall of -87 N, and was refused for that."""
     before, crossfit = declared_fit(log_with(hidden))
     (score,) = score_terms(Linearization(before, crossfit), [Term(hidden.effect, 1)], 0)
-    asked, holds = [], refit_module._holds
+    asked, holds = [], refit_module.holds
 
     def at_last(after, term, fall, beyond):
         asked.append(find_term(after, term))
         return len(asked) == 3 and holds(after, term, fall, beyond)
 
-    monkeypatch.setattr(refit_module, "_holds", at_last)
+    monkeypatch.setattr(refit_module, "holds", at_last)
     after = refit_with(before, score)
     assert len(asked) == tries and (after is not None) == (tries == 3)
     for fitted in asked:

@@ -7,6 +7,7 @@ import pytest
 from planted import BAND, declared_fit, log_with
 
 from jaxswarm.diagnose.decision.evaluate import score_on
+from jaxswarm.diagnose.selection import holds as holding
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
@@ -55,7 +56,7 @@ def test_other_motion_tells_a_law_from_what_it_contains(monkeypatch, hidden, tol
     current, _ = declared_fit(log_with(hidden))
     other = [prepare(log_with(hidden, seed=2, motion_seed=8), BAND)]
     (spring,) = score_on(current, [Term("joint_spring", 1)], 0)
-    monkeypatch.setattr(refitting, "goes_beyond", lambda *_: False)  # the log's own doubt
+    monkeypatch.setattr(holding, "goes_beyond", lambda *_: False)  # the log's own doubt
     assert refitting.refit_with(current, spring) is None
     after = rivals_module.told_elsewhere(current, spring, other, 0.2)
     assert (after is not None) is told

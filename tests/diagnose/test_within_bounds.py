@@ -10,7 +10,7 @@ from planted import BAND, DECLARED, blank, diagnose_log, log_with, small_arm
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_on, score_terms
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection import refit as refitting
+from jaxswarm.diagnose.selection import holds as holding
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
@@ -89,7 +89,7 @@ def test_what_was_declared_stays_beside_a_law_where_chance_has_it_below_zero(mon
     before = fitted(log)
     (score,) = score_on(before, [replace(grease, values={})], 0)
     first = iter([False])  # as where a fit beside viscous friction runs past the law
-    monkeypatch.setattr(refitting, "can_swing", lambda *_: next(first, True))
+    monkeypatch.setattr(holding, "can_swing", lambda *_: next(first, True))
     after = refit_with(before, score)
     rows = zip(after.model.terms, after.std_errors, strict=True)
     told = {t.effect: (t.values, errors) for t, errors in rows if t.joint == 1}
