@@ -49,7 +49,7 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
             _curves(lin, term, list(group), pi - share * along, substeps, own)
             for share, group in groupby(points, lambda p: p.share)
         ]
-        return np.concatenate(parts)
+        return joined(parts, axis=0)
 
     inertia = float(np.median(np.abs(lin.sensed(j)[0].inertia(lin.pi))))
     tried = term.law_of(TransmissionLaw).lattice
@@ -99,9 +99,8 @@ def _curves(
     motions, sensed = lin.found.motions, lin.sensed(term.index)
     options = [{"gap": p.gap, "flank": p.flank} for p in points]
     terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
-    return joined(
-        [
-            lag_torque(motion, one, pi[None], *gears(law, options, one, pi), substeps, terms, own)
-            for motion, one in zip(motions, sensed, strict=True)
-        ]
-    )
+    parts = [
+        lag_torque(motion, one, pi[None], *gears(law, options, one, pi), substeps, terms, own)
+        for motion, one in zip(motions, sensed, strict=True)
+    ]
+    return joined(parts, axis=1)

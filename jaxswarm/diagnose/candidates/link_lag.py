@@ -72,9 +72,9 @@ def lag_torque(
     return found
 
 
-def joined(logs: list[np.ndarray]) -> np.ndarray:
-    """Torques (m, T', n) of several logs as those of one; of one log they are not copied."""
-    return logs[0] if len(logs) == 1 else np.concatenate(logs, axis=1)
+def joined(parts: list[np.ndarray], axis: int) -> np.ndarray:
+    """Torques (m, T', n) of groups of options (axis 0) or of logs (1) as one; a single one is not copied."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=axis)
 
 
 def _acted_on(sensed: Sensitivity, own: bool) -> slice:

@@ -88,7 +88,7 @@ def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarr
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
         parts.append(_weighted(lin, term, list(group), (lin.pi - share * rotor)[None]))
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return joined(parts, axis=0)
 
 
 def _settled_curves(
@@ -110,12 +110,11 @@ def _settled_curves(
 def _weighted(lin: Linearization, term: Term, options: list[dict], pis) -> np.ndarray:
     """Weighted torque (m, T', n) of options with their rigid parameters."""
     terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
-    curves = joined(
-        [
-            lag_torque(m, own, pis, *gears(law, options, own, lin.pi), terms=terms)
-            for m, own in zip(lin.found.motions, lin.sensed(term.index), strict=True)
-        ]
-    )
+    parts = [
+        lag_torque(m, own, pis, *gears(law, options, own, lin.pi), terms=terms)
+        for m, own in zip(lin.found.motions, lin.sensed(term.index), strict=True)
+    ]
+    curves = joined(parts, axis=1)
     curves *= lin.crossfit.weight
     return curves
 
