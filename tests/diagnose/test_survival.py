@@ -17,7 +17,7 @@ from jaxswarm.diagnose.selection import unpredicted as unpredicted_module
 from jaxswarm.diagnose.selection.elsewhere import added_columns, errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.survives import harmful, stands_in, survives
+from jaxswarm.diagnose.selection.survives import harmful, more_in_all, stands_in, survives
 from jaxswarm.diagnose.selection.tenable import can_swing
 from jaxswarm.diagnose.selection.unconfirmed import unconfirmed
 from jaxswarm.effects.term import Term
@@ -60,6 +60,28 @@ def test_a_law_that_raises_an_error_on_other_motion_is_refused_and_named(fits):
     found, why = harmful(fits[0], [step(SPRING, fits[0], true), bent], wrong, [other])
     assert found is bent
     assert "joint1" in why and other.source in why
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "more"),
+    [
+        (
+            [11.4, 2.6, 0.7],
+            [11.6, 1.1, 0.8],
+            False,
+        ),  # halved beside a joint that lacks a law of its own
+        (
+            [20.0, 1.5, 1.5],
+            [10.0, 2.2, 2.2],
+            False,
+        ),  # halved where it is far, two joints near the noise rise
+        ([2.6, 2.0, 1.5], [2.4, 2.8, 1.5], True),
+        ([0.5, 0.6, 0.7], [1.1, 1.1, 1.1], False),  # within the noise
+    ],
+)
+def test_an_error_of_all_joints_is_more_in_units_of_the_noise_and_as_a_share(before, after, more):
+    noise = np.array([0.1, 2.0, 30.0])
+    assert more_in_all(np.array(after) * noise, np.array(before) * noise, noise) == more
 
 
 @pytest.mark.parametrize("begin", [3.0, 5.7])

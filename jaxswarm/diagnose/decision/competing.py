@@ -10,6 +10,7 @@ import numpy as np
 
 from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.of_joints import told_by_joints
 from jaxswarm.diagnose.decision.rules import AS_GOOD, ASKED_AGAIN, OVERLAP, SPECIAL_CASE, Rules
 from jaxswarm.diagnose.decision.score import score
 from jaxswarm.diagnose.decision.worth import Score, passes
@@ -142,12 +143,16 @@ def _as_good(one: Score, best: Score) -> bool:
 def choose(passed: list[Score], rules: Rules, crossfit: CrossFit) -> tuple[Score, list[Score]]:
     """The best of those that passed, and its rivals: those the data do not tell from it.
 
-    The best is the one that gains most; of laws that show on its joint, the one that gains most there.
+    The best is the one that gains most, but for a law of the arm all of which laws of its joints say
+    (:func:`jaxswarm.diagnose.decision.of_joints.told_by_joints`); of laws that show on its joint, the one that
+    gains most there.
     Rivals say the same as the best, gain within ``rules.tie`` standard errors of it, and are beaten by
     none of the others. Among them the one with the fewest parameters is chosen, and of those the one with the
     fewest that bend its shape: a spring before a cubic one.
     """
     ranked = sorted(passed, key=lambda s: -s.gain)
+    while told_by_joints(ranked[0], ranked[1:], rules, crossfit):
+        ranked = ranked[1:]
     first = ranked[0]
     alike = [first, *(s for s in ranked[1:] if s.shows_with(first))]
     best = max(alike, key=lambda s: s.beside(first).sum())
