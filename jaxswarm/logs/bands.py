@@ -120,9 +120,10 @@ def _velocity(
     slow = np.abs(late) - _SURE * doubt > 0.5 / rate
     if slow.any():
         names = ", ".join(joints[j] for j in np.flatnonzero(slow))
+        usual = 1e3 * float(np.median(late[slow]))
+        how = "late against q, as a filter makes it" if usual > 0.0 else "early against q"
         return None, (
-            f"dq of {names} is {1e3 * np.median(late[slow]):.3g} ms late against q, as a filter makes it: "
-            "logged velocities are not used",
+            f"dq of {names} is {abs(usual):.3g} ms {how}: logged velocities are not used",
         )
     if (speed <= 0.0).any() or (position <= 0.0).any():
         return None, ()

@@ -56,7 +56,9 @@ def test_a_slow_motion_sampled_often_keeps_its_velocity(rate):
     assert found.ratio == pytest.approx(0.01, rel=0.2)
 
 
-@pytest.mark.parametrize(("late", "used"), [(0.0, True), (1e-3, True), (4e-3, False)])
+@pytest.mark.parametrize(
+    ("late", "used"), [(0.0, True), (1e-3, True), (4e-3, False), (-4e-3, False)]
+)
 def test_a_late_velocity_is_not_used(late, used):
     """One that a filter made 7.3 ms late moved a whole torque by 1 ms: told as a delay of the torque."""
     t, rng = np.arange(0, 16, 1 / 500.0), np.random.default_rng(0)
@@ -67,4 +69,5 @@ def test_a_late_velocity_is_not_used(late, used):
     assert (found.ratio is not None) == used
     log = Log("late.csv", ("shoulder",), t, q[:, None], dq[:, None])
     told = prepare_segments(log)[0].notes
-    assert any("dq of shoulder is 4 ms late" in note for note in told) != used
+    how = "late" if late > 0.0 else "early"
+    assert any(f"dq of shoulder is 4 ms {how}" in note for note in told) != used
