@@ -15,6 +15,9 @@ _LONG = 4
 # Changes may differ from whole counts by this part of one: rounding of a text file. Its step is found on the
 # smallest changes first, up to so many counts.
 _WHOLE, _GROWING = 0.1, (3, 10, 30, 100, 300, 1000)
+# No encoder counts so often between two samples: that step is the rounding of a number, of which others are
+# whole multiples whatever they are.
+_MOST = 2.0**31
 
 
 def between_counts(t: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -66,7 +69,8 @@ def _step(change: np.ndarray) -> float | None:
         counts = np.round(change[small] / step)
         step = change[small].sum() / counts.sum()
     counts = change / step
-    return None if np.abs(counts - np.round(counts)).max() > _WHOLE else float(step)
+    whole = np.abs(counts - np.round(counts)).max() <= _WHOLE and counts.max() < _MOST
+    return float(step) if whole else None
 
 
 def _edge(

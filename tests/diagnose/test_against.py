@@ -12,6 +12,7 @@ from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.report.shown import evidence_shown
 from jaxswarm.diagnose.run_against import conclude_comparison
 from jaxswarm.diagnose.selection.changes import compare
+from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import prepare
@@ -131,6 +132,23 @@ def test_a_payload_is_named_with_its_mass_and_moment(model):
     (step,) = diagnosis.kept
     line = evidence_shown(step, diagnosis.final.model, diagnosis.final.motions[0])[4]
     assert np.abs(line).max() > 0.5
+
+
+@pytest.mark.parametrize("end", [8.1, 1e5], ids=["put down", "kept"])
+def test_a_load_that_is_picked_up_in_the_new_log_is_named_with_its_times(model, end):
+    """An earlier model says what is carried; the new log began without it, and the load was told of nowhere."""
+    body = {"m": 1.5, "mcx": 0.15, "mcy": 0.0, "mcz": 0.05, "Ixy": 0.0, "Ixz": 0.0, "Iyz": 0.0}
+    body |= {"Ixx": 0.01, "Iyy": 0.02, "Izz": 0.02}
+    load = Term("payload_change", values={**body, "start": 4.3, "end": end, "log": 0.0})
+    named, found = changes(model, terms=(*DECLARED, load))
+    assert named == ["payload_change"]
+    values, errors = found.changes[0].term.values, found.changes[0].std_errors
+    for name in ("mcx", "mcy", "start", *(["end"] if end < DURATION else [])):
+        assert abs(values[name] - load.values[name]) < 3.0 * errors[name], name
+    assert 0.0 < errors["start"] < 0.1
+    assert found.after.fit.sigma.max() < 0.4 * found.before.fit.sigma.max()
+    # A model in which a load was carried for a while says nothing of another log.
+    assert changes(found.after.model)[0] == []
 
 
 def test_a_tilted_base_is_named_alone_although_it_loads_masses_never_felt(model):

@@ -1,5 +1,7 @@
 """Positions between the counts of an encoder."""
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -48,6 +50,14 @@ def test_a_joint_that_turns_round_within_a_count_keeps_between_its_boundaries():
 def test_positions_on_no_grid_are_left_as_they_are(make):
     held = np.repeat(make(0.1 * np.sin(T))[::8], 8)[: len(T), None]
     np.testing.assert_array_equal(between_counts(T, held), held)
+
+
+def test_the_rounding_of_a_number_is_no_step_of_an_encoder():
+    """Every number is a whole multiple of 1e-30, of which an integer holds no count."""
+    held = np.repeat(0.1 * np.sin(T)[::8], 8)[: len(T), None]
+    held[3] += 1e-30
+    with warnings.catch_warnings(action="error"):
+        np.testing.assert_array_equal(between_counts(T, held), held)
 
 
 @settings(max_examples=40, deadline=None)

@@ -31,8 +31,6 @@ def eligible_terms(
     for law in REGISTRY.values():
         if law.reference_only and not law.in_one_log and not against_model:
             continue
-        if law.in_one_log and not law.recurring and against_model:
-            continue  # an earlier model says what is carried: a change lasts for the whole log
         if joints < law.min_joints and not against_model:
             continue  # the rigid parameters say the same
         if not all(name in m.channels for name in law.requires for m in motions):

@@ -14,6 +14,8 @@ from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.events import window_errors
+from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.forward.model import Model
 
 # A candidate with columns in units of torque, what it was worth when it was chosen, and its runners-up.
@@ -69,6 +71,7 @@ def changes_of(before: Estimate, picked: Sequence[Picked]) -> tuple[Change, ...]
         if number in found.edges:
             errors |= dict.fromkeys(("start", "end"), found.edges[number])
         term, further = replace(term, values=values), None
+        errors |= _window_errors(before, term, found.fit)
         told = len(term.law.candidate_names(before.model.robot.joints))
         if 0 < told < own.stop - own.start:
             further = candidate.columns[0][:, :, told:] @ found.values[own][told:]
@@ -78,6 +81,15 @@ def changes_of(before: Estimate, picked: Sequence[Picked]) -> tuple[Change, ...]
             Change(term, errors, old is not None, worth, others, now, now_errors, further)
         )
     return tuple(changes)
+
+
+def _window_errors(before: Estimate, term: Term, found: Fit) -> dict[str, float]:
+    """Standard errors [s] of when a body was picked up and put down; unlike those of a fit they are on rows."""
+    told = window_errors(
+        term, before.model, found, before.regression, before.motions, before.rigids
+    )
+    within = before.regression.step[int(term.values.get("log", 0))] / np.sqrt(12.0)
+    return {name: float(np.hypot(error, within)) for name, error in told.items()}
 
 
 def doubt_of_any(changes: Sequence[Change], kinds: tuple[str, ...]) -> str | None:

@@ -43,12 +43,14 @@ class Coefficients(NamedTuple):
         covariance: NaN where one cannot be told from others, (k, k).
         response: How an error of the earlier parameters comes out in them, (k, p).
         edges: Standard error of every event's begin and end by its number among the changes [s].
+        fit: The fit that they are of.
     """
 
     values: np.ndarray
     covariance: np.ndarray
     response: np.ndarray
     edges: dict[int, float]
+    fit: Fit
 
 
 def change_rows(before: Estimate, candidates: Sequence[Candidate]) -> Regression:
@@ -101,7 +103,7 @@ def fit_changes(before: Estimate, candidates: Sequence[Candidate]) -> Coefficien
         own[:, joint] = rows.columns[:, joint, kept] @ solution.values / solution.sigma[joint]
         drift = _GAIN_ERROR * through(own.ravel())
         covariance += np.outer(drift, drift)
-    return _expanded(solution.base, candidates, solution.values, covariance, response, edges)
+    return _expanded(solution, candidates, covariance, response, edges)
 
 
 def _events(
@@ -134,9 +136,10 @@ def _events(
 
 
 def _expanded(
-    base: BaseParameters, candidates: Sequence[Candidate], values, covariance, response, edges
+    solution: Fit, candidates: Sequence[Candidate], covariance, response, edges
 ) -> Coefficients:
     """Base values (b,) on all columns, a payload's as those of the nearest body."""
+    base, values = solution.base, solution.values
     size, bodies, start = len(base.names), [], 0
     for candidate in candidates:
         own = slice(start, start + candidate.columns[0].shape[2])
@@ -156,7 +159,7 @@ def _expanded(
     spread[np.ix_(base.kept, base.kept)] = covariance
     whole = np.zeros((size, response.shape[1]))
     whole[base.kept] = response
-    return Coefficients(full, spread, whole, edges)
+    return Coefficients(full, spread, whole, edges, solution)
 
 
 def _placed(own_values: np.ndarray, own: slice, size: int) -> np.ndarray:

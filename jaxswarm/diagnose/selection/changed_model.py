@@ -51,7 +51,7 @@ def _(law, model, change, motions):
 
 @apply_change.register
 def _(law: BodyChange, model, change, motions):
-    if law.body is not None:
+    if law.body is not None and not law.window:
         added = jnp.asarray(model.robot.parameters).at[-1].add(law.body(change.term.values))
         return replace(model, robot=model.robot.replace(parameters=added))
     model = replace(model, terms=(*model.terms, change.term))

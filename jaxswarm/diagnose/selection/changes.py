@@ -98,8 +98,8 @@ def compare(
         budget: Time after which no further round begins; None: no limit.
     """
     rules = rules or Rules()
-    # An event happened in the earlier log alone.
-    model = replace(model, terms=tuple(t for t in model.terms if not t.law.recurring))
+    # What happened in the earlier log alone.
+    model = replace(model, terms=tuple(t for t in model.terms if not t.law.in_one_log))
     check_usable(model.terms, motions)
     before = on_new_logs(model, motions, seed)
     memory = Memory(journal, rules.share)

@@ -36,8 +36,8 @@ def freeze(
     """
     rigids = rigids or tuple(rigid_of(model.robot, m) for m in motions)
     pi = np.asarray(model.robot.parameters).ravel()
-    # A body that was added is in the last link's parameters.
-    terms = tuple(t for t in model.terms if not (t.law.reference_only and not t.law.recurring))
+    # A body that was added is in the last link's parameters, but for one that was carried for a while.
+    terms = tuple(t for t in model.terms if t.law.in_one_log or not t.law.reference_only)
     model = replace(model, terms=terms)
     regression = build_regression(model.robot, terms, motions, model.width, pi, rigids)
     theta = linear_values(model)
