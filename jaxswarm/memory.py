@@ -1,5 +1,6 @@
 """What memory there is, asked before work that may need more: the system would end it in its midst."""
 
+import ctypes
 import os
 from pathlib import Path
 
@@ -29,6 +30,19 @@ def refuse_beyond_free(needed: float, what: str, remedy: str) -> None:
     there = free()
     if there is not None and needed > there:
         raise InputError(f"{what} about {needed:.3g} GiB, and {there:.3g} GiB are free; {remedy}")
+
+
+def give_back() -> None:
+    """Give memory that the process has let go of back to the system, where its C library can (glibc).
+
+    Arrays below 32 MB lie among others, and the gaps that they leave stay the process's own: beside 1.1 GB of
+    arrays a diagnosis of 12,000 samples of seven joints held 0.9 GB of gaps. It takes a hundredth of a second.
+    """
+    try:
+        trim = ctypes.CDLL(None).malloc_trim
+    except (OSError, TypeError, AttributeError):  # another library, another system
+        return
+    trim(ctypes.c_size_t(0))
 
 
 def _available() -> float | None:

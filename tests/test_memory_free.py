@@ -96,3 +96,14 @@ def test_more_samples_or_workers_than_memory_holds(small):
 def test_nothing_is_refused_where_the_system_does_not_tell(monkeypatch):
     monkeypatch.setattr(jaxswarm.memory, "free", lambda: None)
     jaxswarm.memory.refuse_beyond_free(1e9, "it takes", "wait")
+
+
+@pytest.mark.parametrize("library", [OSError, TypeError, object])
+def test_where_no_library_gives_memory_back_it_stays(monkeypatch, library):
+    def found(name):
+        if library is object:
+            return library()  # one that knows nothing of it
+        raise library
+
+    monkeypatch.setattr(jaxswarm.memory.ctypes, "CDLL", found)
+    jaxswarm.memory.give_back()

@@ -14,8 +14,8 @@ from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.estimation.base_parameters import find_base
 from jaxswarm.identify.estimation.factors import triangular_factor
-from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.identify.forward.measuring_chain import assemble
+from jaxswarm.identify.forward.names import column_names
 from jaxswarm.identify.physical.physical_model import random_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import Robot, standard_parameter_names

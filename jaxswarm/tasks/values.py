@@ -7,8 +7,8 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.base_parameters import find_base
-from jaxswarm.identify.forward.columns import column_names
 from jaxswarm.identify.forward.model import Model
+from jaxswarm.identify.forward.names import column_names
 from jaxswarm.identify.physical.physical_model import base_matrix, random_columns
 from jaxswarm.identify.report.summary import term_parameters
 from jaxswarm.robot import standard_parameter_names

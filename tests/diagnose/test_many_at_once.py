@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxswarm.diagnose.candidates import link_lag
+from jaxswarm.diagnose.candidates import swings
 from jaxswarm.diagnose.folds.fold_data import FoldData, explained
 from jaxswarm.diagnose.folds.free_parts import free_parts
 from jaxswarm.diagnose.folds.joint_rows import joint_rows
@@ -133,8 +133,8 @@ def test_options_that_feel_alike_lag_as_if_each_felt_for_itself():
     felt = [np.sin(3 * t), 0.3 + 0 * t, 0.1 + 0 * t, 1.0 + 0.2 * np.cos(t)]
     gear = [np.geomspace(100.0, 1e4, 5), np.geomspace(1.0, 5.0, 5), rng.uniform(0, 1e-3, 5)]
     gear = [*gear, np.zeros(5)]
-    alike = link_lag._lags(*(x[:, None] for x in felt), *gear, 0.004, 0, 2)
-    apart = link_lag._lags(*(np.repeat(x[:, None], 5, axis=1) for x in felt), *gear, 0.004, 0, 2)
+    alike = swings._lags(*(x[:, None] for x in felt), *gear, 0.004, 0, 2)
+    apart = swings._lags(*(np.repeat(x[:, None], 5, axis=1) for x in felt), *gear, 0.004, 0, 2)
     for one, other in zip(alike, apart, strict=True):
         assert one.shape == (1024, 5)
         np.testing.assert_array_equal(one, other)

@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.columns import rigid_of
+from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.identify.synthetic import demo_case, synthetic_log
-from jaxswarm.logs.motion import prepare
+from jaxswarm.logs.motion import prepare, shift_motion
 from jaxswarm.robot import rx60
 
 TERM = Term("stribeck_friction", 1)
@@ -70,3 +72,20 @@ def test_columns_of_a_log_are_kept_until_its_motion_is_another():
     assert memory.laws == {"one": 1}
     memory.look_at([replace(motion, q=motion.q.copy())])
     assert not memory.laws
+
+
+def test_what_joints_do_to_columns_stands_for_one_clock():
+    """Of 12,000 samples of seven joints it is 0.6 GB, and was kept of every clock that was tried."""
+    arm, declared, _ = demo_case(rx60(), 1)
+    motions = [prepare(synthetic_log(arm, declared, 1, duration=6.0))]
+    motions.append(shift_motion(motions[0], 1e-3))
+    memory, rigids = Memory(), [rigid_of(arm, m) for m in motions]
+    for motion, rigid in zip(motions, rigids, strict=True):
+        memory.look_at([motion], [rigid])
+        for joint in range(3):
+            sensitivity_of(arm, motion, joint, rigid).inertia(np.ones(30))
+    assert not rigids[0].sensed and "full" not in vars(rigids[0])
+    assert list(rigids[1].sensed) == [0, 1, 2]
+    full = rigids[1].full
+    memory.look_at([replace(motions[1], model_noise=np.zeros(3))], rigids[1:])
+    assert list(rigids[1].sensed) == [0, 1, 2] and rigids[1].full is full

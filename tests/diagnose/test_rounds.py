@@ -20,6 +20,7 @@ from jaxswarm.identify.estimation.clock_skew import with_skew
 from jaxswarm.logs.motion import prepare
 
 clock = importlib.import_module("jaxswarm.diagnose.selection.clock")
+rounds = importlib.import_module("jaxswarm.diagnose.selection.rounds")
 CLOCK = Term("time_delay")
 SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
 
@@ -49,6 +50,29 @@ def test_the_last_look_is_at_the_model_as_it_is_told(fitted):
     run_rounds(search, question, 3)
     assert len(asked) == 4 and len(allowed) == 3
     assert search.ended and search.asked == 1 and len(search.scores) == 1
+
+
+def test_scores_of_a_round_do_not_stand_beside_those_of_the_next(fitted, monkeypatch):
+    """With their columns each is as large as the other; what has been let go of goes back to the system."""
+    found, crossfit = fitted
+    standing, given, score_terms = [], [], rounds.score_terms
+    monkeypatch.setattr(rounds.memory, "give_back", lambda: given.append(1))
+
+    def counted(*asked):
+        standing.append(len(search.scores))
+        return score_terms(*asked)
+
+    monkeypatch.setattr(rounds, "score_terms", counted)
+    question = Question(
+        told=lambda search: "asking",
+        cross_fit=lambda search: crossfit,
+        eligible=lambda search: [replace(SPRING, values={})],
+        held=lambda search: set(),
+        act=lambda search, passed: True,
+    )
+    search = search_of(found)
+    run_rounds(search, question, 1)
+    assert standing == [0, 0] and len(search.scores) == 1 and len(given) == 2
 
 
 @pytest.mark.parametrize("steps", [0, 1])

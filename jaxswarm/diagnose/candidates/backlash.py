@@ -18,7 +18,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, joined, lag_torque
+from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
+from jaxswarm.diagnose.candidates.options import joined
 from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term

@@ -7,6 +7,7 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.logs.motion import Motion
 
 # A joint's residual that changed by less than this part asks for no new search of nonlinear parameters.
@@ -37,6 +38,7 @@ class Memory:
         laws: Decimated columns of laws on the logs, by term, values and width of the sign.
         misread: How errors of encoders on the logs follow their parameters, by term and log.
         positions: Of the logs that columns are kept of.
+        rigids: Rigid columns of these logs.
     """
 
     journal: Journal | None = None
@@ -47,9 +49,18 @@ class Memory:
     laws: dict = field(default_factory=dict)
     misread: dict = field(default_factory=dict)
     positions: tuple[np.ndarray, ...] = ()
+    rigids: tuple[Rigid, ...] = ()
 
-    def look_at(self, motions: Sequence[Motion]) -> None:
-        """Forget the columns of other logs. What is found out about the noise of a log leaves its motion."""
+    def look_at(self, motions: Sequence[Motion], rigids: Sequence[Rigid] = ()) -> None:
+        """Forget the columns of other logs. What is found out about the noise of a log leaves its motion.
+
+        A log with another clock is another log: of 12,000 samples of seven joints each takes 0.6 GB, and
+        a diagnosis sees several clocks.
+        """
+        for old in self.rigids:
+            if not any(old is one for one in rigids):
+                old.forget()
+        self.rigids = tuple(rigids)
         positions = tuple(m.q for m in motions)
         if [*map(id, positions)] != [*map(id, self.positions)]:
             self.laws, self.misread, self.positions = {}, {}, positions

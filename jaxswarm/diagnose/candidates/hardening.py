@@ -7,7 +7,8 @@ import numpy as np
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import best_option, gears, lag_torque, placed
+from jaxswarm.diagnose.candidates.link_lag import gears, lag_torque
+from jaxswarm.diagnose.candidates.options import best_option, chosen, placed
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.link_lag import term_deflection
@@ -29,8 +30,7 @@ def extended_candidate(lin: Linearization, term: Term) -> Candidate:
     if known is None:
         picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
         lin.memory.keep(term, residuals, [options[p] for p in picks])
-    columns = tuple(curves[p][:, :, None] for p in picks)
-    return replace(probe, term=placed(term, options[picks[0]]), columns=columns)
+    return replace(probe, term=placed(term, options[picks[0]]), columns=chosen(curves, picks))
 
 
 def _options(lin: Linearization, term: Term, held: Term) -> list[dict[str, float]]:

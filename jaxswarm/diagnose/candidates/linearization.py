@@ -15,7 +15,7 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.body import Body, arm_of, body_along
-from jaxswarm.identify.forward.columns import columns_along, joint_series, partner_series
+from jaxswarm.identify.forward.columns import columns_along, is_kept, joint_series, partner_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
@@ -27,8 +27,10 @@ from jaxswarm.robot.logged import rigid_columns
 _REACH, _TURNS = 3.0, 9
 # Directions of the scaled rows weaker than this are rounding: the root of the precision, generously.
 _RANK = 3e-7
-# Joints, with their partners, of which the series that laws see are kept: a law is tried many times in a row.
-_SERIES = 12
+# Joints, with their partners, of which the series that laws see are kept, and the most numbers that they may
+# hold: a law is tried many times in a row. Twelve of a log of a million samples are 1.2 GB; those of a joint
+# and of one pair have to do.
+_SERIES, _NUMBERS, _LEAST = 12, 2**24, 2
 
 
 class Linearization:
@@ -36,7 +38,7 @@ class Linearization:
 
     def __init__(self, found: Estimate, crossfit: CrossFit, memory: Memory | None = None):
         self.found, self.crossfit, self.memory = found, crossfit, memory or Memory()
-        self.memory.look_at(found.motions)
+        self.memory.look_at(found.motions, found.rigids)
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = arm_of(model.robot, model.terms)
@@ -181,7 +183,8 @@ class Linearization:
     def _series(self, k: int, joint: int, other: int | None) -> Sample:
         """What laws on a joint, with a partner, see along a log, where programs have it at hand."""
         place = (k, joint, other)
-        if place not in self.series:
+        sample = self.series.pop(place, None)  # what was asked for last stays longest
+        if sample is None:
             width = self.found.model.width
             if other is None:
                 seen = joint_series(self.true[k], width, self.loads[k], joint)
@@ -189,16 +192,24 @@ class Linearization:
             else:  # of a joint with a partner most is the joint's own
                 partner = partner_series(self.true[k], width, joint, other)
                 sample = self._series(k, joint, None)._replace(**jax.device_put(filled(partner)))
-            while len(self.series) >= _SERIES:
+            numbers = len(Sample._fields) * len(sample.t)
+            most = min(_SERIES, max(_LEAST, _NUMBERS // numbers))
+            while len(self.series) >= most:
                 self.series.pop(next(iter(self.series)))
-            self.series[place] = sample
-        return self.series[place]
+        self.series[place] = sample
+        return sample
 
     def turned(self, k: int, joint: int) -> list[np.ndarray]:
-        """Derivatives (T, n) of the rigid torque of a log by q, dq, ddq of a joint."""
-        if (k, joint) not in self.slopes:
-            self.slopes[k, joint] = list(self.sensed(joint)[k].at(self.pi)[1:])
-        return self.slopes[k, joint]
+        """Derivatives (T, n) of the rigid torque of a log by q, dq, ddq of a joint.
+
+        Those of all joints of a long log are as large as all else; of the last one they are known anyway.
+        """
+        if (k, joint) in self.slopes:
+            return self.slopes[k, joint]
+        slopes = list(self.sensed(joint)[k].at(self.pi)[1:])
+        if is_kept(self.found.motions[k]):
+            self.slopes[k, joint] = slopes
+        return slopes
 
     def on_all(self, columns: np.ndarray) -> tuple[np.ndarray, ...]:
         """Columns that are the same on every fold."""

@@ -1,33 +1,22 @@
 """The torque that a link behind its motor changes, for many values of its parameters at once."""
 
-from dataclasses import replace
-
-import jax
 import numpy as np
 
-from jaxswarm.diagnose.candidates.candidate import Candidate
-from jaxswarm.diagnose.folds.partial_out import Fold
-from jaxswarm.effects.deflection import deflection
-from jaxswarm.effects.kinds import TransmissionLaw
-from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.link_lag import calm_start
+from jaxswarm.diagnose.candidates.swings import swings
+from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
+from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.measuring_chain import report, report_own
-from jaxswarm.identify.forward.sensitivity import Sensitivity
+from jaxswarm.identify.forward.sensitivity import BLOCK, Sensitivity
 from jaxswarm.logs.motion import Motion
-from jaxswarm.programs import program
 
 # Shares of a joint's inertia that its rotor may hold.
 ROTOR_SHARES = np.linspace(0.0, 0.9, 7)
-_MOST_LAG = 1.0
-# Options are filled up to the first, where each feels something of its own, or to multiples of the second, so
-# that few programs serve all lattices: an option more costs a tenth of a millisecond, a program a tenth of a
-# second.
-_FEW, _MANY = 24, 72
 # Numbers that a torque of all options may hold: of a long log some options pass at a time. A link's swing and
 # its derivatives are as many as the torques of so many joints.
 MOST_NUMBERS, _SWINGS = 2**24, 4
-
+# Times as many options share the columns of a long log as swing at a time: 22 gaps of a million samples, of
+# which what their joint feels is 0.7 GB.
+_TOGETHER = 6
 
 # Stiffness, damping, dead zone and hardening of options, each (m,).
 Gears = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -57,24 +46,25 @@ def lag_torque(
         own: Whether the torque of the joint itself is enough: (m, T', 1).
     """
     count, joints = motion.q.shape
+    swung = max(1, MOST_NUMBERS // (count * _SWINGS))
     at_once = max(1, MOST_NUMBERS // (count * max(_SWINGS, 1 if own else joints)))
+    # Where many options share columns these are made twice for all, not once for every few.
+    shared = len(pis) > 2 * at_once and not own and not of_kind(terms, MeasurementLaw)
+    size = _TOGETHER * swung if shared else at_once
     found = np.empty(0)
-    for start in range(0, len(k), at_once):
-        some = slice(start, start + at_once)
-        felt = sensed.at(pis if len(pis) == 1 else pis[some], _acted_on(sensed, own))
-        gear = (k[some], d[some], gap[some], hard[some])
-        part = _changed(motion, sensed.joint, felt, gear, substeps, terms, own, at_once)
+    for start in range(0, len(k), size):
+        some = slice(start, start + size)
+        by, gear = pis if len(pis) == 1 else pis[some], (k[some], d[some], gap[some], hard[some])
+        if shared:
+            part = _changed_in_parts(motion, sensed, by, gear, substeps, swung)
+        else:
+            part = _changed(motion, sensed, by, gear, substeps, at_once, terms, own)
         if len(part) == len(k):
             return part
         if not start:
             found = np.empty((len(k), *part.shape[1:]))
         found[some] = part
     return found
-
-
-def joined(parts: list[np.ndarray], axis: int) -> np.ndarray:
-    """Torques (m, T', n) of groups of options (axis 0) or of logs (1) as one; a single one is not copied."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=axis)
 
 
 def _acted_on(sensed: Sensitivity, own: bool) -> slice:
@@ -84,62 +74,59 @@ def _acted_on(sensed: Sensitivity, own: bool) -> slice:
 
 def _changed(
     motion: Motion,
-    moving: int,
-    sensed: tuple[np.ndarray, ...],
-    gear: tuple[np.ndarray, ...],
+    sensed: Sensitivity,
+    pis: np.ndarray,
+    gear: Gears,
     substeps: int,
+    most: int,
     terms: tuple[Term, ...],
     own: bool,
-    most: int,
 ) -> np.ndarray:
     """The torque of :func:`lag_torque` for options that stand in memory together, (m, T', n or 1)."""
-    torque, by_q, by_dq, by_ddq = sensed
-    joint, count = 0 if own else moving, len(gear[0])
-    felt, gear = _held(tuple(x[:, joint] for x in (torque, by_q, by_dq, by_ddq)), gear, most)
-    swings = _lags(*felt, *gear, 1.0 / motion.rate, calm_start(motion), substeps)
-    e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in swings)
-    # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
-    alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
-    lags = np.stack([np.where(alive, x, 0.0) for x in (e, v, a)], axis=1)
-    if by_q.shape[2] == 1:
-        # One small product a sample: the numbers pass through memory once, not five times.
-        change = np.concatenate(sensed[1:], axis=2) @ lags
-    else:
-        change = lags[:, :1] * by_q
-        change += lags[:, 1:2] * by_dq
-        change += lags[:, 2:] * by_ddq
+    moving, felt = sensed.joint, sensed.at(pis, _acted_on(sensed, own))
+    joint = 0 if own else moving
+    lags = swings(motion, [x[:, joint] for x in felt], gear, substeps, most)
+    change = _by_lags(felt[1:], lags)
     told = report_own(terms, motion, change[:, 0], moving) if own else change
     told = told[:, None] if own else report(terms, motion, told)
     return -np.moveaxis(motion.decimator.apply(told), 2, 0)
 
 
-def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...], most: int) -> tuple:
-    """What the joint feels (T, 1 or m) and gears (m,) with samples and options filled up by the last.
+def _changed_in_parts(
+    motion: Motion, sensed: Sensitivity, pis: np.ndarray, gear: Gears, substeps: int, most: int
+) -> np.ndarray:
+    """The same of options with parameters of their own, of drives that report a torque as it is, (m, T', n).
 
-    Options are not filled up to more than the ``most`` that a long log takes at a time.
+    Columns of a long log are made anew for every part of it: once for what the joint feels of all options, and
+    once for what their lags do to the torque. Nothing but what the joint feels is held.
     """
-    count, own = len(gear[0]), felt[0].shape[1] > 1
-    more = -count % min(_FEW if own and count <= _FEW else _MANY, most)
-    felt = filled(felt)
-    if own:
-        felt = tuple(np.pad(x, ((0, 0), (0, more)), mode="edge") for x in felt)
-    return felt, tuple(np.pad(x, (0, more), mode="edge") for x in gear)
+    felt = [x[:, 0] for x in sensed.at(pis, _acted_on(sensed, True))]
+    each = -(-len(pis) // -(-len(pis) // most))  # alike, so that none is filled up
+    for start in range(0, len(pis), each):
+        some = slice(start, start + each)
+        lags = swings(motion, [x[:, some] for x in felt], [x[some] for x in gear], substeps, each)
+        for x, lag in zip(felt[1:], np.moveaxis(lags, 1, 0), strict=True):
+            x[:, some] = lag  # what was felt there is not asked for again
+    low, row = motion.decimator, 0
+    found = np.empty((len(pis), len(low.kept(len(motion.t))), motion.q.shape[1]))
+    for part in low.blocks(len(motion.t), BLOCK):
+        slopes = sensed.during(part, pis)[1:]
+        change = low.apply(_by_lags(slopes, np.stack([x[part] for x in felt[1:]], axis=1)))
+        found[:, row : row + len(change)] = -np.moveaxis(change, 2, 0)
+        row += len(change)
+    return found
 
 
-@program("substeps")
-def _lags(torque, by_q, by_dq, by_ddq, k, d, gap, hard, step, calm, substeps):
-    """Lags (T, m) and their derivatives of m options; see :func:`deflection`.
-
-    What all options feel alike, (T, 1), stays one signal: written out for each it is most of the work.
-    """
-
-    def lag(tau, s, c, m, *gear):
-        return deflection(m, c, s, tau, *gear, step, calm, substeps)
-
-    alike = torque.shape[1] == 1
-    felt = (x[:, 0] if alike else x for x in (torque, by_q, by_dq, by_ddq))
-    axes = (*(None if alike else 1,) * 4, *(0,) * 4)
-    return jax.vmap(lag, in_axes=axes, out_axes=1)(*felt, k, d, gap, hard)
+def _by_lags(slopes: tuple[np.ndarray, ...], lags: np.ndarray) -> np.ndarray:
+    """What lags (T, 3, m) change of torques, (T, n, m), by their derivatives (T, n, 1 or m)."""
+    by_q, by_dq, by_ddq = slopes
+    if by_q.shape[2] == 1:
+        # One small product a sample: the numbers pass through memory once, not five times.
+        return np.concatenate(slopes, axis=2) @ lags
+    change = lags[:, :1] * by_q
+    change += lags[:, 1:2] * by_dq
+    change += lags[:, 2:] * by_ddq
+    return change
 
 
 def gears(law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray) -> Gears:
@@ -149,22 +136,3 @@ def gears(law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np
     found = [law.gear(option, inertia) for option in options]
     k, d, gap, hard = (np.array([float(x) for x in own]) for own in zip(*found, strict=True))
     return k, d, gap, hard
-
-
-def best_option(probe: Candidate, fold: Fold, curves: np.ndarray) -> int:
-    """The option whose torque, with a positive coefficient, explains most of a fold's rows.
-
-    ``curves`` are the weighted torques (m, T', n) of all options.
-    """
-    # All options at once, one column each.
-    free = fold.free_part(np.moveaxis(curves, 0, 2))
-    free = probe.view(free)[fold.train].reshape(-1, len(curves))
-    residual = probe.view(fold.residual)[fold.train].ravel()
-    size, inner = (free**2).sum(axis=0), free.T @ residual
-    gains = np.where((size > 0) & (inner > 0), inner**2 / np.maximum(size, 1e-300), 0.0)
-    return int(np.argmax(gains))
-
-
-def placed(term: Term, option: dict[str, float]) -> Term:
-    """The term with an option's values of its parameters."""
-    return replace(term, values={p.name: option[p.name] for p in term.law.parameters})

@@ -97,8 +97,10 @@ def _goes_apart(lin: Linearization, term: Term) -> bool:
 
 
 def _all(lin: Linearization, terms: Sequence[Term]) -> dict[Term, Candidate | None]:
+    # Joint by joint: of a long log what one joint's motion does is kept until the next one is asked for.
+    by_joint = sorted(terms, key=lambda t: -1 if t.joint is None else t.joint)
     with jax.enable_x64(True):  # a thread has settings of its own
-        return {term: propose(term.law, lin, term) for term in terms}
+        return {term: propose(term.law, lin, term) for term in by_joint}
 
 
 @singledispatch

@@ -9,14 +9,8 @@ import numpy as np
 from jaxswarm.diagnose.candidates.backlash import sharp_candidate
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.link_lag import (
-    ROTOR_SHARES,
-    best_option,
-    gears,
-    joined,
-    lag_torque,
-    placed,
-)
+from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
+from jaxswarm.diagnose.candidates.options import best_option, chosen, joined, placed
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.link_lag import unseen_rows
@@ -63,7 +57,7 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     return replace(
         probe,
         term=placed(term, best),
-        columns=tuple(curves[p][:, :, None] for p in picks),
+        columns=chosen(curves, picks),
         start=lin.pi - best["share"] * rotor,
     )
 

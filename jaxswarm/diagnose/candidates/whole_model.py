@@ -15,7 +15,7 @@ from jaxswarm.effects.kinds import BodyChange, MeasurementLaw
 from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
-from jaxswarm.identify.forward.columns import is_kept
+from jaxswarm.identify.forward.columns import is_kept, low_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
@@ -189,10 +189,13 @@ def _by_gravity(lin: Linearization, directions: np.ndarray) -> list[np.ndarray]:
         arm = lin.arm.replace(gravity=np.asarray(gravity))
 
         def rows(k):
-            q, zero = lin.moved[k][0], np.zeros_like(lin.moved[k][1])
-            return lin.reported(k, rigid_columns(arm, q, zero, zero))
+            q = lin.moved[k][0]
+            decimator, zero = lin.found.motions[k].decimator, np.zeros_like(q)
+            if not measured:  # of a long log some at a time: all of them are a gigabyte
+                return low_columns(arm, q, zero, zero, decimator)
+            return decimator.apply(lin.reported(k, rigid_columns(arm, q, zero, zero)))
 
-        return lin.low(rows)
+        return np.concatenate([rows(k) for k in range(len(lin.moved))])
 
     found = [columns(g) for g in (*directions, lin.arm.gravity)]
     # The positions are kept with them: their identity is the key.

@@ -17,9 +17,9 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.identify.forward.body import arm_of
+from jaxswarm.identify.forward.columns import low_columns
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
-from jaxswarm.robot.logged import rigid_columns
 
 
 @singledispatch
@@ -65,7 +65,7 @@ def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) ->
     """
 
     def rows(arm):
-        parts = [m.decimator.apply(rigid_columns(arm, m.q, m.dq, m.ddq)) for m in motions]
+        parts = [low_columns(arm, m.q, m.dq, m.ddq, m.decimator) for m in motions]
         return np.concatenate(parts).reshape(torque.size, -1)
 
     level = rows(model.robot)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from jaxswarm import memory
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_terms
@@ -53,6 +54,7 @@ class Question:
 def run_rounds(search: Search, question: Question, most: int) -> None:
     """Ask until nothing is done any more, at most so many rounds and a last look, or the time is over."""
     for number in range(1, most + 2):
+        memory.give_back()
         search.progress(f"round {number}: {question.told(search)}")
         search.crossfit = question.cross_fit(search)
         if search.budget.spent:
@@ -67,7 +69,9 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
         if number <= most and question.allow(search, lin, eligible):
             continue
         signed = partial(question.signed, search)
+        search.scores = []  # their columns are as large as those of the scores to come
         search.scores = score_terms(lin, eligible, search.seed, signed)
+        del lin  # of a long log its signals are as large as those of the fits to come
         search.asked = search.asked or len(search.scores)
         added = [step.added for step in search.steps if not step.removed]
         passed = accepted(search.scores, search.rules, added)

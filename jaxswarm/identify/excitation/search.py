@@ -41,7 +41,7 @@ from jaxswarm.identify.excitation.constraints import (
 )
 from jaxswarm.identify.excitation.fourier import Fourier, num_coordinates, shares, widest
 from jaxswarm.identify.excitation.limits import Limits
-from jaxswarm.identify.forward.columns import column_names
+from jaxswarm.identify.forward.names import column_names
 from jaxswarm.robot.model import Robot
 from jaxswarm.swarm import Space, cma_es, minimize_runs
 

@@ -22,7 +22,6 @@ from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
 from jaxswarm.programs import program
-from jaxswarm.robot import standard_parameter_names
 from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
@@ -114,6 +113,13 @@ class Rigid:
         """The same without acceleration."""
         rest = np.zeros_like(self.motion.ddq)
         return rigid_columns(self.robot, self.motion.q, self.motion.dq, rest)
+
+    def forget(self) -> None:
+        """Let go of what is as large as the columns on the working clock; it is made anew where asked for."""
+        for name in ("full", "still"):
+            vars(self).pop(name, None)
+        self.sensed.clear()
+        self.swayed.clear()
 
     def torque(self, pi: np.ndarray) -> np.ndarray:
         """Rigid-body torque (T, n) for parameters (10 n,)."""
@@ -236,11 +242,3 @@ def columns_along(term: Term, series: Sample) -> np.ndarray:
     """Columns of a joint or pair term along a series of a length that has a program, :func:`filled`."""
     nonlinear = {p.name: np.float64(term.values[p.name]) for p in term.law.nonlinear}
     return np.asarray(_law(term.law, nonlinear, series))
-
-
-def column_names(robot: Robot, terms: tuple[Term, ...]) -> tuple[str, ...]:
-    """Names of all columns: standard parameters, then ``parameter_joint:effect``."""
-    names = list(standard_parameter_names(robot))
-    for term in terms:
-        names.extend(term.columns(robot.joints))
-    return tuple(names)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import arm_of
-from jaxswarm.identify.forward.columns import Rigid, column_names
+from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.link_lag import (
     lag_slopes,
     slope_terms,
@@ -18,6 +18,7 @@ from jaxswarm.identify.forward.link_lag import (
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
+from jaxswarm.identify.forward.names import column_names
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 

@@ -17,7 +17,7 @@ from jaxswarm.robot.model import Robot
 # so that its step may be any, and linear in acceleration.
 _POSITION, _VELOCITY = 1e-5, 1e-2
 # Samples of a long log whose columns are made at a time.
-_BLOCK = 8_192
+BLOCK = 8_192
 # Two threads that ask for the same columns make them once.
 _MAKING = Lock()
 
@@ -74,6 +74,10 @@ class Sensitivity:
             self.asked[place] = self._in_parts(pi.ravel())
         return tuple(x[:, joints].reshape(len(x), -1, *pi.shape[:-1]) for x in self.asked[place])
 
+    def during(self, part: slice, pi: np.ndarray, joints: slice = slice(None)) -> tuple:
+        """What :meth:`at` gives, of a stretch of the log alone: its columns are made for that."""
+        return self._torques(self._columns(part), pi, joints)
+
     def inertia(self, pi: np.ndarray) -> np.ndarray:
         """The joint's own inertia along the log, (T,)."""
         if is_kept(self.motion):
@@ -104,8 +108,8 @@ class Sensitivity:
         if is_kept(self.motion):
             yield slice(None), self._whole
             return
-        for start in range(0, len(self.motion.t), _BLOCK):
-            part = slice(start, start + _BLOCK)
+        for start in range(0, len(self.motion.t), BLOCK):
+            part = slice(start, start + BLOCK)
             yield part, self._columns(part)
 
     def _torques(self, columns: _Columns, pi: np.ndarray, joints: slice) -> tuple[np.ndarray, ...]:
