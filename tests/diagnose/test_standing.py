@@ -442,3 +442,29 @@ def test_a_joint_that_never_moves_says_nothing_of_what_motion_foretells():
         np.pad(resting, ((0, 0), (0, 1)), constant_values=True),
     )
     assert told.tolist() == [False, False, True]
+
+
+def test_what_motion_foretells_is_found_a_joint_at_a_time(monkeypatch):
+    """Copies of all columns beside them took ten million samples of seven joints from 3.4 to 4.5 GiB."""
+    rng = np.random.default_rng(1)
+    columns, left = rng.normal(size=(400, 3, 5)), rng.normal(size=(400, 3))
+    resting = rng.random((400, 3)) < 0.3
+    passed, factor = [], held_rest.triangular_factor
+
+    def counted(matrix):
+        passed.append(matrix.size)
+        return factor(matrix)
+
+    monkeypatch.setattr(held_rest, "triangular_factor", counted)
+    told = held_rest._foretold(columns, left, resting)
+    assert len(passed) == 3 and max(passed) <= columns[:, 0].size
+    size = held_rest._rms_in_motion(left, resting)
+    weighted = columns / size[:, None]
+    weighted /= np.linalg.norm(weighted, axis=(0, 1))
+    known = np.concatenate([weighted[~resting], held_rest._UNSEEN * np.eye(5)])
+    each = np.einsum("tjp,pq,tjq->tj", weighted, np.linalg.inv(known.T @ known), weighted)
+    usual = [np.median(np.sqrt(1.0 + d)[r]) for d, r in zip(each.T, resting.T, strict=True)]
+    for most, expected in ((min(usual), 1), (max(usual), 3)):
+        monkeypatch.setattr(held_rest, "_TOLD", most + 1e-9)
+        assert held_rest._foretold(columns, left, resting).sum() == expected
+    assert told.all()

@@ -9,7 +9,7 @@ import scipy
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.identify.estimation.free_parameters import Place, width_parameter
-from jaxswarm.identify.estimation.gauss_newton import Settled, newton, settle
+from jaxswarm.identify.estimation.gauss_newton import newton, settle
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import width_range
 from jaxswarm.identify.estimation.standing import held, leave_out, mixed_with, standing
@@ -51,20 +51,37 @@ def without_rest(
     if any(r.any() for r in rest):
         mixed = mixed_with(motions, rest)
         trial = [replace(m, held=r) for m, r in zip(motions, mixed, strict=True)]
-        here = settle(Problem(robot, tuple(trial), tuple(rigids), False), Place(terms, width), pi)
-        every = build_regression(robot, here.place.terms, motions, width, here.pi, rigids)
-        left = every.target - every.columns @ here.theta
+        place, pi, theta = _fitted(
+            Problem(robot, tuple(trial), tuple(rigids), False), terms, width, pi
+        )
+        every = build_regression(robot, place.terms, motions, width, pi, rigids)
+        left = every.target - every.columns @ theta
         found = held(left, rest, mixed) & _foretold(every.columns, left, np.concatenate(mixed))
+        del every  # of a long log the columns are as large as those of the fits to come
         # Where no friction is declared no sign has a width that could tell.
         own = {t.joint for t in terms if t.law.uses_direction}
         signed = np.array([j in own for j in range(robot.num_joints)])
         whole = Problem(robot, tuple(motions), tuple(rigids), False)
-        found = (found & ~signed) | _untold(found & signed, found & ~signed, left, whole, here)
+        asked, out = found & signed, found & ~signed
+        found = out | _untold(asked, out, left, whole, place, pi)
     return leave_out(motions, rest, found)
 
 
+def _fitted(
+    problem: Problem, terms: tuple[Term, ...], width: tuple[float, ...], pi: np.ndarray
+) -> tuple[Place, np.ndarray, np.ndarray]:
+    """Where a fit ends, its rigid parameters (10 n,) and all linear ones (p,); its columns are let go of."""
+    here = settle(problem, Place(terms, width), pi)
+    return here.place, here.pi, here.theta
+
+
 def _untold(
-    asked: np.ndarray, out: np.ndarray, left: np.ndarray, whole: Problem, here: Settled
+    asked: np.ndarray,
+    out: np.ndarray,
+    left: np.ndarray,
+    whole: Problem,
+    place: Place,
+    pi: np.ndarray,
 ) -> np.ndarray:
     """Of joints that are asked, (n,), those whose rest no width of their own sign tells, (n,).
 
@@ -75,7 +92,9 @@ def _untold(
     Args:
         asked: Joints whose rest is more than what motion alone leaves of them.
         out: Further ones, (n,), of which rest is left out in any case.
-        left: What the fit to motion alone, ``here``, leaves on all rows of the ``whole`` problem, (T, n).
+        left: What the fit to motion alone leaves on all rows of the ``whole`` problem, (T, n).
+        whole: All rows.
+        place, pi: Where the fit to motion alone ended.
     """
     motions = whole.motions
     rest = standing(motions)
@@ -89,7 +108,7 @@ def _untold(
             width_parameter((j,), width_range(motions, (j,)))
             for j in np.flatnonzero(open_).tolist()
         ]
-        told = newton(problem, own, settle(problem, here.place, here.pi)).residual
+        told = newton(problem, own, settle(problem, place, pi)).residual
         paid = np.where(open_, _rms_in_motion(told, resting) / alone, 0.0)
         still = open_ & held(np.where(resting, told, left), rest, mixed)
         if not still.any():
@@ -110,15 +129,25 @@ def _foretold(columns: np.ndarray, left: np.ndarray, resting: np.ndarray) -> np.
     """
     # A joint that never moves tells nothing of the model, and has no error in motion.
     size = np.where(resting.all(axis=0), np.inf, _rms_in_motion(left, resting))
-    weighted = columns / size[:, None]
-    weighted = weighted[:, :, weighted.any(axis=(0, 1))]
-    weighted = weighted / np.linalg.norm(weighted, axis=(0, 1))
-    known = np.concatenate([weighted[~resting], _UNSEEN * np.eye(weighted.shape[2])])
-    unseen = scipy.linalg.solve_triangular(
-        triangular_factor(known), weighted[resting].T, trans="T", check_finite=False
-    )
+    # A joint at a time: beside the columns of a long log, as large as all else, no copy of them stands.
+    squares = [((columns[:, j] / one) ** 2).sum(axis=0) for j, one in enumerate(size)]
+    norm = np.sqrt(np.sum(squares, axis=0))
+    seen = norm > 0.0
+
+    def scaled(j: int, rows: np.ndarray) -> np.ndarray:
+        return columns[rows, j][:, seen] / (size[j] * norm[seen])
+
+    factor = _UNSEEN * np.eye(int(seen.sum()))
+    for j, still in enumerate(resting.T):
+        factor = triangular_factor(np.concatenate([factor, scaled(j, ~still)]))
     doubt = np.zeros(left.shape)
-    doubt[resting] = np.sqrt(1.0 + (unseen**2).sum(axis=0))
+    for j, still in enumerate(resting.T):
+        if not still.any():
+            continue
+        unseen = scipy.linalg.solve_triangular(
+            factor, scaled(j, still).T, trans="T", check_finite=False
+        )
+        doubt[still, j] = np.sqrt(1.0 + (unseen**2).sum(axis=0))
     usual = [np.median(d[r]) if r.any() else 0.0 for d, r in zip(doubt.T, resting.T, strict=True)]
     return np.array(usual) <= _TOLD
 
