@@ -95,9 +95,13 @@ def with_first(hard: bool, first: str):
     return refit_with(found, asked(found, first)[0])
 
 
-@pytest.mark.parametrize("first", REPLACED)
-def test_a_spring_that_hardens_is_named_with_its_values(first):
-    before = with_first(True, first)
+def test_a_dead_zone_is_not_what_a_spring_that_hardens_is_told_as_first():
+    found = declared_alone(True)
+    assert asked(found, *REPLACED)[0].candidate.term.effect == "joint_elasticity"
+
+
+def test_a_spring_that_hardens_is_named_with_its_values():
+    before = with_first(True, "joint_elasticity")
     best = asked(before, "hardening_elasticity", "hysteresis", "torque_dead_band")[0]
     after = refit_with(before, best)
     term = find_term(after, best.candidate.term)

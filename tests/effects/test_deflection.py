@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import butter, sosfiltfilt
 
 from jaxswarm.effects.deflection import deflection
 
@@ -40,6 +41,32 @@ def test_from_the_flank_it_goes_on_as_the_equation_of_the_link_says():
     true = solve_ivp(rate, (0.0, t[-1]), start, t_eval=t, max_step=2e-4, rtol=1e-8).y[0]
     assert true.min() < -GAP  # it falls through, and back
     np.testing.assert_allclose(lag(torque), true, atol=0.05 * GAP)
+
+
+def test_what_a_filter_leaves_of_an_impact_does_not_hang_on_when_samples_see_it():
+    """Its force lasts a few milliseconds, a sample or two; below the rate it is its impulse."""
+
+    def low(rate):
+        t = np.arange(6.0 * rate) / rate
+        shape, wave = np.ones(len(t)), 2 * np.pi * 60.0
+        gear = INERTIA * wave**2, 0.6 * INERTIA * wave, GAP
+        held = (INERTIA * shape, 0.0 * shape, 0.0 * shape, 60.0 * np.cos(2 * np.pi * 0.8 * t))
+        _, _, a = deflection(*held, *gear, 0.0, 1.0 / rate)
+        return sosfiltfilt(butter(4, 12.0, fs=rate, output="sos"), np.asarray(a))
+
+    seldom, often = low(500.0)[400:-400], low(4000.0)[::8][400:-400]
+    assert np.abs(seldom - often).max() < 0.05 * np.abs(often).max()
+
+
+def test_accelerations_of_a_smooth_lag_are_those_at_the_samples():
+    t = np.arange(1000) / RATE
+    shape, wave = np.ones(len(t)), 2.0 * np.pi * 0.1 * RATE
+    torque = 60.0 * np.cos(wave * t)
+    held = (shape, 0.0 * shape, 0.0 * shape, torque)
+    e, _, a = map(np.asarray, deflection(*held, STIFFNESS, 200.0, 0.0, 0.0, 1.0 / RATE))
+    late = slice(100, -100)
+    expected = -(wave**2) * e[late]  # it swings as its torque does, at a tenth of the rate
+    assert np.abs(a[late] - expected).max() < 0.02 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("wrong", [1.0, -3.0])
