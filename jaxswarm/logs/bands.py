@@ -4,8 +4,9 @@ A motion is kept up to :data:`MOTION_BAND` times the frequency at which it is as
 (:func:`jaxswarm.logs.cutoffs.find_cutoffs`), joint by joint; where friction turns round it is sharper than
 on the whole, and what is lost there is not won back. Noise that is not white, such as that of a filtered
 or interpolated position, would make a likelihood trust all of it: the valley of the acceleration's spectrum
-bounds the cutoff. Torques are compared over :data:`TORQUE_BAND` of the band of the median joint, and no further
-than the motion of any joint is known that moves.
+bounds the cutoff, but where the torque goes with what lies beyond it (:mod:`jaxswarm.logs.driven`), as with the
+impacts in a gear. Torques are compared over :data:`TORQUE_BAND` of the band of the median joint up to its
+valley, and no further than that of any joint that moves.
 
 Where a velocity is logged, both channels make one motion: the position at low, the velocity at high
 frequencies, by their noise. A velocity that is not the derivative of the position is left out, and told; so is
@@ -17,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxswarm.logs.cutoffs import find_cutoffs
+from jaxswarm.logs.driven import driven_share
 from jaxswarm.logs.filtering import acceleration_valley, derivatives, energy_band, noise_floor
 from jaxswarm.logs.smoothing import smooth
 
@@ -29,6 +31,9 @@ _VALLEY_BAND = 1.3
 TORQUE_BAND = 0.6
 # A joint moves if it goes through so many times the noise of its position.
 _MOVES = 100.0
+# Beyond the valley there is a motion, such as what impacts in a gear leave, where at least this share of the
+# acceleration goes with the torque.
+_DRIVEN = 0.5
 # Share of the torque's variance that the compared band has to hold.
 _TORQUE_ENERGY = 0.9999
 # A velocity may differ from the derivative of the position by this share of its size below the cutoff.
@@ -82,17 +87,32 @@ def find_band(
         if ratio is not None:
             found = find_cutoffs(q, rate, velocity, ratio)
     motion = np.minimum(MOTION_BAND * found.cutoff, 0.4 * rate)
+    known = motion  # where no noise can be taken for a motion
     if ratio is None:  # the valley is that of the position alone
-        motion = np.minimum(motion, _VALLEY_BAND * acceleration_valley(q, rate))
-    compared = TORQUE_BAND / MOTION_BAND * float(np.median(motion))
+        valley = acceleration_valley(q, rate)
+        known = np.minimum(motion, _VALLEY_BAND * valley)
+        motion = np.where(_driven(q, torque, rate, valley, found.cutoff), motion, known)
+    compared = TORQUE_BAND / MOTION_BAND * float(np.median(known))
     # Where a joint's own motion is not known its torque follows what is not in the model: compared up to 1.5
     # times its band, a clean joint was told as a soft one at its noise, with a quarter of its squared error.
     moves = np.ptp(q, axis=0) > _MOVES * found.noise
-    compared = min(compared, *motion[moves]) if moves.any() else compared
+    compared = min(compared, *known[moves]) if moves.any() else compared
     if torque is not None:
         # Above the band that holds the torque, errors of phase and structure are all there is.
         compared = min(compared, energy_band(torque, rate, _TORQUE_ENERGY))
     return Band(motion, compared, ratio, found.noise, notes)
+
+
+def _driven(
+    q: np.ndarray, torque: np.ndarray | None, rate: float, valley: np.ndarray, cutoff: np.ndarray
+) -> np.ndarray:
+    """Joints (n,) whose torque goes with most of what lies between their valley and their cutoff."""
+    beyond = cutoff > valley
+    if torque is not None:
+        for j in np.flatnonzero(beyond):
+            own = q[:, j], torque[:, j]
+            beyond[j] = driven_share(*own, rate, valley[j], cutoff[j]) > _DRIVEN
+    return beyond & (torque is not None)
 
 
 def _velocity(

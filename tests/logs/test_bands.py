@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from jaxswarm.logs.bands import TORQUE_BAND, find_band
 from jaxswarm.logs.log import Log
@@ -71,3 +72,23 @@ def test_a_late_velocity_is_not_used(late, used):
     told = prepare_segments(log)[0].notes
     how = "late" if late > 0.0 else "early"
     assert any(f"dq of shoulder is 4 ms {how}" in note for note in told) != used
+
+
+@pytest.mark.parametrize("driven", [True, False], ids=["driven", "noise"])
+def test_what_the_torque_goes_with_beyond_a_valley_is_motion(driven):
+    """What impacts leave of a motion lies beyond a dip of its spectrum, as noise that was filtered does."""
+    rate, rng = 250.0, np.random.default_rng(7)
+    t = np.arange(5000) / rate
+    slow = sum(0.1 * np.sin(2 * np.pi * f * t + f) / f for f in (0.3, 0.8, 1.3))
+    band = signal.butter(5, (14.0, 25.0), btype="bandpass", fs=rate, output="sos")
+    fast = 4e-4 * signal.sosfiltfilt(band, rng.normal(size=len(t)))
+    q = slow + fast + 2e-5 * rng.normal(size=len(t))
+    moved = slow + fast if driven else slow
+    torque = 3.0 * np.gradient(np.gradient(moved, t), t) + 0.3 * rng.normal(size=len(t))
+    found = find_band(q[:, None], rate, ("j",), torque=torque[:, None])
+    if driven:
+        assert found.motion[0] > 25.0
+    else:
+        assert found.motion[0] < 15.0
+    # Torques are compared below the dip in either case.
+    assert found.torque < 15.0
