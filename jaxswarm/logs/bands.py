@@ -32,8 +32,8 @@ TORQUE_BAND = 0.6
 # A joint moves if it goes through so many times the noise of its position.
 _MOVES = 100.0
 # Beyond the valley there is a motion, such as what impacts in a gear leave, where at least this share of the
-# acceleration goes with the torque: 0.53 to 0.97 on 19 joints of MuJoCo logs with backlash and of a TX40, 0.14
-# and 0.25 on two more, 0 to 0.07 on a UR10e, whose positions were interpolated, 0.29 on the slide of EMPS.
+# acceleration goes with the torque: 0.55 to 0.97 on 14 joints of MuJoCo logs with backlash, 0 to 0.36 on three,
+# 0.70 to 0.99 on five of a TX40, 0.60 on EMPS, 0 to 0.07 on a UR10e, whose positions were interpolated.
 _DRIVEN = 0.5
 # Share of the torque's variance that the compared band has to hold.
 _TORQUE_ENERGY = 0.9999

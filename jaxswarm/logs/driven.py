@@ -6,8 +6,9 @@ controllers the motion. The torque of the joint knows which of the two it is.
 
 import numpy as np
 
-# Resolution, as a part of the lower frequency, and the fewest stretches: of seven, noise shares 0.15.
-_RESOLVED, _STRETCHES = 0.25, 7
+# Resolution, as a part of the lower frequency, and the fewest stretches: of seven, noise shares 0.15. Stretches
+# of so many seconds, a quarter of the log at most, keep a slow motion from leaking into the band.
+_RESOLVED, _STRETCHES, _LONG = 0.25, 7, 2.0
 
 
 def driven_share(
@@ -27,7 +28,7 @@ def driven_share(
     Returns:
         Between zero and one; zero where the log is too short to tell.
     """
-    length = max(16, int(rate / (_RESOLVED * lower)))
+    length = int(max(16.0, rate / (_RESOLVED * lower), min(_LONG * rate, len(q) / 4.0 - 1.0)))
     if len(q) - 2 < (_STRETCHES + 1) * length // 2:
         return 0.0
     # Differences first: of a slow motion nothing must leak into the band.
