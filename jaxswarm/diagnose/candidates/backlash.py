@@ -19,10 +19,10 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
-from jaxswarm.diagnose.candidates.options import joined
 from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.memory import joined
 
 # Share of the joint's squared error that predicted impacts must explain, on unseen blocks of time too.
 _MOST = 0.5

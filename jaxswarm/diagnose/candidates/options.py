@@ -14,11 +14,6 @@ from jaxswarm.effects.term import Term
 _AT_ONCE = 2**22
 
 
-def joined(parts: list[np.ndarray], axis: int) -> np.ndarray:
-    """Torques (m, T', n) of groups of options (axis 0) or of logs (1) as one; a single one is not copied."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=axis)
-
-
 def best_option(probe: Candidate, fold: Fold, curves: np.ndarray) -> int:
     """The option whose torque, with a positive coefficient, explains most of a fold's rows.
 

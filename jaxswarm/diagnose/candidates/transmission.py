@@ -10,10 +10,11 @@ from jaxswarm.diagnose.candidates.backlash import sharp_candidate
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
-from jaxswarm.diagnose.candidates.options import best_option, chosen, joined, placed
+from jaxswarm.diagnose.candidates.options import best_option, chosen, placed
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.link_lag import unseen_rows
+from jaxswarm.memory import joined
 
 # Times the rigid parameters are settled with a dead zone, and every how many-th gap that is done for:
 # the torque is averaged over the moments of the impacts, so that close gaps look alike.

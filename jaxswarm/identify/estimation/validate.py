@@ -13,6 +13,7 @@ from jaxswarm.identify.forward.link_lag import slope_terms, unseen_samples, unse
 from jaxswarm.identify.forward.metrics import is_moving, torque_errors
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.motion import Motion
+from jaxswarm.memory import joined
 
 
 def log_errors(
@@ -45,8 +46,8 @@ def log_errors(
     moving = np.split(is_moving(np.concatenate([m.dq for m in motions])), ends)
     parts = [_compared(model, *given) for given in zip(motions, scored, moving, strict=True)]
     low, measured = zip(*parts, strict=True)
-    errors = torque_errors(*map(np.concatenate, zip(*low, strict=True)))
-    errors["wideband"] = torque_errors(*map(np.concatenate, zip(*measured, strict=True)))
+    errors = torque_errors(*map(joined, zip(*low, strict=True)))
+    errors["wideband"] = torque_errors(*map(joined, zip(*measured, strict=True)))
     errors["torque_cutoff"] = motions[0].torque_cutoff
     errors["left_out_s"] = float(sum(unseen_start(m) for m in motions)) if swinging else 0.0
     errors["events"] = [{"start": start, "end": end} for start, end in events]
@@ -73,6 +74,8 @@ def _compared(
     predicted = model_torque(model, motion)
     low = motion.low_torque, motion.decimator.apply(predicted), moving[kept]
     wide = np.asarray(motion.tau), predicted, moving
+    if scored.all():  # nothing is copied: of a long log that is as large as all else
+        return low, wide
     return tuple(x[scored[kept]] for x in low), tuple(x[scored] for x in wide)
 
 

@@ -34,28 +34,43 @@ def torque_errors(
     >>> round(e["relative"][0], 4), e["rae"][0], e["rms_standing"][0]
     (0.3162, 0.5, None)
     """
-    scored = np.ones_like(moving) if scored is None else scored
-    measured = np.where(scored, measured, 0.0)
-    error = np.where(scored, measured - predicted, 0.0)
+    joints = measured.shape[1]
+    # A joint at a time: of a long log whole copies are as large as all else.
+    told = [
+        _joint_errors(
+            measured[:, j], predicted[:, j], moving[:, j], None if scored is None else scored[:, j]
+        )
+        for j in range(joints)
+    ]
+    error, size = (float(np.linalg.norm([own[key] for own in told])) for key in ("error", "torque"))
+    names = ("rms", "relative", "rae", "rms_moving", "rms_standing")
+    return {name: [own[name] for own in told] for name in names} | {
+        "relative_global": error / max(size, 1e-300)
+    }
 
-    def rms(selected: np.ndarray) -> list[float | None]:
-        out = []
-        for j in range(error.shape[1]):
-            part = error[selected[:, j], j]
-            out.append(float(np.sqrt(np.mean(part**2))) if part.size else None)
-        return out
 
-    def share(top: np.ndarray, bottom: np.ndarray) -> list[float]:
-        return [float(a / b) if b > 0 else float("inf") for a, b in zip(top, bottom, strict=True)]
+def _joint_errors(
+    measured: np.ndarray, predicted: np.ndarray, moving: np.ndarray, scored: np.ndarray | None
+) -> dict:
+    """The errors of one joint, by the names of :func:`torque_errors`, and the norms of error and torque."""
+    if scored is not None:
+        measured, predicted, moving = measured[scored], predicted[scored], moving[scored]
+    error = measured - predicted
 
-    mean = measured.sum(axis=0) / np.maximum(scored.sum(axis=0), 1)
-    deviation = np.abs(np.where(scored, measured - mean, 0.0)).sum(axis=0)
+    def rms(part: np.ndarray) -> float | None:
+        return float(np.sqrt(np.mean(part**2))) if part.size else None
+
+    def share(top: float, bottom: float) -> float:
+        return float(top / bottom) if bottom > 0 else float("inf")
+
+    norms = float(np.linalg.norm(error)), float(np.linalg.norm(measured))
+    mean = measured.sum() / max(len(measured), 1)
     return {
-        "rms": rms(scored),
-        "relative": share(np.linalg.norm(error, axis=0), np.linalg.norm(measured, axis=0)),
-        "rae": share(np.abs(error).sum(axis=0), deviation),
-        "rms_moving": rms(moving & scored),
-        "rms_standing": rms(~moving & scored),
-        "relative_global": float(np.linalg.norm(error))
-        / max(float(np.linalg.norm(measured)), 1e-300),
+        "error": norms[0],
+        "torque": norms[1],
+        "rms": rms(error),
+        "relative": share(*norms),
+        "rae": share(np.abs(error).sum(), np.abs(measured - mean).sum()),
+        "rms_moving": rms(error[moving]),
+        "rms_standing": rms(error[~moving]),
     }
