@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from scipy import sparse
+from scipy import optimize, sparse
 
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.estimation.factors import triangular_factor
@@ -40,6 +40,7 @@ def test_rows_are_the_inertia_of_the_link_in_every_position():
 @settings(max_examples=60, deadline=None)
 @example(212, 5, 19)
 @example(7250, 3, 27)
+@example(520, 6, 7)
 @given(st.integers(0, 10_000), st.integers(1, 6), st.integers(1, 30))
 def test_inequalities_against_an_interior_point_solver(seed, size, count):
     rng = np.random.default_rng(seed)
@@ -62,9 +63,21 @@ def test_inequalities_against_an_interior_point_solver(seed, size, count):
         [clarabel.NonnegativeConeT(count)],
         quiet,
     ).solve()
-    assert peer.status == clarabel.SolverStatus.Solved
-    # The peer ends within its own tolerance of the minimum, and may end a hair outside.
-    assert cost(ours) == pytest.approx(cost(np.array(peer.x)), rel=1e-6)
+    least_cost = cost(np.array(peer.x))
+    if peer.status != clarabel.SolverStatus.Solved:
+        # On the third example it stays far from the minimum; another peer goes on from a point inside.
+        within = {"type": "ineq", "fun": lambda x: rows @ x - least, "jac": lambda x: rows}
+        found = optimize.minimize(
+            cost,
+            inside,
+            method="SLSQP",
+            constraints=[within],
+            options={"ftol": 1e-12, "maxiter": 500},
+        )
+        assert found.success
+        least_cost = found.fun
+    # A peer ends within its own tolerance of the minimum, and may end a hair outside.
+    assert cost(ours) == pytest.approx(least_cost, rel=1e-6)
 
 
 @pytest.mark.parametrize("lower", [None, np.array([0.2, -9.0])])
