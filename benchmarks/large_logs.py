@@ -26,7 +26,7 @@ from jaxswarm.identify.synthetic import random_links
 from jaxswarm.robot import load_robot
 
 TAKES = (
-    "3 minutes; identify of seven joints and ten million samples 3 minutes of a core and 4.0 GiB"
+    "3 minutes; identify of seven joints and ten million samples 3 minutes of a core and 3.3 GiB"
 )
 FRICTION = "viscous_friction,coulomb_friction"
 ROBOTS = {1: "emps", 3: "rx60", 6: "ur10e", 7: "seven.toml"}

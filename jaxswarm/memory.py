@@ -1,4 +1,7 @@
-"""What memory there is, asked before work that may need more: the system would end it in its midst."""
+"""What memory there is, and what is done to need less of it.
+
+It is asked before work that may need more: the system would end that in its midst.
+"""
 
 import ctypes
 import os

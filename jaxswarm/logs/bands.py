@@ -108,12 +108,12 @@ def _driven(
     q: np.ndarray, torque: np.ndarray | None, rate: float, valley: np.ndarray, cutoff: np.ndarray
 ) -> np.ndarray:
     """Joints (n,) whose torque goes with most of what lies between their valley and their cutoff."""
-    beyond = cutoff > valley
+    driven = np.zeros(len(cutoff), dtype=bool)
     if torque is not None:
-        for j in np.flatnonzero(beyond):
-            own = q[:, j], torque[:, j]
-            beyond[j] = driven_share(*own, rate, valley[j], cutoff[j]) > _DRIVEN
-    return beyond & (torque is not None)
+        for j in np.flatnonzero(cutoff > valley):
+            share = driven_share(q[:, j], torque[:, j], rate, valley[j], cutoff[j])
+            driven[j] = share > _DRIVEN
+    return driven
 
 
 def _velocity(

@@ -13,7 +13,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.of_joints import told_by_joints
 from jaxswarm.diagnose.decision.rules import AS_GOOD, ASKED_AGAIN, OVERLAP, SPECIAL_CASE, Rules
 from jaxswarm.diagnose.decision.score import score
-from jaxswarm.diagnose.decision.worth import Score, passes
+from jaxswarm.diagnose.decision.worth import Score, adds, passes
 from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TransmissionLaw
@@ -124,11 +124,11 @@ def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
     Encompassing by held-out prediction: G. E. Mizon, J.-F. Richard, Econometrica 54 (1986).
     """
 
-    def adds(new: Score, old: Score) -> bool:
-        left = score(new.candidate, crossfit.with_columns(old.candidate.columns)).judged_as(new)
-        return left.gain > 0 and left.p_value < rules.rival
+    def more(new: Score, old: Score) -> bool:
+        left = score(new.candidate, crossfit.with_columns(old.candidate.columns))
+        return adds(left.judged_as(new), rules)
 
-    return adds(one, other) and not adds(other, one)
+    return more(one, other) and not more(other, one)
 
 
 def plainness(s: Score) -> tuple[int, int]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import score
-from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.decision.worth import Score, adds
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 
 
@@ -27,7 +27,7 @@ def told_by_joints(arm: Score, passed: Sequence[Score], rules: Rules, crossfit: 
     beside_arm = crossfit.with_columns(arm.candidate.columns)
     joints: list[int] = []
     left, beside = arm, crossfit
-    while _adds(left, rules):
+    while adds(left, rules):
         joint = int(np.argmax(left.per_joint))
         found = _best_on(joint, passed, beside_arm, rules)
         if found is None or joint in joints or found.worth <= arm.per_joint[joint]:
@@ -44,9 +44,5 @@ def _best_on(
     """The law of a joint that gains most there of those that explain what the law of the arm leaves."""
     here = [s for s in passed if s.own is not None and s.joint == joint]
     left = [(s, score(s.candidate, beside_arm)) for s in here]
-    told = [s for s, beside in left if _adds(beside, rules) and beside.share >= rules.share]
+    told = [s for s, beside in left if adds(beside, rules) and beside.share >= rules.share]
     return max(told, key=lambda s: s.worth, default=None)
-
-
-def _adds(item: Score, rules: Rules) -> bool:
-    return item.gain > 0 and item.p_value < rules.rival

@@ -101,3 +101,8 @@ def passes(item: Score, asked: int, rules: Rules) -> bool:
         and item.over_noise >= rules.over_noise
         and item.over_torque >= rules.over_torque
     )
+
+
+def adds(item: Score, rules: Rules) -> bool:
+    """Whether a candidate explains what a rival leaves, beside which it was scored."""
+    return item.gain > 0 and item.p_value < rules.rival

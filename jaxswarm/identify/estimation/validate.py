@@ -43,7 +43,7 @@ def log_errors(
     scored = [outside(m.t, events) & ~(swinging & unseen_samples(m)) for m in motions]
     # A joint moves by its top speed in the whole log, not in each of its stretches.
     ends = np.cumsum([len(m.t) for m in motions])[:-1]
-    moving = np.split(is_moving(np.concatenate([m.dq for m in motions])), ends)
+    moving = np.split(is_moving(joined([m.dq for m in motions])), ends)
     parts = [_compared(model, *given) for given in zip(motions, scored, moving, strict=True)]
     low, measured = zip(*parts, strict=True)
     errors = torque_errors(*map(joined, zip(*low, strict=True)))
