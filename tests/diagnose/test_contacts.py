@@ -9,6 +9,7 @@ from planted import BAND, DECLARED, blank, log_with, small_arm
 from jaxswarm.diagnose import diagnose
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.selection.outcome import outcome_of
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, load_model, model_torque, save_model
 from jaxswarm.identify.estimation.events import edge_error
@@ -155,3 +156,36 @@ def test_begin_of_a_step_in_noise_is_within_its_interval(size):
     off = np.argmax(gain, axis=1) - begin
     error = np.hypot(1 / np.sqrt(12), edge_error(np.array([size]), np.ones(1), 1.0))
     assert 0.92 < np.mean(np.abs(off) <= 1.96 * error) < 0.995
+
+
+def late(log, seconds):
+    return replace(log, tau=np.array([np.interp(log.t - seconds, log.t, x) for x in log.tau.T]).T)
+
+
+def test_a_contact_is_told_by_the_time_of_the_motion_where_the_clock_of_the_torque_lags():
+    """Delay and push come one after the other, in either order; both are told as they were."""
+    motion = prepare(late(pushed(log_with(), CONTACTS[1:2]), 0.05), Filtering(20.0, 10.0))
+    delay = Term("time_delay", values={"seconds": 0.045})
+    lagging = estimate(small_arm(), (*blank(), delay), [motion], width=0.01)
+    both = refit(lagging, (*lagging.model.terms, contact(6.0, 6.7)))
+    seen = estimate(small_arm(), (*blank(), contact(6.05, 6.75)), [motion], width=0.01)
+    again = refit(seen, (*seen.model.terms, delay))
+    for found in (both, again):
+        told = {t.effect: t.values for t in found.model.terms}
+        assert told["time_delay"]["seconds"] == pytest.approx(0.05, abs=0.003)
+        assert told["contact"]["start"] == pytest.approx(6.0, abs=0.01)
+        assert told["contact"]["tau_joint2"] == pytest.approx(5.0, abs=0.15)
+    alone = refit(again, tuple(t for t in again.model.terms if t.effect != "time_delay"))
+    assert alone.model.terms[-1].values["start"] == pytest.approx(6.05, abs=0.01)
+
+
+def test_the_torque_of_a_contact_goes_by_the_scale_of_each_drive():
+    log = pushed(log_with(), [(2.5, 2.8, 6.0, -4.0)])
+    log = replace(log, tau=log.tau * [1.3, 1.0])
+    gain = Term("drive_gain", 0, values={"gain": 1.3})
+    found = estimate(
+        small_arm(), (*blank(), gain, contact(2.5, 2.8)), [prepare(log, BAND)], width=0.01
+    )
+    torque, errors = found.model.terms[-1].values, found.std_errors[-1]
+    for name, true in (("tau_joint1", 6.0), ("tau_joint2", -4.0)):
+        assert abs(torque[name] - true) < 4.0 * errors[name] and errors[name] < 0.4

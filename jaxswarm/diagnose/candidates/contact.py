@@ -9,6 +9,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.measuring_chain import clock_lag
 
 # Lengths of the windows tried: from this many rows to a third of the log.
 _SHORTEST, _LENGTHS = 3, 32
@@ -34,9 +35,9 @@ def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
         return None
     log = regression.log[pick[0]]
     pick = _closer(gain, pick, np.flatnonzero(regression.log == log)[[0, -1]] + [0, 1])
-    # It begins between the last row without it and the first one with it.
-    half = 0.5 * regression.step[int(log)]
-    start, end = regression.t[pick[0]] - half, regression.t[pick[1] - 1] + half
+    # It begins between the last row without it and the first one with it; the arm felt it before a late clock.
+    half, late = 0.5 * regression.step[int(log)], clock_lag(lin.found.model.terms)
+    start, end = (regression.t[pick[0]] - half, regression.t[pick[1] - 1] + half) - np.array(late)
 
     values = {"start": max(float(start), 0.0), "end": float(end), "log": float(log)}
 

@@ -21,6 +21,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths
+from jaxswarm.identify.forward.measuring_chain import clock_lag
 from jaxswarm.identify.forward.regression import Diverged
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
@@ -161,7 +162,7 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
     It starts from the current rigid parameters where no others are given.
     """
     start = _rigid(current) if start is None else start
-    after = fit_from(current, start, terms, current.model.width)
+    after = fit_from(current, start, _on_their_clock(current, terms), current.model.width)
     width = best_widths(
         after.model.robot,
         after.model.terms,
@@ -174,6 +175,24 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
         return after
     again = fit_from(current, _rigid(after), after.model.terms, width)
     return again if _cost(again, after) < _cost(after, after) else after
+
+
+def _on_their_clock(current: Estimate, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """The terms, the times of those that happened where a log's torques show them.
+
+    They were found by the clock of the current model. A delay of 30 ms that came to a push of 0.4 s would put
+    it that much behind the torque that it explains.
+    """
+    earlier = clock_lag(terms) - clock_lag(current.model.terms)
+    if not earlier:
+        return terms
+    happened = [t for t in current.model.terms if t.law.recurring]
+
+    def moved(term: Term) -> Term:
+        times = {n: term.values[n] - earlier for n in ("start", "end")}
+        return replace(term, values={**term.values, **times})
+
+    return tuple(moved(t) if t in happened else t for t in terms)
 
 
 def refit_in_place(found: Estimate, term: Term) -> Estimate:

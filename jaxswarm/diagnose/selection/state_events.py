@@ -14,6 +14,7 @@ from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.measuring_chain import clock_lag
 
 
 def event_of_state(search: Search) -> tuple[Step, str] | None:
@@ -88,9 +89,10 @@ def _lasts(term: Term) -> bool:
 def _share_within(rest: Estimate, left: Unexplained, events: Sequence[Term]) -> float:
     """Share of the squared error within the windows of events that a smooth function takes off."""
     regression, joint = rest.regression, left.joint
-    inside = np.zeros(len(regression.t), bool)
+    t = regression.t - clock_lag(rest.model.terms)
+    inside = np.zeros(len(t), bool)
     for event in events:
-        within = (regression.t >= event.values["start"]) & (regression.t <= event.values["end"])
+        within = (t >= event.values["start"]) & (t <= event.values["end"])
         inside |= within & (regression.log == event.values["log"])
     before, after = rest.fit.residual[:, joint], _left_by(rest, left)
     return 1.0 - float(np.sum(after[inside] ** 2) / max(np.sum(before[inside] ** 2), 1e-300))

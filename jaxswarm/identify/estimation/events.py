@@ -10,7 +10,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, own_columns
+from jaxswarm.identify.forward.measuring_chain import assemble, own_columns, report
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
 from jaxswarm.logs.motion import Motion
@@ -53,8 +53,8 @@ def with_event_torques(
                 decimate=True,
             )
             left = motion.low_torque - columns @ linear_values(here)
-            own_window = own_columns(term, motion, model.width, None)
-            window = motion.decimator.apply(own_window)[:, 0, 0]
+            pushes = report(here.terms, motion, own_columns(term, motion, model.width, None))
+            window = np.einsum("tjj->tj", motion.decimator.apply(pushes))
             held = _columns_of(model, here.terms)
             doubt = covariance[np.ix_(held, held)]
             values, spread = _mean(window, left, columns, doubt, solution.sigma, memory)
@@ -169,10 +169,10 @@ def _columns_of(model: Model, held: Sequence[Term]) -> np.ndarray:
 
 
 def _mean(window, left, columns, doubt, sigma, memory) -> tuple[list[float], list[float]]:
-    """Torque per joint of a window (T',) from what is left (T', n), and standard errors."""
-    power = max(float(window @ window), 1e-300)
-    values = window @ left / power
-    carried = np.einsum("t,tjp->jp", window, columns) / power
+    """Torque per joint of its window (T', n) from what is left (T', n), and standard errors."""
+    power = np.maximum((window**2).sum(axis=0), 1e-300)
+    values = (window * left).sum(axis=0) / power
+    carried = np.einsum("tj,tjp->jp", window, columns) / power[:, None]
     model = np.einsum("jp,pr,jr->j", carried, doubt, carried)
     own = sigma**2 * memory / power
     return [float(x) for x in values], [float(x) for x in np.sqrt(own + np.maximum(model, 0.0))]

@@ -227,6 +227,11 @@ def lateness(terms: tuple[Term, ...]) -> float:
     return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
 
 
+def clock_lag(terms: Sequence[Term]) -> float:
+    """Time [s] by which the torque's own clock lags: what happens at t stands in it that much later."""
+    return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw) if t.law.clock)
+
+
 def term_block(
     robot: Robot,
     terms: tuple[Term, ...],

@@ -16,7 +16,7 @@ from jaxswarm.identify.forward.link_lag import (
     unseen_rows,
 )
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
-from jaxswarm.identify.forward.measuring_chain import assemble, report
+from jaxswarm.identify.forward.measuring_chain import assemble, clock_lag, report
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.names import column_names
 from jaxswarm.logs.motion import Motion
@@ -184,7 +184,7 @@ def _slopes(
 def event_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray:
     """Whether the low-pass of a decimated row of a log, by its number, reaches into an event, (T',)."""
     reach = 0.5 * (len(motion.decimator.taps) - 1) / motion.rate
-    t = motion.t[motion.decimator.kept(len(motion.t))]
+    t = motion.t[motion.decimator.kept(len(motion.t))] - clock_lag(terms)
     within = np.zeros(len(t), dtype=bool)
     for term in terms:
         if term.law.recurring and int(term.values.get("log", 0)) == number:
