@@ -1,8 +1,35 @@
-"""Errors on other motion, where joints move and where they stand."""
+"""Errors on other motion: where joints move and where they stand, and how large they are expected to be."""
+
+from dataclasses import replace
 
 import numpy as np
+import pytest
+from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.selection.elsewhere import compared
+from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
+from jaxswarm.diagnose.selection import elsewhere
+from jaxswarm.diagnose.selection.elsewhere import compared, expected, log_residual, rms
+from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.effects.term import Term
+from jaxswarm.identify import estimate
+from jaxswarm.identify.forward.model import linear_values, with_linear_values
+from jaxswarm.identify.forward.names import column_names
+from jaxswarm.logs.motion import prepare
+
+SPRING = Term("cubic_spring", 1, values={"q0": 0.2, "k3": 25.0})
+
+
+@pytest.fixture(scope="module")
+def other():
+    return prepare(log_with(SPRING, seed=5, motion_seed=11), BAND)
+
+
+def fits(**log):
+    """Fits of a log with a spring, without and with it."""
+    motion = prepare(log_with(SPRING, **log), BAND)
+    before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
+    return before, refit(before, (*before.model.terms, SPRING))
 
 
 def residuals(moving_error: float, standing_error: float, rows: int = 200):
@@ -44,3 +71,33 @@ def test_a_rise_in_one_stretch_is_chance_and_one_all_along_is_not():
         one, two, _, rises = compared(before, after, moving)
         assert rises[0] == sure
         assert after is before or np.isclose(two[0] / one[0], 1.4)
+
+
+def test_a_true_model_leaves_of_another_log_what_is_expected(other):
+    """Of logs of three to six seconds, which say little of the parameters, and of twelve, which say much."""
+    over = []
+    for duration in (3.0, 4.0, 6.0, 12.0):
+        for seed in (7, 8, 9):
+            before, true = fits(duration=duration, motion_seed=seed)
+            noise = noise_of(before)
+            most = expected(before, true, other, noise)
+            over.extend(rms(log_residual(true, other)) / most)
+            if duration == 12.0:
+                assert (most < 2.0 * noise).all()
+    assert np.mean(np.array(over) < 1.2) >= 0.9
+    assert np.median(over) > 0.25
+
+
+def test_a_true_law_is_not_refused_for_what_chance_drew_on_another_joint(other, monkeypatch):
+    before, true = fits(duration=3.0)
+    covariance = true.model.uncertainty.on(column_names(small_arm(), true.model.terms))
+    size, axes = np.linalg.eigh(covariance)
+    drawn = linear_values(true.model) - 1.5 * np.sqrt(size[-1]) * axes[:, -1]
+    off = replace(true, model=with_linear_values(true.model, drawn))
+    # The fit without the law happens to be right where that with it is off.
+    lucky = replace(before, model=replace(true.model, terms=true.model.terms[:-1]))
+    one, two = (rms(log_residual(fit, other)) for fit in (lucky, off))
+    assert two[0] > 2.5 * one[0] and two[1] < 0.2 * one[1]
+    assert survives(lucky, off, 1, [other]) is None
+    monkeypatch.setattr(elsewhere, "_doubt", lambda found, motion: np.zeros(2))
+    assert "raises the error of joint1" in survives(lucky, off, 1, [other])

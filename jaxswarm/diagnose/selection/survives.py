@@ -43,6 +43,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.elsewhere import (
     added_columns,
     errors_elsewhere,
+    expected,
     log_residual,
     rms,
     rows_of_both,
@@ -98,7 +99,8 @@ def survives(
 ) -> str | None:
     """Why an addition does not survive; None if it does.
 
-    The error of its own joint has to fall, and that of all joints, in units of their noise. Where more is
+    The error of its own joint has to fall, and that of all joints, in units of their noise; on another log what
+    fits are expected to leave there counts as noise (:func:`expected`). Where more is
     missing, one that is true may raise a joint's error until the rest is found; what does so in the end
     is taken back by :func:`harmful`.
 
@@ -119,14 +121,18 @@ def survives(
     elsewhere = list(errors_elsewhere(before, after, other))
     if not stretches and not elsewhere:
         return UNSHOWN
-    for one, two, falls, rises, where in elsewhere:
+    for number, (one, two, falls, rises, where) in enumerate(elsewhere):
         worse = rises & (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
+        floor = noise
+        if other and (worse.any() or more_in_all(two, one, noise)):
+            floor = expected(before, after, other[number], noise)
+            worse &= two > ABOVE_NOISE * floor
         if worse.any():
             j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
             return f"raises the error of {names[j]} {where} from {one[j]:.3g} to {two[j]:.3g}"
         if not falls[joint]:
             return f"does not lower the error of {names[joint]} {where}"
-        if more_in_all(two, one, noise):
+        if more_in_all(two, one, floor):
             return f"does not lower the error of all joints {where}"
     return None
 
@@ -182,8 +188,10 @@ def harmful(
     """
     noise = noise_of(final)
     names = final.model.robot.joints
-    for one, two, _, rises, where in errors_elsewhere(declared, final, other):
+    for number, (one, two, _, rises, where) in enumerate(errors_elsewhere(declared, final, other)):
         worse = rises & (two > HARM * one) & (two > ABOVE_NOISE * noise)
+        if other and worse.any():
+            worse &= two > ABOVE_NOISE * expected(declared, final, other[number], noise)
         if not worse.any():
             continue
         j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
