@@ -165,3 +165,19 @@ def test_a_sign_is_as_sharp_as_the_log_tells_and_no_sharper(monkeypatch, doubt, 
     there, free, held = choosing._no_sharper_than_told(problem, here, moving, [], [(0, 1)])
     np.testing.assert_allclose(there.place.width, (0.018, left))
     assert (free, held) == ([(0,)], [(1,)])
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_dry_friction_that_would_drive_a_joint_has_no_width(alone):
+    """A wide sign of negative friction has the shape of a drag that the model lacks."""
+
+    def torque(q, dq, ddq):
+        drag = np.array([0.0, 0.4]) * dq * np.abs(dq)
+        return 0.1 * np.tanh(dq / 0.05) * [not alone, 1.0] + 0.5 * dq + drag
+
+    motion = make_motion(planar_arm(), torque, length=1500, noise=0.002)
+    laws = tuple(t for t in LAWS if not (alone and t.place == ("coulomb_friction", 0, None)))
+    found = estimate(planar_arm(), laws, [motion], bounded=False).model
+    dry = next(t for t in found.terms if t.effect == "coulomb_friction" and t.joint == 1)
+    assert dry.values["fc"] < 0.0
+    assert found.width[1] < 0.1

@@ -20,7 +20,12 @@ from jaxswarm.identify.estimation.gauss_newton import (
 from jaxswarm.identify.estimation.held_rest import without_rest
 from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
 from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.estimation.sign_width import alike, best_widths, width_groups
+from jaxswarm.identify.estimation.sign_width import (
+    alike,
+    best_widths,
+    driven_by_friction,
+    width_groups,
+)
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.estimation.usual import as_usual, told_apart, usual_shapes
 from jaxswarm.identify.forward.body import arm_of
@@ -118,12 +123,20 @@ def estimate(
 
 def _fitted(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, pi: np.ndarray):
     """The fit from a place, what is free there, and widths that are held but not known."""
-    widths = free_widths(problem.motions, alike(groups, place.width), place.width)
-    moving = problem.free(place.terms, widths)
-    # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
-    return choose_widths(
-        problem, newton(problem, moving, settle(problem, place, pi)), moving, groups
-    )
+
+    def from_here(groups):
+        widths = free_widths(problem.motions, alike(groups, place.width), place.width)
+        moving = problem.free(place.terms, widths)
+        # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
+        return newton(problem, moving, settle(problem, place, pi)), moving
+
+    here, moving = from_here(groups)
+    driven = driven_by_friction(problem.robot, here.place.terms, here.theta)
+    if driven:  # their signs keep the width of their kind
+        groups = [g for g in (tuple(j for j in g if j not in driven) for g in groups) if g]
+        if any(one.joints and driven.issuperset(one.joints) for one in moving):
+            here, moving = from_here(groups)
+    return choose_widths(problem, here, moving, groups)
 
 
 def untold(term: Term, errors: dict[str, float]) -> list[str]:
