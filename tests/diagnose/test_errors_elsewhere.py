@@ -7,10 +7,12 @@ import pytest
 from planted import BAND, blank, log_with, small_arm
 
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
+from jaxswarm.diagnose.report.remains import left_open
 from jaxswarm.diagnose.selection import elsewhere
 from jaxswarm.diagnose.selection.elsewhere import compared, expected, log_residual, rms
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.diagnose.selection.unseen_errors import UnseenErrors
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.model import linear_values, with_linear_values
@@ -101,3 +103,21 @@ def test_a_true_law_is_not_refused_for_what_chance_drew_on_another_joint(other, 
     assert survives(lucky, off, 1, [other]) is None
     monkeypatch.setattr(elsewhere, "_doubt", lambda found, motion: np.zeros(2))
     assert "raises the error of joint1" in survives(lucky, off, 1, [other])
+
+
+def test_a_reader_is_told_which_error_the_fitted_motion_leaves_open(other):
+    def told(fit):
+        errors = UnseenErrors([other], fit, fit).validation
+        assert "expected" in errors[0]
+        floor = {"rms": noise_of(fit).tolist()}
+        result = {
+            "joints": ("joint1", "joint2"),
+            "error": {"validation": errors, "noise_floor": floor},
+        }
+        return left_open(result)
+
+    before, true = fits(duration=3.0)
+    (line,) = told(true)
+    assert line.startswith("On synthetic small, seed 5 joint") and "times the noise" in line
+    # What a law is missing for is no doubt of the parameters.
+    assert not told(fits(duration=12.0)[0])

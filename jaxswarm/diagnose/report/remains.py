@@ -1,5 +1,6 @@
 """What is left on a joint without a law, in words: how much, when, at which frequencies, what it follows."""
 
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report.numbers import percent
 
 # What one sentence can hold: joints that are left with something, and windows of time of each.
@@ -107,3 +108,27 @@ def look_at(entry: dict) -> list[str]:
             "no law explains, within the range of this motion."
         )
     return steps
+
+
+def left_open(result: dict) -> list[str]:
+    """Joints whose error on another log is no more than what the fitted motion leaves open of their parameters."""
+    told = []
+    for entry in result["error"].get("validation") or ():
+        rows = zip(
+            result["joints"],
+            entry["after"]["rms"],
+            result["error"]["noise_floor"]["rms"],
+            entry.get("expected") or (),
+            strict=False,
+        )
+        parts = [
+            f"{joint} ({rms / noise:.3g} times the noise)"
+            for joint, rms, noise, most in rows
+            if NEAR * noise < rms <= most
+        ]
+        if parts:
+            told.append(
+                f"On {entry['on']} {', '.join(parts)} is off no further than the fitted motion leaves the "
+                "parameters open: fit this log too, or a motion that excites more (jaxswarm excite)."
+            )
+    return told

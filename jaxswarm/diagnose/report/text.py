@@ -6,7 +6,7 @@ from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
-from jaxswarm.diagnose.report.remains import left_of, look_at
+from jaxswarm.diagnose.report.remains import left_of, left_open, look_at
 from jaxswarm.diagnose.report.rivals import not_told_apart, to_tell_apart
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines, event_lines, rest_lines, unscored_lines
@@ -194,7 +194,7 @@ def next_steps(result: dict) -> list[str]:
         for u in result["unexplained"]:
             steps += look_at(u) + worth_a_longer_log(result["not_added"], u["joint"])
         steps += _not_searched(result)
-    return steps + _done(result)
+    return steps + left_open(result) + _done(result)
 
 
 def _not_searched(result: dict) -> list[str]:

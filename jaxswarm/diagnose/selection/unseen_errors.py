@@ -4,7 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from jaxswarm.diagnose.selection.elsewhere import event_windows
+import numpy as np
+
+from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.selection.elsewhere import event_windows, expected
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
 from jaxswarm.identify.forward.model import Model
@@ -38,16 +42,19 @@ class UnseenErrors:
                 for source in self.logs
             }
             self.worst = max(change, key=lambda source: change[source])
-            self.validation = [
-                {
-                    "on": Path(source).name,
-                    "before": self._on(before.model, source),
-                    "after": self._on(after.model, source),
-                }
-                for source in self.logs
-            ]
+            self.validation = [self._entry(before, after, source) for source in self.logs]
         else:
             self.validation = []
+
+    def _entry(self, before: Estimate, after: Estimate, source: str) -> dict[str, Any]:
+        """Errors of both models on a log, and what the final one is expected to leave where that is much."""
+        one, two = (self._on(found.model, source) for found in (before, after))
+        entry = {"on": Path(source).name, "before": one, "after": two}
+        noise = noise_of(after)
+        # Many predictions: only where there is something to say.
+        if np.any(two["rms"] > NEAR * noise):
+            entry["expected"] = _expected(after, self.logs[source], noise).tolist()
+        return entry
 
     def of(self, found: Estimate) -> dict:
         """Errors of a model on the worst log, or on held-out blocks of time."""
@@ -64,3 +71,9 @@ class UnseenErrors:
     def _on(self, model: Model, source: str) -> dict:
         left_out: dict[str, Any] = {"terms": self._terms, "events": self._events[source]}
         return log_errors(model.during(None), *self.logs[source], **left_out)
+
+
+def _expected(found: Estimate, motions: Sequence[Motion], noise: np.ndarray) -> np.ndarray:
+    """The most (n,) that a fit is expected to leave of a log in stretches, each counted by its length."""
+    power = [expected(found, found, motion, noise) ** 2 for motion in motions]
+    return np.sqrt(np.average(power, axis=0, weights=[len(m.t) for m in motions]))
