@@ -14,7 +14,7 @@ from jaxswarm.logs import Log, read_log
 from jaxswarm.logs.clock import with_sample_times
 from jaxswarm.logs.log import take
 from jaxswarm.logs.motion import Motion
-from jaxswarm.logs.segments import prepare_segments, split_at_gaps, unfiltered
+from jaxswarm.logs.segments import prepare_segments, uncut, unfiltered
 from jaxswarm.logs.write import write_table
 
 
@@ -57,7 +57,8 @@ def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
     own = with_sample_times(log).t
     own = own - own[0]
     torque = np.empty((len(own), len(log.joints)))
-    rows = np.split(np.arange(len(own)), np.cumsum([len(p.t) for p in split_at_gaps(log)])[:-1])
+    parts = uncut(log, model.filtering)
+    rows = np.split(np.arange(len(own)), np.cumsum([len(p.t) for p in parts])[:-1])
     for part in rows:
         # Every stamp is answered: a stretch too short to filter is differentiated as it stands.
         start, end = own[part[0]], own[part[-1]]

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxswarm.errors import InputError
 from jaxswarm.logs.cutoffs import find_cutoffs
 from jaxswarm.logs.driven import driven_share
 from jaxswarm.logs.filtering import acceleration_valley, derivatives, energy_band, noise_floor
@@ -102,6 +103,20 @@ def find_band(
         # Above the band that holds the torque, errors of phase and structure are all there is.
         compared = min(compared, energy_band(torque, rate, _TORQUE_ENERGY))
     return Band(motion, compared, ratio, found.noise, notes)
+
+
+def checked_cutoff(source: str, cutoff: float, rate: float) -> float:
+    """The cutoff [Hz] of the torque, which a log at this rate [Hz] has to allow.
+
+    Raises:
+        InputError: If it is beyond half the rate.
+    """
+    if not 0.0 < cutoff <= 0.5 * rate:
+        raise InputError(
+            f"{source}: torque cutoff {cutoff:g} Hz is outside (0, {0.5 * rate:g}] Hz, "
+            "half the sampling rate; choose a lower one"
+        )
+    return cutoff
 
 
 def _driven(

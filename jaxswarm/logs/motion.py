@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy
 
-from jaxswarm.errors import InputError
-from jaxswarm.logs.bands import TORQUE_BAND, Band, find_band
+from jaxswarm.logs.bands import TORQUE_BAND, Band, checked_cutoff, find_band
+from jaxswarm.logs.bridging import bridged, lost_rows, lost_samples
 from jaxswarm.logs.encoder import between_counts
 from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
@@ -71,6 +71,8 @@ class Motion:
         step_noise: What the times of jumps, unknown between samples, and joints that stick make of the
             residual, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
+        lost: Whether a sample of the working clock lies in a gap that is short against the motion: what stands
+            there is put in, (T,); None: nowhere.
         held: Whether a joint stands on a decimated row, held by dry friction at a torque that no law tells,
             (T', n); None: not known yet.
         driven: Whether a drive's torque was sampled beside it, so that dry friction may turn between two
@@ -101,6 +103,7 @@ class Motion:
     bounded_noise: np.ndarray | None = None
     step_noise: np.ndarray | None = None
     bridged: np.ndarray | None = None
+    lost: np.ndarray | None = None
     held: np.ndarray | None = None
     driven: bool = False
 
@@ -126,6 +129,11 @@ class Motion:
         assert self.tau is not None, f"{self.source} has no torque"
         return self.decimator.apply(self.tau)
 
+    @property
+    def lost_rows(self) -> np.ndarray:
+        """Decimated rows that see too much of gaps, (T',): neither fitted nor scored."""
+        return lost_rows(self.lost, self.decimator, len(self.t))
+
     def __repr__(self) -> str:
         return f"Motion({self.source!r}, {len(self.t)} samples at {self.rate:.4g} Hz)"
 
@@ -146,13 +154,9 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
     def resampled(x: np.ndarray, clock: np.ndarray = full_clock) -> np.ndarray:
         return resample(log.t, np.asarray(x, dtype=float), clock, cubic=False)
 
-    q = resample(log.t, between_counts(log.t, log.q), full_clock, cubic=True)
-    logged = None
-    if log.dq is not None and filtering.use_logged_velocity is not False:
-        logged = resampled(log.dq)
     measured = None if log.tau is None else resampled(log.tau)
-    band = _band(filtering, find_band(q, rate, log.joints, logged, measured))
-    torque_cutoff = _check_cutoff(log, band.torque, rate)
+    q, logged, lost, band = _known(log, full_clock, rate, filtering, measured)
+    torque_cutoff = checked_cutoff(log.source, band.torque, rate)
     stride = stride_for(log, len(full_clock), rate, band.motion.max())
     working, clock = rate / stride, full_clock[::stride]
     velocity = None if band.ratio is None or logged is None else thin(logged, rate, stride)
@@ -189,19 +193,24 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         position_noise=band.noise / np.sqrt(stride),
         velocity_ratio=band.ratio,
         bridged=bridged_samples(log.t, clock, 1.0 / rate),
+        lost=None if lost is None else lost[::stride],
         driven=True,
     )
     return shift_motion(motion, filtering.skew) if filtering.skew else motion
 
 
-def _check_cutoff(log: Log, cutoff: float, rate: float) -> float:
-    """The cutoff [Hz] of the torque, which a log at this rate [Hz] has to allow."""
-    if not 0.0 < cutoff <= 0.5 * rate:
-        raise InputError(
-            f"{log.source}: torque cutoff {cutoff:g} Hz is outside (0, {0.5 * rate:g}] Hz, "
-            "half the sampling rate; choose a lower one"
-        )
-    return cutoff
+def _known(
+    log: Log, clock: np.ndarray, rate: float, filtering: Filtering, measured: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None, Band]:
+    """Positions and velocities (T, n) on a uniform clock, what of it is lost (T,), and the motion's band."""
+    lost = lost_samples(log, clock)
+    q = resample(log.t, between_counts(log.t, log.q), clock, cubic=True)
+    logged = None
+    if log.dq is not None and filtering.use_logged_velocity is not False:
+        logged = resample(log.t, np.asarray(log.dq, dtype=float), clock, cubic=False)
+    q, logged = bridged(q, logged, lost, rate)
+    band = _band(filtering, find_band(q, rate, log.joints, logged, measured))
+    return *bridged(q, logged, lost, rate, band.motion), lost, band
 
 
 def _band(filtering: Filtering, found: Band) -> Band:

@@ -110,11 +110,14 @@ def _motion_goes_on(q: np.ndarray, gap: int, long: np.ndarray) -> bool:
     around = [i for i in range(max(0, gap - 5), min(len(q) - 1, gap + 6)) if not long[i]]
     if len(around) < 4:
         return False
-    steps = np.abs(np.diff(q, axis=0)[around])
+    moves = np.diff(q, axis=0)[around]
+    steps = np.abs(moves)
     usual = np.median(steps, axis=0)
     # A joint in steady motion moves in every period; joints at rest tell nothing.
     steady = (steps.min(axis=0) > 0.2 * usual) & (usual > 0)
-    if not steady.any():
+    # One that came back the other way took its time to turn.
+    signs = np.sign(moves[:, steady])
+    if not steady.any() or (signs != signs[0]).any():
         return False
     across = np.abs(q[gap + 1] - q[gap])
     return bool(np.all(across[steady] <= _ADJACENT_STEPS * usual[steady]))

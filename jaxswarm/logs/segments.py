@@ -1,6 +1,7 @@
 """A log as the stretches of motion it really holds: a pause in the record is a boundary, not a motion.
 
-Between the samples on either side of a gap nothing is known; a spline across it would be taken for motion.
+Between the samples on either side of a gap nothing is known; a spline across it would be taken for motion. One
+that is short against the motion is bridged for the filters, and left out (:mod:`jaxswarm.logs.bridging`).
 Samples whose stamps came in bursts hold no more than their mean at their mean time.
 """
 
@@ -10,24 +11,25 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.logs.bridging import CARRIED, bridged_time
 from jaxswarm.logs.consistency import drop_contradictions
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.log import Log, take
 from jaxswarm.logs.motion import Filtering, Motion, prepare
 from jaxswarm.logs.resampling import TooShort
+from jaxswarm.logs.runs import runs
 from jaxswarm.logs.sampling import sampling, usual_period
 
 # Samples closer than this share of the usual period came in one message: their stamps tell no motion.
 _BURST = 0.05
-# Across this time [s] a cubic carries the motion of an arm, whose band ends at a few Hz.
-_BRIDGED = 0.1
 
 
-def split_at_gaps(log: Log) -> list[Log]:
+def split_at_gaps(log: Log, longest: float = CARRIED) -> list[Log]:
     """Split a log where time passes without samples, or where its clock jumped.
 
     Args:
         log: A checked log.
+        longest: Time without samples [s] up to which it is not split.
 
     Returns:
         The stretches in order, with the log's own time stamps; the log itself if it has no gap.
@@ -39,7 +41,7 @@ def split_at_gaps(log: Log) -> list[Log]:
     if len(log.t) < 3:
         return [log]
     gaps = sampling(log.t, log.q).gaps
-    cuts = [gap.sample + 1 for gap in gaps if gap.clock_jump or gap.length > _BRIDGED]
+    cuts = [gap.sample + 1 for gap in gaps if gap.clock_jump or gap.length > longest]
     if not cuts:
         return [log]
     edges = [0, *cuts, len(log.t)]
@@ -96,14 +98,7 @@ def prepare_segments(log: Log, filtering: Filtering | None = None) -> tuple[Log,
     """
     filtering = filtering or Filtering()
     log = drop_contradictions(merge_bursts(log))
-    parts = split_at_gaps(log)
-    longest = max(range(len(parts)), key=lambda k: len(parts[k].t))
-    try:
-        first = prepare(parts[longest], filtering)
-    except TooShort as error:
-        if len(parts) == 1:
-            raise
-        raise InputError(f"{error}. Gaps cut the log into {len(parts)} parts") from None
+    parts, longest, first = _uncut(log, filtering)
     band = first.filtering
     motions, dropped = [], []
     for k, part in enumerate(parts):
@@ -118,10 +113,60 @@ def prepare_segments(log: Log, filtering: Filtering | None = None) -> tuple[Log,
         notes.append(
             f"Split at {cuts} gap{'s' * (cuts > 1)}: {len(motions)} of {len(parts)} parts used."
         )
+    notes += _bridged_notes(motions)
     if dropped:
         shown = ", ".join(dropped[:3]) + (f" and {len(dropped) - 3} more" * (len(dropped) > 3))
         notes.append(f"Left out, too short to filter between two gaps: {shown}.")
     return replace(log, notes=(*log.notes, *notes)), motions
+
+
+def uncut(log: Log, filtering: Filtering) -> list[Log]:
+    """The stretches of a checked log between gaps that are not short against its motion."""
+    return _uncut(log, filtering)[0]
+
+
+def _uncut(log: Log, filtering: Filtering) -> tuple[list[Log], int, Motion]:
+    """The same, which of them is the longest, and its motion.
+
+    How short a gap has to be is told by the longest stretch without any.
+    """
+    parts = split_at_gaps(log)
+    longest, first = _longest(parts, filtering)
+    if len(parts) == 1:
+        return parts, longest, first
+    noise = first.position_noise
+    joined = split_at_gaps(log, bridged_time(first.q, first.dq, first.ddq, noise))
+    if len(joined) == len(parts):
+        return parts, longest, first
+    return joined, *_longest(joined, filtering)
+
+
+def _longest(parts: list[Log], filtering: Filtering) -> tuple[int, Motion]:
+    """Which stretch is the longest, and its motion."""
+    longest = max(range(len(parts)), key=lambda k: len(parts[k].t))
+    try:
+        return longest, prepare(parts[longest], filtering)
+    except TooShort as error:
+        if len(parts) == 1:
+            raise
+        raise InputError(f"{error}. Gaps cut the log into {len(parts)} parts") from None
+
+
+def _bridged_notes(motions: Sequence[Motion]) -> list[str]:
+    """What is bridged, and how much is left out for it."""
+    lost = [(m, *runs(m.lost)) for m in motions if m.lost is not None]
+    lengths = [
+        (b - a + 1) / m.rate for m, begins, ends in lost for a, b in zip(begins, ends, strict=True)
+    ]
+    if not lengths:
+        return []
+    rows = [m.lost_rows for m in motions]
+    out, every = sum(int(r.sum()) for r in rows), sum(map(len, rows))
+    gaps = f"{len(lengths)} gap{'s' * (len(lengths) > 1)}"
+    return [
+        f"{gaps} of up to {max(lengths):.2g} s, short against the motion, bridged for the filters alone: "
+        f"{out} of {every} rows in and beside them are neither fitted nor scored."
+    ]
 
 
 def prepare_all(logs: Sequence[Log], filtering: Filtering) -> list[Motion]:
@@ -181,5 +226,6 @@ def stretch(motion: Motion, first: int, last: int) -> Motion:
         ddq=motion.ddq[rows],
         tau=cut(motion.tau),
         bridged=cut(motion.bridged),
+        lost=cut(motion.lost),
         channels={name: x[rows] for name, x in motion.channels.items()},
     )

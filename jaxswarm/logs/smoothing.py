@@ -114,14 +114,24 @@ class Solution(NamedTuple):
 
 
 def solve(
-    x: np.ndarray, velocity: np.ndarray | None, rate: float, cutoff: float, rho: float
+    x: np.ndarray,
+    velocity: np.ndarray | None,
+    rate: float,
+    cutoff: float,
+    rho: float,
+    known: np.ndarray | None = None,
 ) -> Solution:
-    """Minimize the penalized squares for columns (T, m) that share cutoff and rho."""
-    length, middle = len(x), x.mean(axis=0)
-    x = x - middle  # what stands is kept to the last digit, where the system would lose six of them
+    """Minimize the penalized squares for columns (T, m) that share cutoff and rho.
+
+    Of a log with gaps only over the samples that are known, (T,): across the others goes the smoothest course.
+    """
+    weights = np.ones(len(x)) if known is None else known.astype(float)
+    length, middle = len(x), weights @ x / weights.sum()
+    # What stands is kept to the last digit, where the system would lose six of them.
+    x = (x - middle) * weights[:, None]
     weight = (2.0 * np.sin(np.pi * min(cutoff / rate, 0.5))) ** -8
     bands = _gram(_PENALTY, length, weight, 5 if rho == 0.0 else 7)
-    bands[-1] += 1.0
+    bands[-1] += weights
     right = x.copy()
     if rho > 0.0:
         assert velocity is not None  # a ratio of noises is that of a logged velocity
@@ -135,7 +145,9 @@ def solve(
             right[columns] += strength * stencil[:, None] * velocity[row] / rate
     factor = scipy.linalg.cholesky_banded(bands, check_finite=False)
     mean = scipy.linalg.cho_solve_banded((factor, False), right, check_finite=False)
-    squares = ((x - mean) ** 2).sum(axis=0) + weight * (np.diff(mean, 4, axis=0) ** 2).sum(axis=0)
+    squares = ((x - weights[:, None] * mean) ** 2).sum(axis=0) + weight * (
+        np.diff(mean, 4, axis=0) ** 2
+    ).sum(axis=0)
     if rho > 0.0:
         assert velocity is not None
         slope = sum(c * mean[k : length - 6 + k] for k, c in enumerate(_SLOPE))

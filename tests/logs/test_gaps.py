@@ -1,14 +1,22 @@
 """Pauses are boundaries, bursts are averaged, and the working clock never outgrows the samples."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from jaxswarm.errors import InputError
+from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation.validate import log_errors
+from jaxswarm.identify.forward.regression import build_regression
 from jaxswarm.logs import Log, read_log, write_log
 from jaxswarm.logs.log import take
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.logs.resampling import TooShort
 from jaxswarm.logs.segments import merge_bursts, prepare_segments, split_at_gaps
+from jaxswarm.robot import load_robot
+
+W = 2 * np.pi * np.array([0.4, 1.1])
 
 
 def moving(t, noise=1e-5, name="made"):
@@ -115,3 +123,49 @@ def test_bursts_pass_the_checks_of_the_reader(tmp_path):
     stamps = (np.arange(200)[:, None] * 0.01 + np.arange(8) * 2e-6).ravel()
     write_log(moving(stamps), tmp_path / "log.csv")
     assert len(read_log(tmp_path / "log.csv", ("joint1",)).t) == len(stamps)
+
+
+def with_gaps(log, count, shortest, longest):
+    """The log with so many stretches of time cut out of it, evenly placed."""
+    rng, keep = np.random.default_rng(5), np.ones(len(log.t), dtype=bool)
+    each = (log.t[-1] - log.t[0]) / count
+    for k in range(count):
+        start, length = (k + rng.uniform(0.3, 0.6)) * each, rng.uniform(shortest, longest)
+        keep &= ~((log.t > start) & (log.t < start + length))
+    return take(log, keep)
+
+
+@pytest.mark.parametrize("velocity", [False, True])
+def test_gaps_short_against_the_motion_are_bridged_and_left_out(velocity):
+    t = np.arange(2000) * 0.02
+    log = moving(t, 1e-4)
+    if velocity:
+        rng = np.random.default_rng(1)
+        speed = np.gradient(np.sin(np.outer(t, W)).sum(axis=1), t) + 1e-3 * rng.normal(size=len(t))
+        log = replace(log, dq=speed[:, None])
+    whole = prepare(log)
+    noted, motions = prepare_segments(with_gaps(log, 16, 0.12, 0.2))
+    (motion,) = motions
+    assert "16 gaps of up to 0.2" in noted.notes[-1]
+    assert f"{motion.lost_rows.sum()} of {len(motion.lost_rows)} rows" in noted.notes[-1]
+    assert 0.1 < motion.lost_rows.mean() < 0.6
+    # The band is that of the log without gaps, and so is the motion in all rows that are kept.
+    assert motion.motion_cutoff[0] == pytest.approx(whole.motion_cutoff[0], rel=0.15)
+    off = motion.decimator.apply(motion.ddq - exact(motion.t)[:, None])[~motion.lost_rows]
+    assert np.sqrt(np.mean(off**2)) < 2e-3 * np.sqrt(np.mean(whole.ddq**2))
+    # No fit and no score sees what was put in.
+    robot = load_robot("emps")
+    model = estimate(robot, (), [motion]).model
+    assert np.array_equal(
+        ~build_regression(robot, (), [motion], (0.1,)).used[:, 0], motion.lost_rows
+    )
+    spoiled = replace(motion, tau=np.where(motion.lost[:, None], 100.0, motion.tau))
+    errors = [log_errors(model, m)["wideband"]["rms"] for m in (motion, spoiled)]
+    assert errors[0] == errors[1]
+
+
+def test_gaps_long_against_the_motion_cut_the_log():
+    log = with_gaps(moving(np.arange(2000) * 0.02), 4, 0.5, 0.8)
+    noted, motions = prepare_segments(log)
+    assert any("Split at 4 gaps" in note for note in noted.notes)
+    assert all(m.lost is None for m in motions)

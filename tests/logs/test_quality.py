@@ -86,6 +86,11 @@ class TestSampling:
         (gap,) = sampling(time, WAVE[:, None]).gaps
         assert (gap.sample, gap.clock_jump) == (299, True)
 
+    def test_a_joint_that_turned_round_in_a_gap_took_its_time(self):
+        t = np.delete(np.arange(400) * 0.02, slice(95, 105))
+        (gap,) = sampling(t, (t - 2.0)[:, None] ** 2).gaps
+        assert not gap.clock_jump
+
     def test_gap_at_rest_is_no_clock_jump(self):
         time = TIME + 0.48 * (np.arange(4000) >= 300)
         (gap,) = sampling(time, np.ones((4000, 1))).gaps

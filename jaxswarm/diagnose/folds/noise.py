@@ -128,9 +128,20 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
             step_noise=np.hypot(_step_noise(m, left), _stick_noise(found.model, m)),
         )
         for m in found.motions
-        for left, drawn in [(m.tau - model_torque(found.model, m), _drawn(found, m, seed))]
+        for left, drawn in [(_left(found.model, m), _drawn(found, m, seed))]
     )
     return replace(found, motions=motions)
+
+
+def _left(model: Model, motion: Motion) -> np.ndarray:
+    """What a model leaves on the working clock (T, n), with straight lines where samples are lost."""
+    left = motion.tau - model_torque(model, motion)
+    if motion.lost is not None:
+        # What was put in is off by any amount: it would count as noise of what is beside it.
+        known = ~motion.lost
+        for own in left.T:
+            own[motion.lost] = np.interp(motion.t[motion.lost], motion.t[known], own[known])
+    return left
 
 
 def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:

@@ -74,9 +74,11 @@ def _compared(
     predicted = model_torque(model, motion)
     low = motion.low_torque, motion.decimator.apply(predicted), moving[kept]
     wide = np.asarray(motion.tau), predicted, moving
-    if scored.all():  # nothing is copied: of a long log that is as large as all else
+    if scored.all() and motion.lost is None:  # of a long log a copy is as large as all else
         return low, wide
-    return tuple(x[scored[kept]] for x in low), tuple(x[scored] for x in wide)
+    rows = scored[kept] & ~motion.lost_rows
+    samples = scored if motion.lost is None else scored & ~motion.lost
+    return tuple(x[rows] for x in low), tuple(x[samples] for x in wide)
 
 
 def time_blocks(log: np.ndarray, count: int) -> np.ndarray:

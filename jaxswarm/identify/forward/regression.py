@@ -148,7 +148,7 @@ def build_regression(
 
 def _used(terms: tuple[Term, ...], motion: Motion, number: int) -> np.ndarray:
     """Whether a joint's row of a log, by its number, is used, (T', n)."""
-    rows = ~event_rows(terms, motion, number)
+    rows = ~event_rows(terms, motion, number) & ~motion.lost_rows
     if slope_terms(terms):
         rows &= ~unseen_rows(motion)
     used = np.repeat(rows[:, None], len(motion.joints), axis=1)
