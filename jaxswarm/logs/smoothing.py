@@ -126,7 +126,8 @@ def solve(
     Of a log with gaps only over the samples that are known, (T,): across the others goes the smoothest course.
     """
     weights = np.ones(len(x)) if known is None else known.astype(float)
-    length, middle = len(x), weights @ x / weights.sum()
+    length = len(x)
+    middle = x.mean(axis=0) if known is None else x[known].mean(axis=0)
     # What stands is kept to the last digit, where the system would lose six of them.
     x = (x - middle) * weights[:, None]
     weight = (2.0 * np.sin(np.pi * min(cutoff / rate, 0.5))) ** -8

@@ -8,6 +8,7 @@ import numpy as np
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.quality import quantum
+from jaxswarm.logs.sampling import sampling
 
 NAME = "spikes"
 # A spike is off by this many times the deviation that three quarters of the samples stay below. On 110 clean
@@ -66,8 +67,17 @@ def _stands_out(size: np.ndarray, off: np.ndarray, usual: float) -> np.ndarray:
     return found
 
 
+def _beside_gaps(log: Log) -> np.ndarray:
+    """Samples (T,) with a gap among their neighbors: where a joint turned in it, one looks like a spike."""
+    beside = np.zeros(len(log.t), dtype=bool)
+    for gap in sampling(log.t, log.q).gaps if len(log.t) > 2 else ():
+        beside[max(0, gap.sample - 1) : gap.sample + 3] = True
+    return beside
+
+
 def bridged(log: Log) -> tuple[Log, list[Finding]]:
     """The log with spikes of positions and torques bridged, and what was found."""
+    apart = ~_beside_gaps(log)
     findings: list[Finding] = []
     mended: dict[str, Any] = {}
     for quantity, name in (("q", "position"), ("tau", "torque")):
@@ -75,7 +85,7 @@ def bridged(log: Log) -> tuple[Log, list[Finding]]:
         if values is None:
             continue
         for j, joint in enumerate(log.joints):
-            bad = find_spikes(values[:, j])
+            bad = find_spikes(values[:, j]) & apart
             count = int(bad.sum())
             if not count:
                 continue

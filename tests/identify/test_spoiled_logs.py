@@ -95,7 +95,7 @@ TOLD = {
 
 
 # What leaving time out makes of a log.
-GAPS = "Split at ", "Left out, too short"
+GAPS = "Split at ", "Left out, too short", "8 gaps of up to "
 
 
 @pytest.fixture(scope="module")

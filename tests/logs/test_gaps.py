@@ -14,6 +14,7 @@ from jaxswarm.logs.log import take
 from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.logs.resampling import TooShort
 from jaxswarm.logs.segments import merge_bursts, prepare_segments, split_at_gaps
+from jaxswarm.logs.spikes import bridged, find_spikes
 from jaxswarm.robot import load_robot
 
 W = 2 * np.pi * np.array([0.4, 1.1])
@@ -169,3 +170,12 @@ def test_gaps_long_against_the_motion_cut_the_log():
     noted, motions = prepare_segments(log)
     assert any("Split at 4 gaps" in note for note in noted.notes)
     assert all(m.lost is None for m in motions)
+
+
+def test_the_sample_after_a_gap_in_which_a_joint_turned_is_no_spike():
+    t = np.arange(200) * 0.02
+    q = -((t - 1.0) ** 2) + 1e-6 * np.random.default_rng(0).normal(size=200)
+    log = take(Log("made", ("joint1",), t, q[:, None]), (t < 0.91) | (t > 1.07))
+    assert find_spikes(log.q[:, 0]).any()
+    mended, found = bridged(log)
+    assert not found and np.array_equal(mended.q, log.q)
