@@ -44,7 +44,7 @@ def bridged_time(q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, noise: np.ndarr
         q, dq, ddq: A motion of the log, (T, n) each.
         noise: Standard deviation of the noise of its positions, (n,); None: unknown.
 
-    >>> t = np.arange(0, 10, 0.01)[:, None]
+    >>> t = np.linspace(0, 4 * np.pi, 1000)[:, None]
     >>> round(bridged_time(np.sin(t), np.cos(t), -np.sin(t), None) / (2 * np.pi), 2)
     0.25
     """
