@@ -30,7 +30,7 @@ _CUTOFF, _SIDE, _SAMPLES = 2.0, 3.0, 16.0
 _MOVES = 100.0
 # Samples that it needs, and its highest cutoff, as a part of the rate: beyond, nothing is smoothed.
 _LEAST, _HIGHEST = 8, 0.4
-# Rows whose low-pass has this share of its weight in gaps are left out.
+# Rows whose low-pass has this share of its weight in gaps are left out, as in what was measured above.
 _SEEN = 0.1
 
 
