@@ -111,7 +111,7 @@ def look_at(entry: dict) -> list[str]:
 
 
 def left_open(result: dict) -> list[str]:
-    """Joints whose error on another log is no more than what the fitted motion leaves open of their parameters."""
+    """Joints whose error on another log is no more than what the fitted motion leaves open of parameters."""
     told = []
     for entry in result["error"].get("validation") or ():
         rows = zip(
