@@ -24,9 +24,9 @@ from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.drawing import Drawing
 from jaxswarm.errors import InputError
 from jaxswarm.identify.checks.weak import refuse_weak
+from jaxswarm.identify.forward.event_rows import event_rows
 from jaxswarm.identify.forward.metrics import torque_errors
 from jaxswarm.identify.forward.model import Model, load_model
-from jaxswarm.identify.forward.regression import event_rows
 from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import term_parameters, with_intervals
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_resting_joints

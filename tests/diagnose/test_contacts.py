@@ -13,7 +13,7 @@ from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, load_model, model_torque, save_model
 from jaxswarm.identify.estimation.events import edge_error
-from jaxswarm.identify.forward.regression import event_rows
+from jaxswarm.identify.forward.event_rows import event_rows
 from jaxswarm.identify.report.summary import linear_units
 from jaxswarm.logs.motion import Filtering, prepare
 

@@ -156,10 +156,10 @@ def test_no_more_columns_stand_in_memory_than_a_search_looks_at(log, monkeypatch
     steps = importlib.import_module("jaxswarm.identify.estimation.problem")
     alive, most = [], []
 
-    def counted(*given):
+    def counted(*given, **how):
         gc.collect()
         most.append(sum(one() is not None for one in alive))
-        made = build(*given)
+        made = build(*given, **how)
         alive.append(weakref.ref(made))
         return made
 

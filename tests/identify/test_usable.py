@@ -73,11 +73,11 @@ def test_a_fit_turns_away_from_places_where_the_link_runs_away(motion, monkeypat
     build = problem.build_regression
     refused = []
 
-    def limited(robot, terms, *rest):
+    def limited(robot, terms, *rest, **how):
         if terms[-1].values["k"] > 1.2e4:
             refused.append(terms[-1].values["k"])
             raise Diverged("too stiff")
-        return build(robot, terms, *rest)
+        return build(robot, terms, *rest, **how)
 
     monkeypatch.setattr(problem, "build_regression", limited)
     soft = Term("joint_elasticity", 1, values={"k": 1e4, "d": 5.0})

@@ -74,8 +74,12 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
         for part in (1.0, 0.3, 0.1):
             trial = stand + part * step
             told = with_values(place, trial[rigid:], problem.robot.joints)
-            there = _attempt(problem.build, told, trial[:rigid])
-            if there is not None and _true_cost(there, trial, sigma) < before:
+            # Most are turned down, and how the torque bends takes as long as all else.
+            there = _attempt(problem.build, told, trial[:rigid], False)
+            if there is None or not _true_cost(there, trial, sigma) < before:
+                continue
+            there = _attempt(problem.bend, there, told, trial[:rigid])
+            if there is not None:
                 break
         else:
             break

@@ -13,7 +13,11 @@ from jaxswarm.identify.estimation.link_inertia import link_inertias
 from jaxswarm.identify.forward.body import moves_links
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import assemble, term_block
-from jaxswarm.identify.forward.regression import Regression, build_regression
+from jaxswarm.identify.forward.regression import (
+    Regression,
+    build_regression,
+    with_slopes,
+)
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -41,9 +45,15 @@ class Problem:
         every = free_parameters(terms, widths)
         return [one for one in every if (one.term, one.name) not in self.usual]
 
-    def build(self, place: Place, pi) -> Regression:
-        """The rows at a place."""
-        return build_regression(self.robot, place.terms, self.motions, place.width, pi, self.rigids)
+    def build(self, place: Place, pi, bent: bool = True) -> Regression:
+        """The rows at a place; not ``bent``: without how the torque bends there, for its size alone."""
+        given = self.robot, place.terms, self.motions, place.width, pi, self.rigids
+        return build_regression(*given, bent=bent)
+
+    def bend(self, plain: Regression, place: Place, pi) -> Regression:
+        """Rows that were made for their size alone, for a fit."""
+        given = self.robot, place.terms, self.motions, place.width, pi, self.rigids
+        return with_slopes(plain, *given)
 
     def solve(self, terms: tuple[Term, ...], regression: Regression) -> Solved:
         """The linear parameters. How certain they are is asked of the last of many fits alone."""

@@ -60,6 +60,7 @@ class Body:
         motion: The log, with what its encoders say too much taken off.
         pi: Rigid parameters, (10 n,).
         rigid: What is known of the log's columns where the links do as it says; else None.
+        laws: What is known of columns of laws where the motors do as the log says; else None.
     """
 
     arm: Robot
@@ -67,6 +68,7 @@ class Body:
     motion: Motion
     pi: np.ndarray
     rigid: Rigid | None
+    laws: Rigid | None
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -109,10 +111,10 @@ def body_along(
 ) -> Body:
     """The rigid body of a model along a log; ``rigid``: columns of the plain motion, where known."""
     if rigid is not None and not moves_links(terms):
-        return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
+        return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
     arm, true = arm_of(robot, terms), true_motion(terms, motion)
     known = rigid if true is motion else None
-    return Body(arm, link_motion(arm, terms, true, pi, known), true, pi, None)
+    return Body(arm, link_motion(arm, terms, true, pi, known), true, pi, None, known)
 
 
 def carried(term: Term, motion: Motion) -> np.ndarray:

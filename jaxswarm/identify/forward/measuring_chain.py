@@ -143,7 +143,7 @@ def _block(
     def own() -> np.ndarray:
         return low(report_own(terms, motion, term_columns(term, motion, width, load), term.index))
 
-    known = None if low is np.asarray or measured else body.rigid
+    known = None if low is np.asarray or measured else body.laws
     made = own() if known is None else known.law(term, width, own)
     return placed(made, term.index, motion.q.shape[1])
 
@@ -242,6 +242,6 @@ def term_block(
     rigid: Rigid,
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
-    body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid)
+    body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
     load = body.load() if term.law.uses_load else None
     return _block(terms, term, body, width, load, motion.decimator.apply)

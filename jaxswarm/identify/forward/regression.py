@@ -1,7 +1,7 @@
 """The linear problem of one model on one or several logs: decimated columns and torque, with their clock."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.event_rows import event_columns, event_rows
 from jaxswarm.identify.forward.link_lag import (
     lag_slopes,
     slope_terms,
@@ -16,7 +17,7 @@ from jaxswarm.identify.forward.link_lag import (
     unseen_rows,
 )
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
-from jaxswarm.identify.forward.measuring_chain import assemble, clock_lag, report
+from jaxswarm.identify.forward.measuring_chain import assemble, report
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.names import column_names
 from jaxswarm.logs.motion import Motion
@@ -95,6 +96,7 @@ def build_regression(
     width: Sequence[float],
     pi: np.ndarray | None = None,
     rigids: Sequence[Rigid] | None = None,
+    bent: bool = True,
 ) -> Regression:
     """Stack the decimated rows of all logs.
 
@@ -105,35 +107,31 @@ def build_regression(
         width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
         rigids: Rigid columns of the logs where known.
+        bent: Whether with :func:`with_slopes`. Without, ``columns @ theta`` is the model's torque for the
+            parameters that they were made with, and for no others.
 
     Raises:
         InputError: If there are fewer rows than columns to determine.
         Diverged: If a column is not finite, or too large to be squared.
     """
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
-    columns, torque, moving, clock, log, shift, used = [], [], [], [], [], [], []
+    columns, torque, moving, clock, log, used = [], [], [], [], [], []
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True, log=k))
-        low = motion.decimator
-        bent = _slopes(robot, terms, motion, width, pi, rigid, k)
-        if bent is not None:
-            columns[-1] += bent
-            known = [t.values.get(n, 0.0) for t in terms for n in t.linear_names(motion.joints)]
-            shift.append(bent @ np.concatenate([pi, known]))
         _check_finite(columns[-1], terms, motion)
-        kept = low.kept(len(motion.t))
+        kept = motion.decimator.kept(len(motion.t))
         torque.append(motion.low_torque)
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
         used.append(_used(terms, motion, k))
-        _leave_out(~used[-1], columns[-1], torque[-1], *shift[-1:])
+        _leave_out(~used[-1], columns[-1], torque[-1])
     every = np.concatenate(used)
     stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
     _check_rows(stacked, motions[0].source)
-    return Regression(
+    plain = Regression(
         column_names(robot, terms),
         stacked,
         np.concatenate(torque),
@@ -141,9 +139,44 @@ def build_regression(
         np.concatenate(clock),
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
-        np.concatenate(shift) if shift else None,
-        None if np.all(every) and not any(t.law.recurring for t in terms) else every,
+        used=None if np.all(every) and not any(t.law.recurring for t in terms) else every,
     )
+    return with_slopes(plain, robot, terms, motions, width, pi, rigids) if bent else plain
+
+
+def with_slopes(
+    plain: Regression,
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motions: Sequence[Motion],
+    width: Sequence[float],
+    pi: np.ndarray | None = None,
+    rigids: Sequence[Rigid] | None = None,
+) -> Regression:
+    """Rows that were made of the same without it, with what their torque owes to lags and loads.
+
+    Its columns are written anew in place. That takes as long as the rest of them: a place that no fit goes to
+    is not asked for it.
+
+    Raises:
+        Diverged: If a column is not finite, or too large to be squared.
+    """
+    pi = np.zeros(10 * robot.num_joints) if pi is None else pi
+    shift, events = np.zeros(plain.torque.shape), event_columns(robot, terms)
+    for k, motion in enumerate(motions):
+        rigid = None if rigids is None else rigids[k]
+        bent = _slopes(robot, terms, motion, width, pi, rigid, k)
+        if bent is None:
+            return plain
+        rows = slice(*np.searchsorted(plain.log, [k, k + 1]))
+        known = [t.values.get(n, 0.0) for t in terms for n in t.linear_names(motion.joints)]
+        shift[rows] = bent @ np.concatenate([pi, known])
+        if plain.used is not None:
+            _leave_out(~plain.used[rows], bent, shift[rows])
+        bent[:, :, events] = 0.0
+        plain.columns[rows] += bent
+        _check_finite(plain.columns[rows], terms, motion)
+    return replace(plain, shift=shift)
 
 
 def _used(terms: tuple[Term, ...], motion: Motion, number: int) -> np.ndarray:
@@ -179,23 +212,6 @@ def _slopes(
     if any(loaded(t) for t in terms):
         parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
     return sum(parts[1:], parts[0]) if parts else None
-
-
-def event_rows(terms: Sequence[Term], motion: Motion, number: int) -> np.ndarray:
-    """Whether the low-pass of a decimated row of a log, by its number, reaches into an event, (T',)."""
-    reach = 0.5 * (len(motion.decimator.taps) - 1) / motion.rate
-    t = motion.t[motion.decimator.kept(len(motion.t))] - clock_lag(terms)
-    within = np.zeros(len(t), dtype=bool)
-    for term in terms:
-        if term.law.recurring and int(term.values.get("log", 0)) == number:
-            within |= (t >= term.values["start"] - reach) & (t <= term.values["end"] + reach)
-    return within
-
-
-def event_columns(robot: Robot, terms: Sequence[Term]) -> np.ndarray:
-    """Which columns belong to events of a log, (p,): nothing of them is fitted with the rest."""
-    flags = [np.full(len(t.columns(robot.joints)), t.law.recurring) for t in terms]
-    return np.concatenate([np.zeros(10 * robot.num_joints, bool), *flags])
 
 
 def _leave_out(rows: np.ndarray, *arrays: np.ndarray) -> None:

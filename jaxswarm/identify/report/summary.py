@@ -7,7 +7,7 @@ from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.base_parameters import BaseParameters
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.regression import event_columns
+from jaxswarm.identify.forward.event_rows import event_columns
 from jaxswarm.robot.model import Robot
 from jaxswarm.robot.names import PARAMETER_UNITS
 
