@@ -81,14 +81,19 @@ def diagnose(
     rules, budget = rules or Rules(), budget or Budget()
     memory = Memory(journal, rules.share)
 
-    def searched(logs: Sequence[Motion], most: int, goes_on: Callable = _always) -> Search:
+    def searched(
+        logs: Sequence[Motion],
+        most: int,
+        goes_on: Callable = _always,
+        sticks: Callable[[Search], bool] = leave_out_sticks,
+    ) -> Search:
         question = replace(_LACKING, act=partial(_act_if, goes_on))
         with declared_alone(robot, declared, logs) as alone:
             progress("fitting the declared model")
             start = estimate(robot, declared, logs, bounded=False)
             search = Search(start, start, rules, seed, memory, other, progress, budget)
             run_rounds(search, question, most)
-            while not search.given_up and (take_back(search) or leave_out_sticks(search)):
+            while not search.given_up and (take_back(search) or sticks(search)):
                 run_rounds(search, question, most)
             if not search.given_up:
                 finish(search, alone)

@@ -26,6 +26,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.sticking import give_up_if_it_sticks
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held, mixed_with, standing
 from jaxswarm.logs.motion import Motion
@@ -37,7 +38,10 @@ _MORE_ROUNDS = 3
 def with_rest(
     search: Search,
     motions: Sequence[Motion],
-    searched: Callable[[Sequence[Motion], int, Callable[[Search, list[Score]], bool]], Search],
+    searched: Callable[
+        [Sequence[Motion], int, Callable[[Search, list[Score]], bool], Callable[[Search], bool]],
+        Search,
+    ],
 ) -> Search:
     """The search with all rows, where its model explains rest and motion by no more numbers; else the search.
 
@@ -54,8 +58,9 @@ def with_rest(
     Args:
         search: A search that may have left out rest.
         motions: The logs it was given.
-        searched: ``searched(motions, most, goes_on)``: a search of so many rounds on these logs, given up in
-            the round in which it does not go on with those that passed.
+        searched: ``searched(motions, most, goes_on, sticks)``: a search of so many rounds on these logs, given
+            up in the round in which it does not go on with those that passed; ``sticks`` is asked in the end
+            whether it goes on with other rows.
     """
     rest = standing(motions)
     left_out = _left_out(search, rest)
@@ -68,7 +73,8 @@ def with_rest(
         return search
     # A model that is far from the noise in motion gets there by what rest shows, or not at all.
     most = _MORE_ROUNDS + (0 if loud else len(search.steps))
-    again = searched(every, most, partial(_may_explain, rest, mixed_with(motions, rest)))
+    goes_on = partial(_may_explain, rest, mixed_with(motions, rest))
+    again = searched(every, most, goes_on, give_up_if_it_sticks)
     nothing = not again.steps and not loud  # what was near with something added lacked it
     if again.given_up or again.ended or again.budget.spent or again.sticking or nothing:
         return search

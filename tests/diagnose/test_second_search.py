@@ -1,0 +1,78 @@
+"""The second search, for a model of every row: it ends where it can have none."""
+
+import importlib
+
+import numpy as np
+import pytest
+from planted import BAND, blank, log_with, small_arm
+
+from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.sticking import give_up_if_it_sticks
+from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation.standing import leave_out
+from jaxswarm.logs.motion import prepare
+
+SELECTION = "jaxswarm.diagnose.selection"
+stepwise, sticking, with_rest = (
+    importlib.import_module(f"{SELECTION}.{name}") for name in ("stepwise", "sticking", "with_rest")
+)
+
+
+def search_of(found):
+    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return prepare(log_with(), BAND)
+
+
+@pytest.fixture(scope="module")
+def found(motion):
+    return estimate(small_arm(), blank(), [motion])
+
+
+@pytest.mark.parametrize(
+    ("ended", "sticks"), [(True, False), (True, True), (False, True), (False, False)]
+)
+def test_it_is_given_up_where_joints_stick_or_more_would_be_added(
+    monkeypatch, found, ended, sticks
+):
+    """On a measured arm it went on with other rows for a sixth of the whole time; nobody looked at its end."""
+    asked = []
+    fit = found if sticks else None
+    monkeypatch.setattr(sticking, "_fit_of_what_moves", lambda search: asked.append(search) or fit)
+    monkeypatch.setattr(sticking, "go_on_from", None)
+    search = search_of(found)
+    search.ended = ended
+    assert not give_up_if_it_sticks(search)
+    assert search.given_up == (ended or sticks)
+    assert bool(asked) != ended
+
+
+def test_it_is_asked_that_in_the_place_of_other_rows(monkeypatch, motion, found):
+    rest = np.zeros((len(found.regression.t), 2), bool)
+    rest[:50] = True
+    first = search_of(found)
+    first.current = estimate(small_arm(), blank(), leave_out([motion], [rest], np.ones(2, bool)))
+    given = []
+    monkeypatch.setattr(with_rest, "standing", lambda motions: [rest])
+    monkeypatch.setattr(with_rest, "over_noise", lambda found: np.array([3.0, 3.0]))
+    with_rest.with_rest(first, [motion], lambda *of: given.append(of) or first)
+    assert given[0][-1] is give_up_if_it_sticks
+
+
+def test_what_is_asked_in_the_end_is_given(monkeypatch, motion):
+    asked = []
+
+    def second(search, motions, searched):
+        return searched(motions, 1, lambda *of: True, lambda one: asked.append(one))
+
+    monkeypatch.setattr(stepwise, "with_rest", second)
+    monkeypatch.setattr(stepwise, "leave_out_sticks", lambda search: False)
+    diagnose(small_arm(), blank(), [motion])
+    assert len(asked) == 1
