@@ -49,25 +49,31 @@ class Linearization:
         self.true = [body.motion for body in bodies]
 
     def _see(self, model: Model) -> list[Body]:
-        """Take the loads and the torque of a model on every log; its bodies there."""
+        """Take the loads of a model on every log; its bodies there."""
         pi = np.asarray(model.robot.parameters).ravel()
+        self.seen = model
         self.series: dict[tuple, Sample] = {}
-        self.loads, self.outputs, bodies = [], [], []
-        for k, (motion, rigid) in enumerate(
-            zip(self.found.motions, self.found.rigids, strict=True)
-        ):
-            own = model.during(k)
+        self.loads, bodies = [], []
+        for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True):
             body = body_along(model.robot, model.terms, motion, pi, rigid)
             bodies.append(body)
             self.loads.append(body.load())
-            self.outputs.append(
-                torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
-            )
         return bodies
+
+    @cached_property
+    def outputs(self) -> list[np.ndarray]:
+        """Torque (T, n) of the model on every log; laws of the load, tried with many models, ask for none."""
+        found, told = self.found, []
+        for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
+            own = self.seen.during(k)
+            at = own.robot, own.terms, motion, own.width, linear_values(own), rigid
+            told.append(torque_along(*at))
+        return told
 
     def changed_by(self, change: np.ndarray) -> "Linearization":
         """The same with the loads and the torque of a model with its linear parameters changed, by (p,)."""
         model, other = self.found.model, copy(self)
+        vars(other).pop("outputs", None)
         other._see(with_linear_values(model, linear_values(model) + change))
         return other
 
