@@ -202,24 +202,26 @@ def test_a_law_is_certain_in_what_those_it_contains_have_not(effect, values, the
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "refused"),
+    ("before", "doubt", "after", "refused"),
     [
-        (0.2, -0.5, True),
-        (0.2, -0.3, False),  # by chance
-        (-1.6, 0.3, False),
-        (-1.6, -1.9, False),  # by chance
-        (-1.6, -4.1, True),
+        (0.2, 0.1, -0.5, True),
+        (0.2, 0.1, -0.3, False),  # by chance
+        (-1.6, 0.1, 0.3, False),
+        (-1.6, 0.1, -1.9, False),  # by chance
+        (-1.6, 0.1, -4.1, True),
+        (-0.6, 0.3, -0.5, False),  # nearer, and known better
+        (-0.6, 0.3, -0.7, True),
     ],
 )
-def test_no_law_drives_friction_further_below_zero(before, after, refused):
+def test_no_law_drives_friction_further_below_zero(before, doubt, after, refused):
     """Viscous friction of -1.6 went to -4.1 beside a quadratic drag: the joint's friction fell with speed."""
 
-    def fit(b, *added):
+    def fit(b, doubt, *added):
         terms = (Term("viscous_friction", 1, values={"b": b}), *added)
         return SimpleNamespace(
             model=SimpleNamespace(terms=terms),
-            std_errors=tuple(dict.fromkeys(t.values, 0.1) for t in terms),
+            std_errors=tuple(dict.fromkeys(t.values, doubt) for t in terms),
         )
 
     drag = Term("quadratic_drag", 1, values={"c": 17.0})
-    assert unphysical_beside(fit(before), fit(after, drag), drag) is refused
+    assert unphysical_beside(fit(before, doubt), fit(after, 0.1, drag), drag) is refused
