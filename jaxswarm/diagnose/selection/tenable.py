@@ -151,8 +151,8 @@ def unphysical_beside(before: Estimate, after: Estimate, term: Term) -> bool:
     log wanted beyond its bounds before goes further where it moves by more than its doubt was then: viscous
     friction of -1.6 was driven to -4.1 by a quadratic drag, which gave 7 N m on motion ten times as fast, where
     Stribeck friction left less and brought it back. What comes nearer to its bounds is not driven, though it is
-    known better by that: viscous friction of -0.43 +- 0.21 was -0.34 +- 0.05 beside a drift that took 96 % off a
-    joint's squared error, for a coupling that was still to be found.
+    known better by that: viscous friction of -0.43 +- 0.21 was -0.34 +- 0.05 beside a drift that took 96 % off
+    its joint's squared error, for a coupling that was still to be found.
     """
     former = _room_beside(before, term)
     for key, (room, doubt) in _room_beside(after, term).items():
