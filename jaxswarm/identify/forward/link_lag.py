@@ -167,8 +167,11 @@ def lag_slopes(
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
         clock = 1.0 / motion.rate, calm_start(motion)
         lags = _lag_directions(term.law, own @ pi, own[:, :, felt], _values(term), clock)
-        for by, lag in zip(sensed.at(pi)[1:], lags, strict=True):
-            total[:, :, felt] -= by[:, :, None] * np.asarray(lag)[:, None, :]
+        slopes = sensed.at(pi)[1:]
+        for k in range(total.shape[1]):
+            total[:, k, felt] -= sum(
+                by[:, k, None] * np.asarray(lag) for by, lag in zip(slopes, lags, strict=True)
+            )
     return total
 
 
