@@ -3,6 +3,7 @@
 import math
 
 from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.report.error_change import error_change
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
@@ -67,12 +68,9 @@ def verdict_sentence(result: dict) -> str:
 
 def evidence_sentence(result: dict) -> str:
     """The verdict in one sentence, with the error before and after."""
-    before, after = result["error"]["before"], result["error"]["after"]
-    if before is None or result["verdict"] == "cannot be judged":
+    if result["error"]["before"] is None or result["verdict"] == "cannot be judged":
         return "This log cannot be judged: " + "; ".join(result["reasons"]) + "."
-    change = percent(before["relative_global"])
-    if result["effects"] or result["changed"] or result["discovered"]:
-        change += f" before, {percent(after['relative_global'])} after, on {after['on']}"
+    change = error_change(result)
     added = _found(result)
     left = left_of(result["unexplained"])
     unknown = _unknown(result)
