@@ -229,7 +229,8 @@ def lateness(terms: tuple[Term, ...]) -> float:
 
 def clock_lag(terms: Sequence[Term]) -> float:
     """Time [s] by which the torque's own clock lags: what happens at t stands in it that much later."""
-    return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw) if t.law.clock)
+    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
+    return sum(t.law.lateness({**t.law.neutral(), **t.values}) for t in clocks)
 
 
 def term_block(
