@@ -82,7 +82,7 @@ def test_a_true_model_leaves_of_another_log_what_is_expected(other):
         for seed in (7, 8, 9):
             before, true = fits(duration=duration, motion_seed=seed)
             noise = noise_of(before)
-            most = expected(before, true, other, noise)
+            most = expected(other, noise, before, true)
             over.extend(rms(log_residual(true, other)) / most)
             if duration == 12.0:
                 assert (most < 2.0 * noise).all()

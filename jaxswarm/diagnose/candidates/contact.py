@@ -36,8 +36,8 @@ def external_candidate(lin: Linearization, term: Term) -> Candidate | None:
     log = regression.log[pick[0]]
     pick = _closer(gain, pick, np.flatnonzero(regression.log == log)[[0, -1]] + [0, 1])
     # It begins between the last row without it and the first one with it; the arm felt it before a late clock.
-    half, late = 0.5 * regression.step[int(log)], clock_lag(lin.found.model.terms)
-    start, end = (regression.t[pick[0]] - half, regression.t[pick[1] - 1] + half) - np.array(late)
+    half, t = 0.5 * regression.step[int(log)], regression.t - clock_lag(lin.found.model.terms)
+    start, end = t[pick[0]] - half, t[pick[1] - 1] + half
 
     values = {"start": max(float(start), 0.0), "end": float(end), "log": float(log)}
 

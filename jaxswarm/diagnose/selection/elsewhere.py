@@ -179,20 +179,20 @@ def log_residual(found: Estimate, motion: Motion, model: Model | None = None) ->
     return left[_inside(motion)]
 
 
-def expected(before: Estimate, after: Estimate, motion: Motion, noise: np.ndarray) -> np.ndarray:
-    """The most (n,) that two fits are expected to leave of another log: noise, and how far both may be off.
+def expected(motion: Motion, noise: np.ndarray, *fits: Estimate) -> np.ndarray:
+    """The most (n,) that fits are expected to leave of another log: noise, and how far each may be off.
 
     Ten seconds of one cycle told so little of the inner joints that the declared model was 9 times their noise
     off on another log, as its covariance says. True friction of the last joint, which took 99.9 % off that
-    joint's squared error there, was refused since it changed what chance had drawn on theirs. The lesser
-    doubt of the two counts: what a model lacks makes its doubt too large, as does a law that is not told.
+    joint's squared error there, was refused since it changed what chance had drawn on theirs. The least
+    doubt of them counts: what a model lacks makes its doubt too large, as does a law that is not told.
 
     Args:
-        before, after: The fits.
         motion: The log.
         noise: Of every joint, (n,) [N m or N].
+        fits: One or more.
     """
-    doubt = np.minimum(*(_doubt(one, motion) for one in (before, after)))
+    doubt = np.min([_doubt(one, motion) for one in fits], axis=0)
     return np.sqrt(noise**2 + (CERTAIN * doubt) ** 2)
 
 

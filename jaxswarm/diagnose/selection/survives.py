@@ -125,7 +125,7 @@ def survives(
         worse = rises & (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
         floor = noise
         if other and (worse.any() or more_in_all(two, one, noise)):
-            floor = expected(before, after, other[number], noise)
+            floor = expected(other[number], noise, before, after)
             worse &= two > ABOVE_NOISE * floor
         if worse.any():
             j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
@@ -191,7 +191,7 @@ def harmful(
     for number, (one, two, _, rises, where) in enumerate(errors_elsewhere(declared, final, other)):
         worse = rises & (two > HARM * one) & (two > ABOVE_NOISE * noise)
         if other and worse.any():
-            worse &= two > ABOVE_NOISE * expected(declared, final, other[number], noise)
+            worse &= two > ABOVE_NOISE * expected(other[number], noise, declared, final)
         if not worse.any():
             continue
         j = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))

@@ -29,22 +29,19 @@ class UnseenErrors:
         self.logs: dict[str, list[Motion]] = {}
         for motion in validation:
             self.logs.setdefault(motion.source, []).append(motion)
-        self.worst = None
+        self.worst: str | None = None
         self._terms = *before.model.terms, *after.model.terms
         self._events = {
             source: [window for m in motions for window in event_windows(before, after, m)]
             for source, motions in self.logs.items()
         }
+        self.validation = [self._entry(before, after, source) for source in self.logs]
         if self.logs:
-            change = {
-                source: self._on(after.model, source)["relative_global"]
-                / max(self._on(before.model, source)["relative_global"], 1e-12)
-                for source in self.logs
-            }
-            self.worst = max(change, key=lambda source: change[source])
-            self.validation = [self._entry(before, after, source) for source in self.logs]
-        else:
-            self.validation = []
+            change = [
+                entry["after"]["relative_global"] / max(entry["before"]["relative_global"], 1e-12)
+                for entry in self.validation
+            ]
+            self.worst = list(self.logs)[int(np.argmax(change))]
 
     def _entry(self, before: Estimate, after: Estimate, source: str) -> dict[str, Any]:
         """Errors of both models on a log, and what the final one is expected to leave where that is much."""
@@ -75,5 +72,5 @@ class UnseenErrors:
 
 def _expected(found: Estimate, motions: Sequence[Motion], noise: np.ndarray) -> np.ndarray:
     """The most (n,) that a fit is expected to leave of a log in stretches, each counted by its length."""
-    power = [expected(found, found, motion, noise) ** 2 for motion in motions]
+    power = [expected(motion, noise, found) ** 2 for motion in motions]
     return np.sqrt(np.average(power, axis=0, weights=[len(m.t) for m in motions]))

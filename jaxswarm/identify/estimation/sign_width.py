@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.free_parameters import Place, with_values
 from jaxswarm.identify.estimation.least_squares import solved
 from jaxswarm.identify.estimation.standing import never_slow, tells_sign
 from jaxswarm.identify.forward.columns import Rigid
@@ -87,13 +88,11 @@ def driven_by_friction(robot: Robot, terms: Sequence[Term], theta: np.ndarray) -
         theta: Its linear parameters, (p,), the rigid ones first.
     """
     below: dict[int, bool] = {}
-    k = 10 * robot.num_joints
-    for term in terms:
-        own = theta[k : k + len(term.columns(robot.joints))]
-        k += len(own)
+    placed = with_values(Place(tuple(terms), ()), theta[10 * robot.num_joints :], robot.joints)
+    for term in placed.terms:
         if term.law.uses_direction and term.joint is not None:
-            bounded = [(x, p.lower) for x, p in zip(own, term.law.linear, strict=False)]
-            wrong = all(x < low for x, low in bounded if np.isfinite(low))
+            bounded = [p for p in term.law.linear if np.isfinite(p.lower)]
+            wrong = all(term.values[p.name] < p.lower for p in bounded)
             below[term.joint] = below.get(term.joint, True) and wrong
     return {joint for joint, wrong in below.items() if wrong}
 

@@ -224,13 +224,13 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
 
 def lateness(terms: tuple[Term, ...]) -> float:
     """Time [s] by which the terms say the clock of the torque lags."""
-    return sum(t.law.lateness(t.values) for t in of_kind(terms, MeasurementLaw))
+    measured = of_kind(terms, MeasurementLaw)
+    return sum(t.law.lateness({**t.law.neutral(), **t.values}) for t in measured)
 
 
 def clock_lag(terms: Sequence[Term]) -> float:
     """Time [s] by which the torque's own clock lags: what happens at t stands in it that much later."""
-    clocks = [t for t in of_kind(terms, MeasurementLaw) if t.law.clock]
-    return sum(t.law.lateness({**t.law.neutral(), **t.values}) for t in clocks)
+    return lateness(tuple(t for t in of_kind(terms, MeasurementLaw) if t.law.clock))
 
 
 def term_block(

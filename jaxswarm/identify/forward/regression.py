@@ -161,13 +161,13 @@ def with_slopes(
     Raises:
         Diverged: If a column is not finite, or too large to be squared.
     """
+    if not slope_terms(terms) and not any(loaded(t) for t in terms):
+        return plain
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
     shift, events = np.zeros(plain.torque.shape), event_columns(robot, terms)
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
         bent = _slopes(robot, terms, motion, width, pi, rigid, k)
-        if bent is None:
-            return plain
         rows = slice(*np.searchsorted(plain.log, [k, k + 1]))
         known = [t.values.get(n, 0.0) for t in terms for n in t.linear_names(motion.joints)]
         shift[rows] = bent @ np.concatenate([pi, known])
@@ -196,11 +196,8 @@ def _slopes(
     pi: np.ndarray,
     rigid: Rigid | None,
     log: int,
-) -> np.ndarray | None:
-    """What the torque of a log owes to the linear parameters by way of lags and loads, (T', n, p).
-
-    None where no term of the model goes by either.
-    """
+) -> np.ndarray:
+    """What the torque of a log owes to the linear parameters by way of lags and loads, (T', n, p)."""
     parts = []
     if slope_terms(terms):
         true = true_motion(terms, motion)
@@ -211,7 +208,7 @@ def _slopes(
         parts.append(np.pad(rigid_part, ((0, 0), (0, 0), (0, others))))
     if any(loaded(t) for t in terms):
         parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
-    return sum(parts[1:], parts[0]) if parts else None
+    return sum(parts[1:], parts[0])
 
 
 def _leave_out(rows: np.ndarray, *arrays: np.ndarray) -> None:
