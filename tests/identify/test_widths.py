@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from small_problems import make_motion, planar_arm
 
+from jaxswarm.effects.formula import DISCOVERED, Formula
+from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation import choose_widths as choosing
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
-from jaxswarm.identify.estimation.sign_width import width_groups
+from jaxswarm.identify.estimation.sign_width import driven_by_friction, width_groups
 
 LAWS = tuple(Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2))
 
@@ -181,3 +183,11 @@ def test_dry_friction_that_would_drive_a_joint_has_no_width(alone):
     dry = next(t for t in found.terms if t.effect == "coulomb_friction" and t.joint == 1)
     assert dry.values["fc"] < 0.0
     assert found.width[1] < 0.1
+
+
+@pytest.mark.parametrize(("lower", "driven"), [(-np.inf, set()), (0.0, {1})])
+def test_a_law_that_may_have_any_sign_drives_nothing(lower, driven):
+    size = Parameter("a", "N m/rad", lower, np.inf, True, 1.0, "slope")
+    law = Term(DISCOVERED, 1, formula=Formula((("q", "direction", "*"),), (size,)))
+    theta = np.append(np.zeros(20), -2.0)
+    assert driven_by_friction(planar_arm(), [law], theta) == driven

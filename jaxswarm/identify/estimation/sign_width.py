@@ -92,7 +92,8 @@ def driven_by_friction(robot: Robot, terms: Sequence[Term], theta: np.ndarray) -
     for term in placed.terms:
         if term.law.uses_direction and term.joint is not None:
             bounded = [p for p in term.law.linear if np.isfinite(p.lower)]
-            wrong = all(term.values[p.name] < p.lower for p in bounded)
+            # A law without a lower bound may have any sign: it says nothing against physics.
+            wrong = bool(bounded) and all(term.values[p.name] < p.lower for p in bounded)
             below[term.joint] = below.get(term.joint, True) and wrong
     return {joint for joint, wrong in below.items() if wrong}
 
