@@ -33,6 +33,7 @@ register(
         ),
         torque=lambda p, s: p["ia"] * s.ddq,
         motor_inertia="ia",
+        everyday=True,
         shown_against="acceleration",
         export=(Export("mjcf", lambda p: {"armature": p["ia"]}),),
     )

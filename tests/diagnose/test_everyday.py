@@ -12,7 +12,8 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.everyday import _held_out, _more_than_clocks
+from jaxswarm.diagnose.selection import everyday
+from jaxswarm.diagnose.selection.everyday import _held_out, _hidden, _more_than_clocks
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.model import model_torque
@@ -73,3 +74,24 @@ def test_what_is_left_in_motion_is_seen_beside_what_friction_leaves_at_rest():
     halves = [SimpleNamespace(train=rows, residual=2.0 * left) for rows in (train, ~train)]
     folds = SimpleNamespace(weight=np.full((12, 1), 2.0), halves=halves)
     assert _held_out(folds, moving).tolist() == [[408.0], [8.0]]
+
+
+def test_a_rotor_is_found_with_all_friction_in_one_step():
+    """That of the first joint is a part of its link's inertia."""
+    rotor = Term("rotor_inertia", 1, values={"ia": 0.15})
+    found = diagnose(small_arm(), (), [prepare(log_with(rotor), BAND)])
+    assert {(s.added.effect, s.added.joint) for s in found.kept} == FRICTION | {rotor.place[:2]}
+    assert len({id(s.before) for s in found.kept}) == 1
+    told = next(t for t in found.final.model.terms if t.effect == "rotor_inertia")
+    assert told.values["ia"] == pytest.approx(0.15, rel=0.1)
+
+
+def test_what_no_fit_can_tell_is_not_taken_along(monkeypatch):
+    monkeypatch.setattr(everyday, "noise_of", lambda after: np.ones(3))
+    law = Term("rotor_inertia").law
+    asked = [
+        SimpleNamespace(candidate=SimpleNamespace(term=Term(law.name, j)), trained=trained)
+        for j, trained in enumerate((0.5, 0.0, 0.2))
+    ]
+    after = SimpleNamespace(fit=SimpleNamespace(sigma=np.full(3, 10.0)))
+    assert _hidden(after, asked[:2], asked) == [asked[2]]
