@@ -61,7 +61,7 @@ def torque_overlay(t, measured, predicted, joints, units, title="") -> Figure:
 
     Args:
         t: Time [s], shape (T,).
-        measured, predicted: Shape (T, n).
+        measured, predicted: Shape (T, n); measured may hold NaN, where its line ends.
         joints, units: n names and torque units.
         title: Title of the figure.
     """
@@ -80,7 +80,7 @@ def torque_overlay(t, measured, predicted, joints, units, title="") -> Figure:
         bottom.axhline(0.0, color="k", lw=0.5)
         bottom.set_ylabel("residual", fontsize=8)
         bottom.text(
-            0.995, 0.9, f"RMS {np.sqrt(np.mean(error**2)):.3g} {units[j]}",
+            0.995, 0.9, f"RMS {np.sqrt(np.nanmean(error**2)):.3g} {units[j]}",
             ha="right", va="top", transform=bottom.transAxes, fontsize=8,
         )  # fmt: skip
     axes[0, 0].legend(loc="upper right", ncols=2, frameon=False, fontsize=8)

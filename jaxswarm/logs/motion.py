@@ -134,6 +134,11 @@ class Motion:
         """Decimated rows that see too much of gaps, (T',): neither fitted nor scored."""
         return lost_rows(self.lost, self.decimator, len(self.t))
 
+    @property
+    def known_torque(self) -> np.ndarray:
+        """:attr:`low_torque` as pictures show it: NaN in rows that are lost, where a line ends, (T', n)."""
+        return np.where(self.lost_rows[:, None], np.nan, self.low_torque)
+
     def __repr__(self) -> str:
         return f"Motion({self.source!r}, {len(self.t)} samples at {self.rate:.4g} Hz)"
 

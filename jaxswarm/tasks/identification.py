@@ -56,7 +56,7 @@ class Fitted(Result):
             raise InputError("this result has no model with a measured torque to draw")
         low, robot = motion.decimator, model.robot
         kept = low.kept(len(motion.t))
-        measured = low.apply(motion.tau)
+        measured = motion.known_torque
         predicted = low.apply(model_torque(model, motion))
         title = f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz"
         time, labels = motion.t[kept], units(robot)

@@ -271,7 +271,7 @@ def test_signals_read_without_scripts_and_lose_no_peak():
     words = Words(page)
     for joint in JOINTS:
         assert f"{joint}: torque from" in words.text
-    lines = re.findall(r'class="rest" points="([^"]*)"', page)
+    lines = re.findall(r'class="rest" d="([^"]*)"', page)
     assert len(lines) == len(JOINTS) and all(len(line.split()) <= 1600 for line in lines)
     heights = [float(point.split(",")[1]) for point in lines[1].split()]
     # One sample in 200 000 stands out by 2.5: it reaches the top of the panel of the difference.
@@ -282,6 +282,20 @@ def test_signals_read_without_scripts_and_lose_no_peak():
         len(re.search(r'class="data">(.*?)</script>', render(told, {}, signals(told, 200_000)))[1])
         < 3e6
     )
+
+
+def test_lines_of_signals_end_where_nothing_was_measured():
+    told, drawn = explained(), signals(explained())
+    drawn.measured[700:900] = np.nan
+    page = render(told, {}, drawn)
+    assert "Where nothing was measured, lines end." in page
+    pieces = {
+        name: [line.count("M") for line in re.findall(rf'class="{name}" d="([^"]*)"', page)]
+        for name in ("measured", "model", "rest")
+    }
+    assert pieces == {"measured": [2] * 7, "model": [1] * 7, "rest": [2] * 7}
+    assert "NaN" not in page.partition('class="data">')[2].partition("</script>")[0]
+    assert "Where nothing was measured" not in render(told, {}, signals(told))
 
 
 def test_names_do_not_break_the_signals():

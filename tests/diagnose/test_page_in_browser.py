@@ -30,16 +30,16 @@ parent.document.documentElement.dataset.seen =
 DRAG = """<script>
 (function () {
   var panel = document.querySelectorAll(".signal")[1], svg = panel.querySelector("svg");
-  var line = panel.querySelector("polyline.rest"), box = svg.getBoundingClientRect();
+  var line = panel.querySelector("path.rest"), box = svg.getBoundingClientRect();
   var shown = document.querySelector(".window"), told = [];
   function point(kind, share) {
     svg.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 1,
       clientX: box.left + share * box.width, clientY: box.top + 9}));
   }
   function key(name) { panel.dispatchEvent(new KeyboardEvent("keydown", {key: name, bubbles: true})); }
-  var before = line.getAttribute("points");
+  var before = line.getAttribute("d");
   point("pointerdown", 0.25); point("pointermove", 0.4); point("pointerup", 0.5);
-  told.push(shown.textContent, line.getAttribute("points") !== before);
+  told.push(shown.textContent, line.getAttribute("d") !== before);
   point("pointermove", 1 / 3);
   told.push(panel.querySelector("output").textContent);
   key("ArrowRight"); told.push(shown.textContent);
@@ -98,6 +98,23 @@ def test_signals_are_zoomed_into_and_read(tmp_path):
     # The sample that stands out by 2.5 lies at a third of 10 s to 20 s.
     assert value.startswith("at 13.3") and "difference 2.5" in value and value.endswith("N m")
     assert moved == "12.500 s to 22.500 s" and whole == "0.0000 s to 40.000 s"
+
+
+@needs_browser
+def test_signals_say_where_nothing_was_measured(tmp_path):
+    drawn = signals(explained())
+    drawn.measured[600:720] = np.nan
+    page = render(explained(), pictures(explained()), drawn).replace("</body>", DRAG + "</body>")
+    *said, told = browse(page, tmp_path, 1280)[3]
+    assert said == []
+    assert told[2].startswith("at 13.3") and "nothing measured, model" in told[2]
+    lines = r"""<script>
+    parent.document.documentElement.dataset.told = JSON.stringify(["measured", "model", "rest"].map(
+      function (kind) {
+        return document.querySelector("path." + kind).getAttribute("d").split("M").length - 1;
+      }));
+    </script></body>"""
+    assert browse(page.replace("</body>", lines), tmp_path, 1280)[3][-1] == [2, 1, 2]
 
 
 @needs_browser

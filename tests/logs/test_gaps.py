@@ -15,6 +15,7 @@ from jaxswarm.logs.motion import Filtering, prepare
 from jaxswarm.logs.resampling import TooShort
 from jaxswarm.logs.segments import merge_bursts, prepare_segments, split_at_gaps
 from jaxswarm.logs.spikes import bridged, find_spikes
+from jaxswarm.plots import torque_overlay
 from jaxswarm.robot import load_robot
 
 W = 2 * np.pi * np.array([0.4, 1.1])
@@ -163,6 +164,12 @@ def test_gaps_short_against_the_motion_are_bridged_and_left_out(velocity):
     spoiled = replace(motion, tau=np.where(motion.lost[:, None], 100.0, motion.tau))
     errors = [log_errors(model, m)["wideband"]["rms"] for m in (motion, spoiled)]
     assert errors[0] == errors[1]
+    # No picture shows it as measured.
+    assert np.array_equal(np.isnan(motion.known_torque[:, 0]), motion.lost_rows)
+    t, nothing = motion.t[motion.decimator.kept(len(motion.t))], 0.0 * motion.low_torque
+    figure = torque_overlay(t, motion.known_torque, nothing, ["a"], ["N"])
+    rms = np.sqrt(np.mean(motion.low_torque[~motion.lost_rows] ** 2))
+    assert figure.axes[1].texts[0].get_text() == f"RMS {rms:.3g} N"
 
 
 def test_gaps_long_against_the_motion_cut_the_log():

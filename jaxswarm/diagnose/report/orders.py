@@ -28,7 +28,7 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
     low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
     signals = Signals(
         shown.t[kept],
-        shown.low_torque,
+        shown.known_torque,
         low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
     )
     drawing.ask(

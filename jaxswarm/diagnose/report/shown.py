@@ -81,7 +81,7 @@ def evidence_shown(step: Addition, final: Model, motion: Motion) -> tuple:
     whole, rest = model_torque(final, motion), model_torque(bare, motion)
     contribution = low.apply(whole - rest)
     j = _felt(step.added, contribution.std(axis=0) / np.asarray(final.sigma))
-    told, partial = contribution[:, j], low.apply(motion.tau - rest)[:, j]
+    told, partial = contribution[:, j], (motion.known_torque - low.apply(rest))[:, j]
     label, x = evidence_axis(step.added, final, motion, j)
     return (
         label,

@@ -27,7 +27,7 @@ class Signals(NamedTuple):
 
     Attributes:
         t: Time [s], (T,).
-        measured, predicted: Torque of every joint [N m or N], (T, n).
+        measured, predicted: Torque of every joint [N m or N], (T, n); measured is NaN in the gaps of a log.
     """
 
     t: np.ndarray
@@ -51,7 +51,9 @@ def kept_rows(values: np.ndarray, most: int) -> np.ndarray:
     if length <= most:
         return np.arange(length)
     pieces = np.array_split(np.arange(length), max(1, most // (2 * count)))
-    extremes = [piece[f(values[piece], axis=0)] for piece in pieces for f in (np.argmin, np.argmax)]
+    ends = [(np.argmin, np.nan_to_num(values, nan=np.inf))]
+    ends.append((np.argmax, np.nan_to_num(values, nan=-np.inf)))
+    extremes = [piece[f(of[piece], axis=0)] for piece in pieces for f, of in ends]
     return np.unique(np.concatenate(extremes))
 
 
@@ -66,6 +68,7 @@ def section(signals: Signals | None, joints: list[str], units: list[str]) -> str
         rows = kept_rows(both, MOST)
         panels.append(_panel(signals.t, pair, kept_rows(both, _DRAWN), joint, unit, j))
         data.append([_listed(signals.t[rows]), *(_listed(x) for x in pair[rows].T)])
+    gaps = " Where nothing was measured, lines end." if np.isnan(signals.measured).any() else ""
     first, last = float(signals.t[0]), float(signals.t[-1])
     told = json.dumps({"span": [first, last], "joints": data}, separators=(",", ":"))
     return (
@@ -73,7 +76,7 @@ def section(signals: Signals | None, joints: list[str], units: list[str]) -> str
         "<h2>Measured and predicted torque</h2>"
         '<p class="soft"><span class="key measured"></span> measured '
         '<span class="key model"></span> final model <span class="key rest"></span> their difference, on '
-        f"a scale of its own. {first:.4g} s to {last:.4g} s.</p>"
+        f"a scale of its own. {first:.4g} s to {last:.4g} s.{gaps}</p>"
         '<p class="soft zooming" hidden>Drag to zoom, double-click for all; keys: arrows move, + and - zoom, '
         '0 shows all. <button type="button" data-go="in">zoom in</button> '
         '<button type="button" data-go="out">zoom out</button> '
@@ -87,9 +90,9 @@ def section(signals: Signals | None, joints: list[str], units: list[str]) -> str
 def _panel(t, pair, rows, joint: str, unit: str, number: int) -> str:
     """One joint as SVG; its words and numbers stand beside it in letters of the page."""
     t, (measured, model) = t[rows], pair[rows].T
-    low, high = float(pair.min()), float(pair.max())
+    low, high = float(np.nanmin(pair)), float(np.nanmax(pair))
     error = pair[:, 0] - pair[:, 1]
-    most = float(np.abs(error).max())
+    most = float(np.nanmax(np.abs(error)))
     across = (t - t[0]) / (t[-1] - t[0]) * _WIDTH
     scale = _TOP / max(high - low, 1e-12)
     height = _TOP + _GAP + _LOW
@@ -99,10 +102,8 @@ def _panel(t, pair, rows, joint: str, unit: str, number: int) -> str:
         ("model", (high - model) * scale),
         ("rest", middle - (measured - model) * 0.5 * _LOW / max(most, 1e-12)),
     ]
-    drawn = "".join(
-        f'<polyline class="{name}" points="{_points(across, y)}"/>' for name, y in lines
-    )
-    rms = float(np.sqrt(np.mean(error**2)))
+    drawn = "".join(f'<path class="{name}" d="{_path(across, y)}"/>' for name, y in lines)
+    rms = float(np.sqrt(np.nanmean(error**2)))
     words = (
         f"{joint}: torque from {low:.4g} to {high:.4g} {unit}, difference of model and measurement "
         f"{rms:.3g} {unit} RMS, {most:.3g} {unit} at most"
@@ -119,9 +120,15 @@ def _panel(t, pair, rows, joint: str, unit: str, number: int) -> str:
     )
 
 
-def _points(x: np.ndarray, y: np.ndarray) -> str:
-    return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+def _path(x: np.ndarray, y: np.ndarray) -> str:
+    """A line that ends before what is not known and begins anew behind it."""
+    known = np.isfinite(y)
+    begins = known & ~np.append(False, known[:-1])
+    return " ".join(
+        f"{'M' if new else 'L'}{a:.1f},{b:.1f}"
+        for a, b, new in zip(x[known], y[known], begins[known], strict=True)
+    )
 
 
-def _listed(values: np.ndarray) -> list[float]:
-    return [float(f"{x:.{_DIGITS}g}") for x in values]
+def _listed(values: np.ndarray) -> list[float | None]:
+    return [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in values]

@@ -12,8 +12,8 @@ SCRIPT = """
     return {
       figure: figure, svg: figure.querySelector("svg"), out: figure.querySelector("output"),
       at: figure.querySelector(".at"), chosen: figure.querySelector(".chosen"),
-      lines: ["measured", "model", "rest"].map(function (k) { return figure.querySelector("polyline." + k); }),
-      t: series[0], a: series[1], b: series[2]
+      lines: ["measured", "model", "rest"].map(function (k) { return figure.querySelector("path." + k); }),
+      t: series[0], a: series[1].map(function (v) { return v === null ? NaN : v; }), b: series[2]
     };
   });
   section.querySelector(".zooming").hidden = false;
@@ -28,6 +28,8 @@ SCRIPT = """
     return low;
   }
   function x(time) { return (time - shown[0]) / (shown[1] - shown[0]) * WIDTH; }
+  // What is not a number is neither: in a gap of the log nothing was measured.
+  function below(one, other) { return one < other || (one === one && other !== other); }
   // Of every column of the picture the two samples that are its extremes, in the order of time.
   function picked(panel, value) {
     var from = Math.max(0, first(panel.t, shown[0]) - 1);
@@ -36,8 +38,8 @@ SCRIPT = """
     for (var k = from; k < to; k += step) {
       var low = k, high = k;
       for (var i = k + 1; i < Math.min(k + step, to); i += 1) {
-        if (value(i) < value(low)) { low = i; }
-        if (value(i) > value(high)) { high = i; }
+        if (below(value(i), value(low))) { low = i; }
+        if (below(-value(i), -value(high))) { high = i; }
       }
       found.push(Math.min(low, high));
       if (low !== high) { found.push(Math.max(low, high)); }
@@ -54,16 +56,21 @@ SCRIPT = """
     var low = Infinity, high = -Infinity, most = 0;
     [0, 1].forEach(function (k) {
       rows[k].forEach(function (i) {
-        low = Math.min(low, values[k](i)); high = Math.max(high, values[k](i));
+        if (below(values[k](i), low)) { low = values[k](i); }
+        if (below(-values[k](i), -high)) { high = values[k](i); }
       });
     });
-    rows[2].forEach(function (i) { most = Math.max(most, Math.abs(values[2](i))); });
+    rows[2].forEach(function (i) { most = Math.max(most, Math.abs(values[2](i)) || 0); });
     var span = (high - low) || 1;
     most = most || 1;
     panel.lines.forEach(function (line, k) {
-      line.setAttribute("points", rows[k].map(function (i) {
+      var pen = "M";
+      line.setAttribute("d", rows[k].map(function (i) {
         var y = k < 2 ? (high - values[k](i)) / span * TOP : MIDDLE - values[k](i) / most * LOW / 2;
-        return x(panel.t[i]).toFixed(1) + "," + y.toFixed(1);
+        if (y !== y) { pen = "M"; return ""; }
+        var point = pen + x(panel.t[i]).toFixed(1) + "," + y.toFixed(1);
+        pen = "L";
+        return point;
       }).join(" "));
     });
   }
@@ -99,9 +106,11 @@ SCRIPT = """
       panel.at.setAttribute("x1", x(panel.t[i]));
       panel.at.setAttribute("x2", x(panel.t[i]));
       panel.at.setAttribute("visibility", "visible");
-      panel.out.textContent = "at " + panel.t[i].toPrecision(5) + " s: measured " + panel.a[i].toPrecision(4)
-        + ", model " + panel.b[i].toPrecision(4) + ", difference " + (panel.a[i] - panel.b[i]).toPrecision(3)
-        + " " + panel.out.dataset.unit;
+      var unit = " " + panel.out.dataset.unit, model = ", model " + panel.b[i].toPrecision(4);
+      panel.out.textContent = "at " + panel.t[i].toPrecision(5) + " s: " + (panel.a[i] === panel.a[i]
+        ? "measured " + panel.a[i].toPrecision(4) + model + ", difference "
+          + (panel.a[i] - panel.b[i]).toPrecision(3)
+        : "nothing measured" + model) + unit;
     });
   }
   function leave() {

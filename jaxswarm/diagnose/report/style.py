@@ -46,9 +46,9 @@ white-space:normal}
 .signal{margin:.5rem 0;outline-offset:3px}.signal figcaption{display:flex;flex-wrap:wrap;gap:.1rem .6rem}
 .signal b{color:var(--text)}.signal output{color:var(--text);font-variant-numeric:tabular-nums}
 .signal svg{display:block;width:100%;height:13rem;background:var(--box);touch-action:pan-y;cursor:crosshair}
-.signal polyline{fill:none;vector-effect:non-scaling-stroke;stroke-width:1.3}
+.signal path{fill:none;vector-effect:non-scaling-stroke;stroke-width:1.3}
 .signal line{vector-effect:non-scaling-stroke;stroke-width:1}.zero{stroke:var(--line)}.at{stroke:var(--text)}
-polyline.measured{stroke:var(--measured)}polyline.model{stroke:var(--model)}polyline.rest{stroke:var(--accent)}
+path.measured{stroke:var(--measured)}path.model{stroke:var(--model)}path.rest{stroke:var(--accent)}
 .live .signal output{flex-basis:100%;min-height:1.4em}
 .chosen{fill:var(--accent);opacity:.25}
 .key{display:inline-block;width:1.6rem;height:.25rem;vertical-align:middle;background:var(--measured)}

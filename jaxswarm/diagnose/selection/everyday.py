@@ -1,14 +1,15 @@
 """What every drive has, proposed for all joints at once.
 
-Where viscous and dry friction or rotors' inertias are missing on several joints, each joint's residual is their
-sum, laws of more parameters compete to be bent into it, and in a short log hardly one of them shows alone: what
-the others leave is most of what it would be seen against (on a TX40, rotors that were added one by one ended
-with one that was false at 4.6 % of the torque, together they leave 3.9 %). Effects marked ``everyday`` are therefore tried together wherever
-there is none, before anything rarer and before the clocks are asked, whose skew would take up a part of them.
-What the common fit does not confirm is dropped again, the least certain of a joint first, and so is what does
-not lower its joint's error on rows that were not fitted. A joint that lacks more may hide it: friction that
-falls with speed can outweigh the viscous part that all other joints show. There it stays until the rest is
-found; what is still uncertain when every choice is made again goes then.
+Where viscous and dry friction or rotors' inertias are missing on several joints, each joint's residual is
+their sum, laws of more parameters compete to be bent into it, and in a short log hardly one of them shows
+alone: what the others leave is most of what it would be seen against (on a TX40, rotors that were added one by
+one ended with one that was false at 4.6 % of the torque, together they leave 3.9 %). Effects marked
+``everyday`` are therefore tried together wherever there is none, before anything rarer and before the clocks
+are asked, whose skew would take up a part of them. What the common fit does not confirm is dropped again, the
+least certain of a joint first, and so is what does not lower its joint's error on rows that were not fitted. A
+joint that lacks more may hide it: friction that falls with speed can outweigh the viscous part that all other
+joints show. There it stays until the rest is found; what is still uncertain when every choice is made again
+goes then.
 """
 
 from collections.abc import Sequence

@@ -102,7 +102,8 @@ def order_pictures(
     robot = found.model.robot
     low = motion.decimator
     kept = low.kept(len(motion.t))
-    measured, predicted = motion.low_torque, low.apply(model_torque(found.model, motion))
+    measured, predicted = motion.known_torque, low.apply(model_torque(found.model, motion))
+    known = ~motion.lost_rows
     labels = units(robot)
     drawing.ask(
         "torque.png",
@@ -117,13 +118,13 @@ def order_pictures(
     drawing.ask(
         "residual.png",
         "plots.residual_dependence",
-        measured - predicted,
+        (measured - predicted)[known],
         {
-            "q": motion.q[kept],
-            "dq": motion.dq[kept],
-            "ddq": motion.ddq[kept],
-            "torque": measured,
-            "time [s]": motion.t[kept],
+            "q": motion.q[kept][known],
+            "dq": motion.dq[kept][known],
+            "ddq": motion.ddq[kept][known],
+            "torque": measured[known],
+            "time [s]": motion.t[kept][known],
         },
         robot.joints,
         labels,
