@@ -38,11 +38,11 @@ def allow_for_everyday(search: Search, lin: Linearization, eligible: Sequence[Te
     if search.everyday or not everyday:
         return False
     search.everyday = True
-    search.asked = len(eligible)
     scores = score_terms(lin, everyday, search.seed)
     together = add_everyday(search.current, lin.crossfit, scores, search.rules)
     if together is None:
         return False
+    search.asked = len(eligible)
     search.progress("adding what every drive has")
     search.steps, search.current = together
     return True
