@@ -11,7 +11,7 @@ from jaxswarm.diagnose.candidates.propose import propose
 from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.effects import REGISTRY, Effect
 from jaxswarm.effects.contract import check_kind
-from jaxswarm.identify.forward.measuring_chain import law_block
+from jaxswarm.identify.forward.own_columns import law_block
 from jaxswarm.robot import Robot
 from jaxswarm.simulate.plant import put_on
 

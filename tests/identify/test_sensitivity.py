@@ -45,7 +45,7 @@ def test_sensitivities_are_the_derivatives_of_inverse_dynamics(joint):
     for argument, found in enumerate(slopes):
         exact = jax.vmap(lambda *s, a=argument: slope(a, s))(*state)
         np.testing.assert_allclose(found, exact, atol=1e-5 * np.abs(exact).max())
-    own = sensed.own() @ PI
+    own = sensed.own() @ PI[10 * joint :]
     np.testing.assert_allclose(own, np.stack([x[:, joint] for x in (torque, *slopes)]))
     np.testing.assert_allclose(sensed.inertia(PI), slopes[2][:, joint])
 
@@ -73,7 +73,7 @@ def test_slopes_through_a_lag_are_those_of_the_linearized_torque(term):
         difference = (through_lag(PI + step) - through_lag(PI - step)) / 2e-6
         scale = np.abs(difference).max()
         # An impact that falls on another step of the integrator is a jump, and no slope.
-        off = np.abs(slopes[:, :, column] - difference).max(axis=1) > 0.02 * scale
+        off = np.abs(slopes[:, :, column - 10] - difference).max(axis=1) > 0.02 * scale
         assert off.mean() < 0.02
 
 

@@ -1,5 +1,7 @@
 """What a fit makes of a place: its torque first, columns only where it goes; and laws of a motion once."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_problems import make_motion, planar_arm
@@ -8,11 +10,9 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation import gauss_newton, problem
 from jaxswarm.identify.estimation.free_parameters import Place
 from jaxswarm.identify.estimation.gauss_newton import settle
-from jaxswarm.identify.forward import measuring_chain, regression
+from jaxswarm.identify.forward import body, measuring_chain
 from jaxswarm.identify.forward.columns import rigid_of
-from jaxswarm.identify.forward.measuring_chain import assemble
-from jaxswarm.identify.forward.regression import build_regression, with_slopes
-from jaxswarm.identify.forward.torque_along import torque_along
+from jaxswarm.identify.forward.measuring_chain import assemble, low_torque_along
 
 ARM = planar_arm()
 PI = np.asarray(ARM.parameters).ravel()
@@ -28,35 +28,65 @@ def linear(*terms):
     return np.concatenate([PI, [t.values[n] for t in terms for n in t.linear_names(ARM.joints)]])
 
 
+def problem_of(motion):
+    return problem.Problem(ARM, (motion,), (rigid_of(ARM, motion),), False)
+
+
 @pytest.mark.parametrize("terms", MODELS, ids=lambda ts: "+".join(t.effect for t in ts))
-def test_rows_without_slopes_leave_what_the_model_leaves(terms):
+def test_a_torque_without_columns_is_that_of_the_columns(terms):
+    """Of the model's own parameters, and of others that links and loads do not go by."""
     motion, theta = make_motion(ARM, length=400), linear(*terms)
-    at = ARM, terms, [motion], WIDTH, PI
-    plain, whole = (build_regression(*at, bent=bent) for bent in (False, True))
-    torque = motion.decimator.apply(torque_along(ARM, terms, motion, WIDTH, theta))
-    left = np.where(plain.used_rows, plain.torque - torque, 0.0)
-    for rows in (plain, whole, with_slopes(build_regression(*at, bent=False), *at)):
-        np.testing.assert_allclose(rows.target - rows.columns @ theta, left, atol=1e-8)
-    bends = bool({BY_LOAD, SOFT}.intersection(terms))
-    assert (np.abs(whole.columns - plain.columns).max() > 1e-3) == bends
+    here, place = problem_of(motion), Place(terms, WIDTH)
+    rows = here.build(place, PI)
+    other = here.build(place, 1.2 * PI)
+    left = here.left(other, place, theta)
+    np.testing.assert_allclose(left, rows.target - rows.columns @ theta, atol=1e-8)
+    columns = assemble(ARM, terms, motion, WIDTH, PI, decimate=True)
+    alone = low_torque_along(ARM, terms, motion, WIDTH, PI, 1.1 * theta, here.rigids[0])
+    np.testing.assert_allclose(alone, columns @ (1.1 * theta), atol=1e-8)
 
 
-def test_how_the_torque_bends_is_not_asked_where_a_fit_does_not_go(monkeypatch):
-    """Of a joint with backlash two thirds of all places were turned down; slopes took half of the time."""
-    bent, true_cost = [], gauss_newton._true_cost
-    monkeypatch.setattr(regression, "with_slopes", lambda plain, *at: bent.append(at) or plain)
-    monkeypatch.setattr(problem, "with_slopes", None)
-    motion = make_motion(ARM, length=400)
-    here = problem.Problem(ARM, (motion,), (rigid_of(ARM, motion),), False)
-    asked: list[float] = []
+def test_a_place_that_a_fit_turns_down_is_asked_for_its_torque_alone(monkeypatch):
+    """Of a joint with backlash two thirds of all places were turned down; columns took most of the time."""
+    built, asked, build = [], [], problem.Problem.build
+    monkeypatch.setattr(problem.Problem, "build", lambda *at: built.append(at) or build(*at))
+    monkeypatch.setattr(gauss_newton, "_true_cost", lambda *given: 1e300)
+    monkeypatch.setattr(gauss_newton, "_cost_of", lambda *given: asked.append(given) or np.inf)
+    settle(problem_of(make_motion(ARM, length=400)), Place((BY_LOAD, SOFT), WIDTH), 3.0 * PI)
+    assert (len(asked), len(built)) == (3, 1)
 
-    def cost(*given):
-        asked.append(true_cost(*given))
-        return 1e300 if len(asked) == 1 else np.inf
 
-    monkeypatch.setattr(gauss_newton, "_true_cost", cost)
-    settle(here, Place((BY_LOAD, SOFT), WIDTH), 3.0 * PI)
-    assert len(asked) == 4 and len(bent) == 1
+def test_links_are_moved_once_for_a_torque_and_its_columns(monkeypatch):
+    moved, link_motion = [], body.link_motion
+    monkeypatch.setattr(body, "link_motion", lambda *at: moved.append(at) or link_motion(*at))
+    here, place = problem_of(make_motion(ARM, length=400)), Place((SOFT, STRIBECK), WIDTH)
+    rows = here.build(place, PI)
+    here.left(rows, place, linear(SOFT, STRIBECK))
+    assert len(moved) == 1
+    softer = replace(SOFT, values={"k": 50.0, "d": 0.5})
+    for there, pi in ((place, 1.1 * PI), (place._replace(terms=(softer, STRIBECK)), 1.1 * PI)):
+        here.build(there, pi)
+    assert len(moved) == 3
+
+
+@pytest.mark.parametrize("beside", [(SOFT,), (WRONG,)], ids=["soft", "misread"])
+def test_a_law_of_the_motors_motion_asks_for_its_own_torque_alone(beside, monkeypatch):
+    """Where links lag each shape of friction took the links' torque four times; an encoder's error does ask."""
+    here, place = problem_of(make_motion(ARM, length=400)), Place((STRIBECK, *beside), WIDTH)
+    (free,) = [f for f in here.free(place.terms) if f.name == "vs"]
+    faster = replace(STRIBECK, values={**STRIBECK.values, "vs": 0.4})
+    ends, theta = (place, Place((faster, *beside), WIDTH)), linear(STRIBECK, *beside)
+    whole = [
+        assemble(ARM, one.terms, *here.motions, WIDTH, PI, decimate=True) @ theta for one in ends
+    ]
+    whole_model: list[tuple] = []
+    torque = problem.low_torque_along
+    monkeypatch.setattr(
+        problem, "low_torque_along", lambda *at: whole_model.append(at) or torque(*at)
+    )
+    told = [here.output(one, PI, theta, free) for one in ends]
+    np.testing.assert_allclose(told[1] - told[0], whole[1] - whole[0], atol=1e-9)
+    assert bool(whole_model) == (beside == (WRONG,))
 
 
 def test_a_round_that_promises_nothing_is_not_tried(monkeypatch):

@@ -37,7 +37,9 @@ def _options(lin: Linearization, term: Term, held: Term) -> list[dict[str, float
     """What is tried, within the law's bounds."""
     felt = [own.at(lin.pi) for own in lin.sensed(term.index)]
     logs = zip(lin.found.motions, felt, strict=True)
-    twist = _size([term_deflection(held, motion, own)[0] for motion, own in logs])
+    joint = slice(term.index, term.index + 1)
+    own = ((motion, tuple(x[:, joint] for x in sensed)) for motion, sensed in logs)
+    twist = _size([term_deflection(held, *one)[0] for one in own])
     torque = _size([own[0][:, term.index] for own in felt])
     inertia = float(np.median(np.abs(felt[0][3][:, term.index])))
     limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}

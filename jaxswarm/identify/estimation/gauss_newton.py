@@ -79,11 +79,10 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
         for part in (1.0, 0.3, 0.1):
             trial = stand + part * step
             told = with_values(place, trial[rigid:], problem.robot.joints)
-            # Most are turned down, and how the torque bends takes as long as all else.
-            there = _attempt(problem.build, told, trial[:rigid], False)
-            if there is None or not _true_cost(there, trial, sigma) < before:
+            # Most are turned down, and columns take several times as long as the torque.
+            if not _cost_of(problem.left(regression, told, trial), sigma) < before:
                 continue
-            there = _attempt(problem.bend, there, told, trial[:rigid])
+            there = _attempt(problem.build, told, trial[:rigid])
             if there is not None:
                 break
         else:
@@ -102,6 +101,12 @@ def _attempt(build, *at):
         return build(*at)
     except Diverged:
         return None
+
+
+def _cost_of(left: np.ndarray, sigma: np.ndarray) -> float:
+    """Weighted squares of what a model leaves (T, n); infinite where that is not finite, or NaN."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return weighted_cost(left, sigma)
 
 
 def _true_cost(regression: Regression, theta: np.ndarray, sigma: np.ndarray) -> float:

@@ -5,19 +5,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.term import Term, parameter_bounds
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.term import Term, of_kind, parameter_bounds
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place, free_parameters
 from jaxswarm.identify.estimation.least_squares import Solved, solved
 from jaxswarm.identify.estimation.link_inertia import link_inertias
 from jaxswarm.identify.forward.body import moves_links
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, term_block
-from jaxswarm.identify.forward.regression import (
-    Regression,
-    build_regression,
-    with_slopes,
-)
+from jaxswarm.identify.forward.event_rows import event_columns
+from jaxswarm.identify.forward.measuring_chain import low_torque_along, term_block
+from jaxswarm.identify.forward.regression import Regression, build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -45,15 +42,34 @@ class Problem:
         every = free_parameters(terms, widths)
         return [one for one in every if (one.term, one.name) not in self.usual]
 
-    def build(self, place: Place, pi, bent: bool = True) -> Regression:
-        """The rows at a place; not ``bent``: without how the torque bends there, for its size alone."""
+    def build(self, place: Place, pi) -> Regression:
+        """The rows at a place."""
         given = self.robot, place.terms, self.motions, place.width, pi, self.rigids
-        return build_regression(*given, bent=bent)
+        return build_regression(*given)
 
-    def bend(self, plain: Regression, place: Place, pi) -> Regression:
-        """Rows that were made for their size alone, for a fit."""
-        given = self.robot, place.terms, self.motions, place.width, pi, self.rigids
-        return with_slopes(plain, *given)
+    def left(self, rows: Regression, place: Place, theta: np.ndarray) -> np.ndarray:
+        """What a model leaves (T, n) of rows that were built with its terms, by its torque alone.
+
+        Not finite where the model leaves the finite numbers.
+        """
+        told = np.array(theta, float)
+        told[event_columns(self.robot, place.terms)] = 0.0
+        with np.errstate(over="ignore", invalid="ignore"):
+            left = rows.torque - self._torque(place, told[: 10 * self.robot.num_joints], told)
+        return left if rows.used is None else np.where(rows.used, left, 0.0)
+
+    def _torque(self, place: Place, pi: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Decimated torque (T, n) of all logs."""
+        return np.concatenate(
+            [
+                low_torque_along(
+                    self.robot, place.terms, motion, place.width, pi, theta, rigid, number
+                )
+                for number, (motion, rigid) in enumerate(
+                    zip(self.motions, self.rigids, strict=True)
+                )
+            ]
+        )
 
     def solve(self, terms: tuple[Term, ...], regression: Regression) -> Solved:
         """The linear parameters. How certain they are is asked of the last of many fits alone."""
@@ -70,15 +86,13 @@ class Problem:
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
         moved = self._moved(place, free)
+        if moved is None:
+            return self._torque(place, pi, theta)
         sizes = [len(t.columns(self.robot.joints)) for t in place.terms]
         ends = len(pi) + np.cumsum(sizes)
         parts = []
         for number, (motion, rigid) in enumerate(zip(self.motions, self.rigids, strict=True)):
             given = (motion, place.width, pi, rigid)
-            if moved is None:
-                columns = assemble(self.robot, place.terms, *given, decimate=True, log=number)
-                parts.append(columns @ theta)
-                continue
             parts.append(
                 sum(
                     term_block(self.robot, place.terms, place.terms[k], *given)
@@ -96,6 +110,8 @@ class Problem:
                 for k, t in enumerate(place.terms)
                 if t.joint in free.joints and t.law.uses_direction
             ]
-        own = isinstance(place.terms[free.term].law, TorqueLaw)
-        alone = own and not moves_links(place.terms)
-        return [free.term] if alone else None
+        law = place.terms[free.term].law
+        misread = tuple(of_kind(place.terms, MeasurementLaw))
+        # The motors move as the log says though links lag behind them, unless encoders say it wrong.
+        felt = moves_links(place.terms if law.uses_load else misread)
+        return [free.term] if isinstance(law, TorqueLaw) and not felt else None

@@ -17,7 +17,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.least_squares import solved
 from jaxswarm.identify.estimation.sign_width import best_widths
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
-from jaxswarm.identify.forward.measuring_chain import own_columns
+from jaxswarm.identify.forward.own_columns import own_columns
 from jaxswarm.identify.forward.regression import build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot

@@ -114,7 +114,23 @@ def body_along(
         return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
     arm, true = arm_of(robot, terms), true_motion(terms, motion)
     known = rigid if true is motion else None
-    return Body(arm, link_motion(arm, terms, true, pi, known), true, pi, None, known)
+    return Body(arm, _moved(arm, terms, true, pi, known), true, pi, None, known)
+
+
+def _moved(
+    arm: Robot, terms: tuple[Term, ...], motion: Motion, pi: np.ndarray, rigid: Rigid | None
+) -> Moved:
+    """Motion of the links; a fit asks for its torque, then for its columns where it goes there."""
+    if rigid is None or not is_kept(motion):
+        return link_motion(arm, terms, motion, pi, rigid)
+    lagging = [t for t in terms if t.law.changes_rigid_columns]
+    place = (pi.tobytes(), *((t.identity, *sorted(t.values.items())) for t in lagging))
+    moved = rigid.moved.get(place)
+    if moved is None:
+        moved = link_motion(arm, terms, motion, pi, rigid)
+        rigid.moved.clear()
+        rigid.moved[place] = moved
+    return moved
 
 
 def carried(term: Term, motion: Motion) -> np.ndarray:

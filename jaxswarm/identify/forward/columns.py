@@ -87,6 +87,7 @@ class Rigid:
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
         swayed: What :mod:`jaxswarm.identify.forward.compliance` found about the base's moments.
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
+        moved: Motion of links that lag that was asked for last, by all that it follows from.
         laws: Decimated columns of laws by all that they follow from, the oldest first.
     """
 
@@ -96,6 +97,7 @@ class Rigid:
     sensed: dict = field(default_factory=dict, repr=False, compare=False)
     swayed: dict = field(default_factory=dict, repr=False, compare=False)
     loads: dict = field(default_factory=dict, repr=False, compare=False)
+    moved: dict = field(default_factory=dict, repr=False, compare=False)
     laws: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -120,6 +122,7 @@ class Rigid:
             vars(self).pop(name, None)
         self.sensed.clear()
         self.swayed.clear()
+        self.moved.clear()
 
     def torque(self, pi: np.ndarray) -> np.ndarray:
         """Rigid-body torque (T, n) for parameters (10 n,)."""

@@ -63,8 +63,8 @@ def unseen_rows(motion: Motion) -> np.ndarray:
 
 
 def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarray, ...]:
-    """Lag of a link behind its motor along a log: e, de, dde, each (T,)."""
-    torque, by_q, by_dq, by_ddq = (x[:, term.index] for x in sensed)
+    """Lag of a link along a log: e, de, dde, each (T,); ``sensed``: of its joint alone, (T, 1) each."""
+    torque, by_q, by_dq, by_ddq = (x[:, 0] for x in sensed)
     driven = filled((by_ddq, by_dq, by_q, torque))
     lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate, calm_start(motion))
     lag = (np.asarray(x)[: len(motion.t)] for x in lag)
@@ -118,7 +118,9 @@ def link_motion(
     """Motion (q, dq, ddq) of the links where some lag behind their motors."""
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()
     for term in of_kind(terms, TransmissionLaw):
-        lag = term_deflection(term, motion, sensitivity_of(robot, motion, term.index, rigid).at(pi))
+        own = slice(term.index, term.index + 1)
+        sensed = sensitivity_of(robot, motion, term.index, rigid).at(pi, own)
+        lag = term_deflection(term, motion, sensed)
         for x, e in zip((q, dq, ddq), lag, strict=True):
             x[:, term.joint] -= np.asarray(e)
     return q, dq, ddq
@@ -157,19 +159,22 @@ def lag_slopes(
 ) -> np.ndarray:
     """Derivative of the torque by the rigid parameters that runs through the lag of links.
 
-    To first order about the motors' motion, shape (T, n, 10 n).
+    To first order about the motors' motion, shape (T, n, 10 (n - j)): of the links from the first joint j on
+    that has a lag. Those before it are not felt there.
     """
-    total = np.zeros((*motion.q.shape, len(pi)))
-    for term in slope_terms(terms):
+    lagging = slope_terms(terms)
+    first = 10 * min(term.index for term in lagging)
+    total = np.zeros((*motion.q.shape, len(pi) - first))
+    for term in lagging:
         j = term.index
         sensed = sensitivity_of(robot, motion, j, rigid)
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
-        clock = 1.0 / motion.rate, calm_start(motion)
-        lags = _lag_directions(term.law, own @ pi, own[:, :, felt], _values(term), clock)
+        clock, by = (1.0 / motion.rate, calm_start(motion)), own @ pi[10 * j :]
+        lags = _lag_directions(term.law, by, own[:, :, felt], _values(term), clock)
         slopes = sensed.at(pi)[1:]
         for k in range(total.shape[1]):
-            total[:, k, felt] -= sum(
+            total[:, k, 10 * j - first + felt] -= sum(
                 by[:, k, None] * np.asarray(lag) for by, lag in zip(slopes, lags, strict=True)
             )
     return total

@@ -23,7 +23,8 @@ from jaxswarm.identify.forward.body import Body, body_along
 from jaxswarm.identify.forward.columns import Load, Rigid, is_kept, term_columns
 from jaxswarm.identify.forward.compliance import compliance_slopes
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.measuring_chain import distorted, placed, report, reported_load
+from jaxswarm.identify.forward.measuring_chain import distorted, report, reported_load
+from jaxswarm.identify.forward.own_columns import placed
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot

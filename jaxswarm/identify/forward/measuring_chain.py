@@ -5,25 +5,21 @@ The order in which a torque comes about fixes the order here: the links move beh
 (:class:`TorqueLaw`, :class:`ExternalTorque`), and the drives write them down (:class:`MeasurementLaw`).
 """
 
-from collections.abc import Callable, Sequence
-from functools import singledispatch
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from jaxswarm.effects.base import Effect
-from jaxswarm.effects.distortion import distortion_columns
 from jaxswarm.effects.kinds import (
     BodyChange,
-    ExternalTorque,
     MeasurementLaw,
     TorqueLaw,
-    TransmissionLaw,
 )
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
+from jaxswarm.identify.forward.own_columns import own_columns, placed
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -60,16 +56,57 @@ def assemble(
     """
     low = motion.decimator.apply if decimate else np.asarray
     body = body_along(robot, terms, motion, pi, rigid)
-    load = reported_load(terms, body, width, motion.joints) if uses_load(terms) else None
     if decimate and not of_kind(terms, MeasurementLaw):
         parts = [body.low]
     else:
         parts = [low(report(terms, motion, body.columns))]
+    return np.concatenate([*parts, *_blocks(terms, body, width, low, log)], axis=2)
+
+
+def _blocks(
+    terms: tuple[Term, ...],
+    body: Body,
+    width: Sequence[float],
+    low: Callable[[np.ndarray], np.ndarray],
+    log: int | None,
+) -> Iterator[np.ndarray]:
+    """Columns (T', n, k) of all terms that have some, as reported, through ``low``; see :func:`assemble`."""
+    joints = body.motion.joints
+    load = reported_load(terms, body, width, joints) if uses_load(terms) else None
     for term in terms:
-        if term.columns(robot.joints):
+        if term.columns(joints):
             block = _block(terms, term, body, width, load, low)
-            parts.append(block if term.acts_in(log) else np.zeros_like(block))
-    return np.concatenate(parts, axis=2)
+            yield block if term.acts_in(log) else np.zeros_like(block)
+
+
+def low_torque_along(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motion: Motion,
+    width: Sequence[float],
+    pi: np.ndarray,
+    theta: np.ndarray,
+    rigid: Rigid | None = None,
+    log: int | None = None,
+) -> np.ndarray:
+    """Decimated torque (T', n) of a model: ``assemble(..., decimate=True) @ theta``.
+
+    Columns of links that lag serve one place alone, and take most of its time: none is made here.
+
+    Args:
+        robot, terms, motion, width, pi, rigid, log: As for :func:`assemble`.
+        theta: Linear parameters, the rigid ones first, (p,).
+    """
+    k, low = len(pi), motion.decimator.apply
+    body = body_along(robot, terms, motion, pi, rigid)
+    if body.rigid is not None and not of_kind(terms, MeasurementLaw):
+        whole = body.low @ theta[:k]
+    else:
+        whole = low(report(terms, motion, body.torque(theta[:k])))
+    for block in _blocks(terms, body, width, low, log):
+        whole += block @ theta[k : k + block.shape[2]]
+        k += block.shape[2]
+    return whole
 
 
 def reported_load(
@@ -148,13 +185,6 @@ def _block(
     return placed(made, term.index, motion.q.shape[1])
 
 
-def placed(own: np.ndarray, joint: int, joints: int) -> np.ndarray:
-    """Columns (T, k) of one joint as those of all, (T, n, k)."""
-    block = np.zeros((len(own), joints, own.shape[1]))
-    block[:, joint] = own
-    return block
-
-
 def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None) -> np.ndarray:
     """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
     law = term.law
@@ -163,46 +193,6 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     if isinstance(law, BodyChange) and law.window:
         return carried(term, body.motion)[:, None, None] * (body.last @ body_basis(law))
     return own_columns(term, body.motion, width, load)
-
-
-def own_columns(
-    term: Term, motion: Motion, width: Sequence[float], load: Load | None
-) -> np.ndarray:
-    """Columns of a term on the working clock, (T, n, k), zero on joints it does not act on."""
-    return law_block(term.law, term, motion, width, load)
-
-
-@singledispatch
-def law_block(
-    law: Effect, term: Term, motion: Motion, width: Sequence[float], load: Load | None
-) -> np.ndarray:
-    """Columns (T, n, k) that a term adds by itself."""
-    raise NotImplementedError(f"no columns for effects of kind {type(law).__name__}")
-
-
-@law_block.register(TransmissionLaw)
-@law_block.register(BodyChange)
-def _(law, term, motion, width, load):
-    return np.zeros((*motion.q.shape, 0))  # they change the columns of others
-
-
-@law_block.register
-def _(law: MeasurementLaw, term, motion, width, load):
-    block = np.zeros((*motion.q.shape, len(law.linear)))
-    if law.distortion is not None:
-        told = distortion_columns(law, filled(load.whole[:, term.joint]))
-        block[:, term.joint] = told[: len(block)]
-    return block
-
-
-@law_block.register
-def _(law: TorqueLaw, term, motion, width, load):
-    return placed(term_columns(term, motion, width, load), term.joint, motion.q.shape[1])
-
-
-@law_block.register
-def _(law: ExternalTorque, term, motion, width, load):
-    return law.weight(term.values, motion.t)[:, None, None] * np.eye(motion.q.shape[1])
 
 
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:

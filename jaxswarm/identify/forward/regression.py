@@ -96,7 +96,6 @@ def build_regression(
     width: Sequence[float],
     pi: np.ndarray | None = None,
     rigids: Sequence[Rigid] | None = None,
-    bent: bool = True,
 ) -> Regression:
     """Stack the decimated rows of all logs.
 
@@ -107,8 +106,6 @@ def build_regression(
         width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
         rigids: Rigid columns of the logs where known.
-        bent: Whether with :func:`with_slopes`. Without, ``columns @ theta`` is the model's torque for the
-            parameters that they were made with, and for no others.
 
     Raises:
         InputError: If there are fewer rows than columns to determine.
@@ -141,29 +138,25 @@ def build_regression(
         tuple(float(m.decimator.factor / m.rate) for m in motions),
         used=None if np.all(every) and not any(t.law.recurring for t in terms) else every,
     )
-    return with_slopes(plain, robot, terms, motions, width, pi, rigids) if bent else plain
+    return _with_slopes(plain, robot, terms, motions, width, pi, rigids)
 
 
-def with_slopes(
+def _with_slopes(
     plain: Regression,
     robot: Robot,
     terms: tuple[Term, ...],
     motions: Sequence[Motion],
     width: Sequence[float],
-    pi: np.ndarray | None = None,
-    rigids: Sequence[Rigid] | None = None,
+    pi: np.ndarray,
+    rigids: Sequence[Rigid] | None,
 ) -> Regression:
-    """Rows that were made of the same without it, with what their torque owes to lags and loads.
-
-    Its columns are written anew in place. That takes as long as the rest of them: a place that no fit goes to
-    is not asked for it.
+    """Rows with what their torque owes to lags and loads; columns are written anew in place.
 
     Raises:
         Diverged: If a column is not finite, or too large to be squared.
     """
     if not slope_terms(terms) and not any(loaded(t) for t in terms):
         return plain
-    pi = np.zeros(10 * robot.num_joints) if pi is None else pi
     shift, events = np.zeros(plain.torque.shape), event_columns(robot, terms)
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
@@ -205,7 +198,8 @@ def _slopes(
         slopes = lag_slopes(arm_of(robot, terms), terms, true, pi, known)
         rigid_part = motion.decimator.apply(report(terms, motion, slopes))
         others = sum(len(t.columns(robot.joints)) for t in terms)
-        parts.append(np.pad(rigid_part, ((0, 0), (0, 0), (0, others))))
+        before = len(pi) - rigid_part.shape[2]
+        parts.append(np.pad(rigid_part, ((0, 0), (0, 0), (before, others))))
     if any(loaded(t) for t in terms):
         parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
     return sum(parts[1:], parts[0])

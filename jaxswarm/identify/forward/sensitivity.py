@@ -85,13 +85,13 @@ class Sensitivity:
         return self.at(pi)[3][:, self.joint]
 
     def own(self) -> np.ndarray:
-        """The joint's own row of the columns and of their derivatives, (4, T, 10 n)."""
-        count, joints = self.motion.q.shape
-        rows = np.zeros((4, count, 10 * joints))
+        """The joint's own row of columns and derivatives, of the links from it on, (4, T, 10 (n - j))."""
+        (count, joints), first = self.motion.q.shape, 10 * self.joint
+        rows = np.zeros((4, count, 10 * joints - first))
         for part, columns in self._parts():
-            rows[0, part] = columns.full[:, self.joint]
+            rows[0, part] = columns.full[:, self.joint, first:]
             for row, slope in zip(rows[1:], columns[1:], strict=True):
-                row[part, 10 * self.joint :] = slope[:, self.joint]
+                row[part] = slope[:, self.joint]
         return rows
 
     @property

@@ -9,11 +9,11 @@ from jaxswarm.identify.forward.body import body_along
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.measuring_chain import (
     distorted,
-    own_columns,
     report,
     true_torque,
     uses_load,
 )
+from jaxswarm.identify.forward.own_columns import own_columns
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
