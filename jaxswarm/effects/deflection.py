@@ -95,7 +95,10 @@ def deflection(
             a = force / (m + 0.5 * h * damper + 0.25 * h * h * spring)
             return predicted + 0.25 * h * h * a, speed + 0.5 * h * a, a
 
-        carry = jax.lax.fori_loop(0, substeps, small, carry)
+        for index in range(
+            substeps
+        ):  # as a loop of the program these few operations took twice as long
+            carry = small(index, carry)
         return carry, carry
 
     # The first samples of a filtered motion are the least certain: their sign may be wrong.
