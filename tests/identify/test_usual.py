@@ -36,3 +36,18 @@ def test_where_the_log_does_not_tell_another_it_is_the_usual_one_and_has_no_erro
 def test_where_the_log_tells_another_it_is_that_one(delta):
     values, errors = fitted(delta, 0.02)
     assert abs(values["delta"] - delta) < 4.0 * errors["delta"] < 0.4
+
+
+def test_a_width_that_made_up_for_the_usual_exponent_is_asked_again_beside_the_true_one():
+    """Beside an exponent of 2 the first joint's sign came out sharper than the second's: 1.45, and 1.3 N m."""
+
+    def friction(q, dq, ddq):
+        curve = 2.0 * np.exp(-np.abs(dq) / 0.2) * np.array([1.0, 0.0])
+        return (2.0 + curve) * np.tanh(dq / WIDTH) + 0.5 * dq
+
+    motion = make_motion(planar_arm(), friction, length=3000, noise=0.01)
+    found = estimate(planar_arm(), (*PLAIN, Term("stribeck_friction", 0)), [motion])
+    values = found.model.terms[-1].values
+    assert abs(values["delta"] - 1.0) < 0.05
+    assert abs(values["df"] - 2.0) < 0.1
+    assert np.allclose(found.model.width, WIDTH, rtol=0.02)

@@ -117,7 +117,9 @@ def estimate(
     told = told_apart(problem, here, [*moving, *held_widths])
     if told:
         problem = replace(problem, usual=problem.usual - told)
-        here, moving, held_widths = _fitted(problem, groups, here.place, here.pi)
+        # Widths that were told beside a wrong shape made up for it, and would hold it there.
+        place = here.place._replace(width=width)
+        here, moving, held_widths = _fitted(problem, groups, place, here.pi)
     return _named(problem, here, moving, held_widths)
 
 
