@@ -119,11 +119,12 @@ def _with_rivals(robot: Robot, guess: Guess, alike: list[Guess]) -> Guess:
         guess = replace(
             guess, what=guess.what.replace("the torque of", "the torque or the position of")
         )
-    rivals = [
+    # A guess that both a rough and a fine model bear out is among them twice.
+    rivals = dict.fromkeys(
         robot.joints[g.joints[0]]
         for g in alike
         if g.check == guess.check and len(g.joints) == 1 and g.joints != guess.joints
-    ]
+    )
     if rivals:  # as of parallel axes
         guess = replace(guess, what=f"{guess.what} (or that of {' or '.join(rivals)})")
     if not isinstance(guess, OtherRobot):
