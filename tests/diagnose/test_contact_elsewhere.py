@@ -1,6 +1,7 @@
 """A contact in another log: it is in no model, hides nothing of what the rest shows, and is told."""
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,3 +68,22 @@ def test_it_is_told_and_not_scored(fits):
     result = {"joints": ("joint1",), "torque_units": ("N m",), "findings": (), "logs": ()}
     (note,) = log_notes({**result, "error": {"validation": errors.validation}})
     assert "is not scored" in note and " s " in note
+
+
+@pytest.mark.parametrize("begin", [400, 410, 445, 449])
+@pytest.mark.parametrize("end", [601, 610, 645])
+def test_an_event_that_begins_and_ends_within_a_stretch_is_seen_whole(begin, end):
+    """Of 1000 rows at 50 Hz, 50 a stretch: a small part of one leaves little of it."""
+    left = np.random.default_rng(0).normal(size=(1000, 2))
+    left[begin:end, 1] += 20.0
+    times, free = np.arange(1000) / 50, np.zeros((1000, 2), bool)
+    ((first, last),) = elsewhere._eventful(left, left, free, times)
+    assert begin / 50 - 1.0 <= first <= begin / 50
+    assert (end - 1) / 50 <= last <= (end - 1) / 50 + 1.0
+
+
+def test_what_lasts_half_a_log_and_to_its_end_is_an_event(fits):
+    held = motion(7)
+    half = held.t > 0.5 * (held.t[0] + held.t[-1]) + 0.2
+    ((begin, end),) = event_windows(*fits, replace(held, tau=held.tau + PUSH * half[:, None]))
+    assert begin <= held.t[half][0] and end == held.t[-1]

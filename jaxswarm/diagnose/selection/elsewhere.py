@@ -21,11 +21,14 @@ from jaxswarm.identify.forward.model import (
 )
 from jaxswarm.identify.forward.names import column_names
 from jaxswarm.logs.motion import Motion, with_skew_of
+from jaxswarm.logs.runs import runs
 
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25
 # Stretches of a log whose errors count as independent.
 _BLOCKS = 20
+# Pieces of such a stretch, by which it is told where in it something begins or ends.
+_PIECES = 10
 # Sets of parameters that are drawn: what they say of an error is within a fifth of it.
 _DRAWS = 16
 
@@ -96,7 +99,11 @@ def event_windows(
     What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a
     push of 0.8 s had true Stribeck friction of another log refused.
     """
-    return _eventful(*_both(before, after, motion), _times(motion))
+    times = _times(motion)
+    # What lasts to the last rows that are compared may last to the end.
+    begins, ends = {times[0]: motion.t[0]}, {times[-1]: motion.t[-1]}
+    found = _eventful(*_both(before, after, motion), times)
+    return tuple((float(begins.get(a, a)), float(ends.get(b, b))) for a, b in found)
 
 
 def _both(
@@ -118,19 +125,38 @@ def _held(motion: Motion, left: np.ndarray) -> np.ndarray:
 def _eventful(
     one: np.ndarray, two: np.ndarray, held: np.ndarray, times: np.ndarray
 ) -> tuple[tuple[float, float], ...]:
-    """The same from two residuals (T, n) at times (T,), but for what friction holds."""
-    count = min(_BLOCKS, len(one))
-    parts = np.array_split(times, count)
+    """The same from two residuals (T, n) at times (T,), but for what friction holds.
+
+    What happens begins and ends within a stretch, of which it may be a small part: half a second with a load
+    before the first stretch full of it left 5 % of the torque of a log that was right to 0.3 %. Next to such a
+    stretch its pieces are therefore asked, too.
+    """
     squares = np.ma.array(np.minimum(one**2, two**2), mask=held)
-    power = np.ma.stack([block.mean(axis=0) for block in np.array_split(squares, count)])
-    usual = np.ma.median(power, axis=0)
-    eventful = np.any(np.ma.filled(power > EVENTFUL * usual, False), axis=1)
-    found: list[tuple[float, float]] = []
-    for number in np.flatnonzero(eventful):
-        begin, end = float(parts[number][0]), float(parts[number][-1])
-        joins = number > 0 and eventful[number - 1]
-        found.append((found.pop()[0] if joins else begin, end))
-    return tuple(found)
+    count = min(_BLOCKS, len(one))
+    parts = np.array_split(np.arange(len(one)), count)
+    power = np.ma.stack([squares[rows].mean(axis=0) for rows in parts])
+    # The lower one of two middles: what lasts half of the log is not what is usual.
+    free = [x.compressed() for x in power.T]
+    most = EVENTFUL * np.array(
+        [np.quantile(x, 0.5, method="lower") if len(x) else np.inf for x in free]
+    )
+
+    def beyond(rows: np.ndarray) -> bool:
+        return bool(np.any(np.ma.filled(squares[rows].mean(axis=0) > most, False)))
+
+    eventful = np.array([beyond(rows) for rows in parts])
+    beside = ~eventful & (np.append(False, eventful[:-1]) | np.append(eventful[1:], False))
+    seen = np.concatenate(
+        [np.full(len(rows), full) for rows, full in zip(parts, eventful, strict=True)]
+    )
+    for number in np.flatnonzero(beside):
+        pieces = np.array_split(parts[number], min(_PIECES, len(parts[number])))
+        inside = np.concatenate([rows for rows in pieces if beyond(rows)] or [parts[number][:0]])
+        if len(inside) and number and eventful[number - 1]:
+            seen[parts[number][0] : inside[-1] + 1] = True
+        if len(inside) and number + 1 < count and eventful[number + 1]:
+            seen[inside[0] : parts[number][-1] + 1] = True
+    return tuple((float(times[i]), float(times[j - 1])) for i, j in zip(*runs(seen), strict=True))
 
 
 def compared(
