@@ -14,6 +14,7 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import everyday
 from jaxswarm.diagnose.selection.everyday import _held_out, _hidden, _more_than_clocks
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward.model import model_torque
@@ -95,3 +96,22 @@ def test_what_no_fit_can_tell_is_not_taken_along(monkeypatch):
     ]
     after = SimpleNamespace(fit=SimpleNamespace(sigma=np.full(3, 10.0)))
     assert _hidden(after, asked[:2], asked) == [asked[2]]
+
+
+def test_what_every_drive_has_is_asked_once_more_beside_what_was_added(monkeypatch):
+    rotor, spring = Term("rotor_inertia", 1), Term("joint_spring", 1)
+    scores = [SimpleNamespace(candidate=SimpleNamespace(term=t)) for t in (spring, rotor)]
+    search = Search(None, None, None, 0, None, (), lambda text: None, None, scores=scores)
+    search.crossfit, asked = object(), []
+
+    def add(current, crossfit, scores, rules):
+        asked.append([s.candidate.term for s in scores])
+        return ["rotor"], "with it"
+
+    monkeypatch.setattr(everyday, "add_everyday", add)
+    assert not everyday.everyday_again(search)  # nothing was added that could have hidden it
+    search.steps = ["spring"]
+    search.refuse(Term("joint_spring", 0))
+    assert everyday.everyday_again(search) and not everyday.everyday_again(search)
+    assert asked == [[rotor]] and not search.banned
+    assert (search.steps, search.current) == (["spring", "rotor"], "with it")

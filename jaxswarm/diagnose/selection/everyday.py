@@ -48,6 +48,26 @@ def allow_for_everyday(search: Search, lin: Linearization, eligible: Sequence[Te
     return True
 
 
+def everyday_again(search: Search) -> bool:
+    """Ask once more for what every drive has, where nothing passes any more; whether anything was added.
+
+    Beside a coupling of two wrist joints that nobody declared (TX40) a rotor's inertia was not certain, and
+    among all candidates it did not pass by itself.
+    """
+    asked = [s for s in search.scores if s.candidate.term.law.everyday]
+    if search.everyday_again or not (search.steps and asked):
+        return False
+    search.everyday_again = True
+    together = add_everyday(search.current, search.folds, asked, search.rules)
+    if together is None:
+        return False
+    search.progress("adding what every drive has")
+    steps, search.current = together
+    search.steps = [*search.steps, *steps]
+    search.ask_again(None)
+    return True
+
+
 def add_everyday(
     current: Estimate, crossfit: CrossFit, scores: Sequence[Score], rules: Rules
 ) -> tuple[list[Step], Estimate] | None:

@@ -33,7 +33,7 @@ class Search:
         ended: Whether it ended by its number of rounds, and more might be added.
         given_up: Whether it was left since it cannot lead to what it was made for.
         skews: Clock skews that were allowed for.
-        everyday: Whether what every drive has was asked already.
+        everyday, everyday_again: Whether what every drive has was asked already, and beside what was added.
         settled: Whether every choice was made again already.
         sticking: Joints whose rows are left out where friction holds them for a moment.
         withdrawn, refused: As :class:`Diagnosis` tells them.
@@ -60,6 +60,7 @@ class Search:
     given_up: bool = False
     skews: list[float] = field(default_factory=list)
     everyday: bool = False
+    everyday_again: bool = False
     settled: bool = False
     sticking: set[int] = field(default_factory=set)
     withdrawn: tuple[Term, ...] = ()

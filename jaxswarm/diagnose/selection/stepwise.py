@@ -23,7 +23,7 @@ from jaxswarm.diagnose.selection.both_ends import add_both_ends
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.everyday import allow_for_everyday
+from jaxswarm.diagnose.selection.everyday import allow_for_everyday, everyday_again
 from jaxswarm.diagnose.selection.finish import finish
 from jaxswarm.diagnose.selection.from_declared import declared_alone
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
@@ -145,7 +145,7 @@ def _act(search: Search, passed: list[Score]) -> bool:
         return True
     if passed:
         return _add_best(search, passed)
-    if one_for_several(search) or _choose_again(search):
+    if everyday_again(search) or one_for_several(search) or _choose_again(search):
         return True
     return not search.budget.spent and add_two_laws(search)
 
