@@ -95,9 +95,8 @@ def deflection(
             a = force / (m + 0.5 * h * damper + 0.25 * h * h * spring)
             return predicted + 0.25 * h * h * a, speed + 0.5 * h * a, a
 
-        for index in range(
-            substeps
-        ):  # as a loop of the program these few operations took twice as long
+        # Written out: as a loop of the program these few operations took twice as long.
+        for index in range(substeps):
             carry = small(index, carry)
         return carry, carry
 

@@ -99,11 +99,10 @@ def event_windows(
     What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a
     push of 0.8 s had true Stribeck friction of another log refused.
     """
-    times = _times(motion)
-    # What lasts to the last rows that are compared may last to the end.
-    begins, ends = {times[0]: motion.t[0]}, {times[-1]: motion.t[-1]}
-    found = _eventful(*_both(before, after, motion), times)
-    return tuple((float(begins.get(a, a)), float(ends.get(b, b))) for a, b in found)
+    times = _times(motion).copy()
+    # What lasts to the first or last row that is compared may last to that end of the log.
+    times[[0, -1]] = motion.t[[0, -1]]
+    return _eventful(*_both(before, after, motion), times)
 
 
 def _both(
@@ -141,21 +140,19 @@ def _eventful(
         [np.quantile(x, 0.5, method="lower") if len(x) else np.inf for x in free]
     )
 
-    def beyond(rows: np.ndarray) -> bool:
-        return bool(np.any(np.ma.filled(squares[rows].mean(axis=0) > most, False)))
+    def beyond(power: np.ndarray) -> np.ndarray:
+        return np.any(np.ma.filled(power > most, False), axis=-1)
 
-    eventful = np.array([beyond(rows) for rows in parts])
-    beside = ~eventful & (np.append(False, eventful[:-1]) | np.append(eventful[1:], False))
-    seen = np.concatenate(
-        [np.full(len(rows), full) for rows, full in zip(parts, eventful, strict=True)]
-    )
-    for number in np.flatnonzero(beside):
+    eventful = beyond(power)
+    seen = np.repeat(eventful, [len(rows) for rows in parts])
+    follows, precedes = np.append(False, eventful[:-1]), np.append(eventful[1:], False)
+    for number in np.flatnonzero(~eventful & (follows | precedes)):
         pieces = np.array_split(parts[number], min(_PIECES, len(parts[number])))
-        inside = np.concatenate([rows for rows in pieces if beyond(rows)] or [parts[number][:0]])
-        if len(inside) and number and eventful[number - 1]:
-            seen[parts[number][0] : inside[-1] + 1] = True
-        if len(inside) and number + 1 < count and eventful[number + 1]:
-            seen[inside[0] : parts[number][-1] + 1] = True
+        inside = [rows for rows in pieces if beyond(squares[rows].mean(axis=0))]
+        if inside and follows[number]:
+            seen[parts[number][0] : inside[-1][-1] + 1] = True
+        if inside and precedes[number]:
+            seen[inside[0][0] : parts[number][-1] + 1] = True
     return tuple((float(times[i]), float(times[j - 1])) for i, j in zip(*runs(seen), strict=True))
 
 

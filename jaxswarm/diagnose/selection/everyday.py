@@ -39,12 +39,9 @@ def allow_for_everyday(search: Search, lin: Linearization, eligible: Sequence[Te
         return False
     search.everyday = True
     scores = score_terms(lin, everyday, search.seed)
-    together = add_everyday(search.current, lin.crossfit, scores, search.rules)
-    if together is None:
+    if not _add(search, scores):
         return False
     search.asked = len(eligible)
-    search.progress("adding what every drive has")
-    search.steps, search.current = together
     return True
 
 
@@ -58,13 +55,20 @@ def everyday_again(search: Search) -> bool:
     if search.everyday_again or not (search.steps and asked):
         return False
     search.everyday_again = True
-    together = add_everyday(search.current, search.folds, asked, search.rules)
+    if not _add(search, asked):
+        return False
+    search.ask_again(None)
+    return True
+
+
+def _add(search: Search, scores: Sequence[Score]) -> bool:
+    """Add what is confirmed of these; whether anything is."""
+    together = add_everyday(search.current, search.folds, scores, search.rules)
     if together is None:
         return False
     search.progress("adding what every drive has")
     steps, search.current = together
     search.steps = [*search.steps, *steps]
-    search.ask_again(None)
     return True
 
 

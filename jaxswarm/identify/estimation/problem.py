@@ -44,8 +44,7 @@ class Problem:
 
     def build(self, place: Place, pi) -> Regression:
         """The rows at a place."""
-        given = self.robot, place.terms, self.motions, place.width, pi, self.rigids
-        return build_regression(*given)
+        return build_regression(self.robot, place.terms, self.motions, place.width, pi, self.rigids)
 
     def left(self, rows: Regression, place: Place, theta: np.ndarray) -> np.ndarray:
         """What a model leaves (T, n) of rows that were built with its terms, by its torque alone.

@@ -104,6 +104,7 @@ def order_pictures(
     kept = low.kept(len(motion.t))
     measured, predicted = motion.known_torque, low.apply(model_torque(found.model, motion))
     known = ~motion.lost_rows
+    rows = np.arange(len(motion.t))[kept][known]
     labels = units(robot)
     drawing.ask(
         "torque.png",
@@ -120,11 +121,11 @@ def order_pictures(
         "plots.residual_dependence",
         (measured - predicted)[known],
         {
-            "q": motion.q[kept][known],
-            "dq": motion.dq[kept][known],
-            "ddq": motion.ddq[kept][known],
+            "q": motion.q[rows],
+            "dq": motion.dq[rows],
+            "ddq": motion.ddq[rows],
             "torque": measured[known],
-            "time [s]": motion.t[kept][known],
+            "time [s]": motion.t[rows],
         },
         robot.joints,
         labels,
