@@ -14,18 +14,19 @@ from jaxswarm.diagnose.decision.judged import can_be
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import score
 from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
-from jaxswarm.diagnose.decision.worth import passes, runners_up
+from jaxswarm.diagnose.decision.worth import Score, passes, runners_up
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.regression import Diverged
 
 
-def told(effect, joint, gain, shows=None):
-    return SimpleNamespace(
-        candidate=SimpleNamespace(term=Term(effect, joint)),
-        gain=gain,
-        joint=joint if shows is None else shows,
+def told(effect, joint, gain, shows=None, own=None):
+    candidate = SimpleNamespace(term=Term(effect, joint))
+    where, own = joint if shows is None else shows, None if own is None else np.array([own])
+    blocks, per_joint = np.array([gain]), np.full(8, gain / 8)
+    return Score(
+        candidate, gain, per_joint, blocks, 1.0, 1.0, where, 0.0, 1.0, blocks, True, own=own
     )
 
 
@@ -46,6 +47,18 @@ def test_runners_up_are_what_else_would_explain_the_same():
     refused = {delay.candidate.term.identity}
     assert runners_up(chosen, scores, refused) == (rotor, lag, tilt)
     assert runners_up(tilt, scores) == (delay, chosen, other, rotor, lag)
+
+
+def test_runners_up_are_compared_as_the_choice_was_made():
+    """By the other joints of a short log an offset gained 2.7 times as much, and 0.6 on its own."""
+    chosen = told("friction_change", 3, 786.0, own=136.6)
+    offset = told("torque_offset", 3, 2126.0, own=83.7)
+    ripple = told("torque_ripple", 3, 1080.0, own=-566.0)
+    soft = replace(told("base_compliance", None, 4900.0, 3), per_joint=np.full(8, -2.0))
+    spring = told("joint_spring", 3, 2112.0, own=90.4)
+    assert runners_up(chosen, [ripple, offset, spring, chosen, soft]) == (spring, offset)
+    assert offset.relative_gain(chosen) == pytest.approx(0.613, abs=1e-3)
+    assert offset.relative_gain(soft) == pytest.approx(2126 / 4900)
 
 
 def test_slope_p_value_by_hand():

@@ -14,9 +14,10 @@ from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import verdict
 from jaxswarm.diagnose.report import figures as pictures
+from jaxswarm.diagnose.report.error_change import grown
 from jaxswarm.diagnose.report.html import render
 from jaxswarm.diagnose.report.orders import order_pictures
-from jaxswarm.diagnose.report.result import grown, to_result
+from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
 from jaxswarm.diagnose.run import conclude, write_report
 from jaxswarm.diagnose.selection.outcome import outcome_of

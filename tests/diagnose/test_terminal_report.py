@@ -67,20 +67,30 @@ def test_one_law_on_all_joints_is_one_table(monkeypatch, capsys):
 
 
 def test_what_the_log_does_not_tell_from_what_is_named_stands_beside_the_name():
-    told, how = explained(), {"experiment": "move it further"}
-    joint, pair = JOINTS[1], ("encoder_offset", "backlash")
+    told, (joint, next_joint) = explained(), JOINTS[1:3]
+
+    def pair(place, named, other, rival):
+        rival = {"effect": other, **rival}
+        how = {"experiment": "move it further"}
+        return {"joint": place, "effects": [named, other], "rival": rival, **how}
+
+    cable = {"joint": next_joint, "other": joint}
     told["undecided"] = [
-        {"joint": joint, "effects": [*pair], **how},
-        {"joint": joint, "effects": ["encoder_offset", "joint_elasticity"], **how},
-        {"joint": None, "effects": ["torque_lag", "time_delay"], **how},
+        pair(joint, "encoder_offset", "backlash", {"joint": joint}),
+        pair(joint, "encoder_offset", "joint_elasticity", {"joint": joint}),
+        pair(None, "torque_lag", "time_delay", {"joint": None}),
+        pair(joint, "drive_gain", "cable_coupling", cable),
     ]
     said = evidence_sentence(told)
     assert (
         f"; this log does not tell encoder_offset from backlash or joint_elasticity on {joint};"
         in said
     )
-    assert "; this log does not tell torque_lag from time_delay (error" in said
+    assert "; this log does not tell torque_lag from time_delay;" in said
     assert "To tell torque_lag from time_delay apart: move it further." in next_steps(told)
+    both = f"drive_gain on {joint} from cable_coupling on {next_joint} (driven by {joint})"
+    assert f"; this log does not tell {both} (error" in said
+    assert f"To tell {both} apart: move it further." in next_steps(told)
 
 
 @pytest.mark.parametrize("name", ["$x_{$", "[/b]", "a/b", "=1+1", "<script>", "\u03c6 1"])

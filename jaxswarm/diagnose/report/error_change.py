@@ -1,4 +1,8 @@
-"""How the error changed, as the first line tells it."""
+"""How the error changed, as the first line tells it, and where it grew."""
+
+from collections.abc import Sequence
+
+import numpy as np
 
 from jaxswarm.diagnose.report.numbers import percent
 
@@ -24,3 +28,19 @@ def error_change(result: dict) -> str:
     rows = zip(result["joints"], before["relative"], after["relative"], strict=True)
     told = [f"{j} {percent(one)} before, {percent(two)} after" for j, one, two in rows if j in own]
     return "; ".join([*told[:_MOST_JOINTS], f"whole arm {change}" if told else change])
+
+
+def grown(
+    validation: list[dict], joints: Sequence[str], noise: np.ndarray, harm: float
+) -> list[str]:
+    """Sentences on joints whose error on a validation log grew beyond the noise by what was added."""
+    told = []
+    for entry in validation:
+        for joint, one, two, low in zip(
+            joints, entry["before"]["rms"], entry["after"]["rms"], noise, strict=True
+        ):
+            if two > harm * one and two > low:
+                told.append(
+                    f"on {entry['on']} the error of {joint} grew from {one:.3g} to {two:.3g}"
+                )
+    return told

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from jaxswarm.diagnose.decision.remainder import Remainder
 from jaxswarm.diagnose.decision.rules import HARM, Rules
 from jaxswarm.diagnose.decision.unexplained import Unexplained
@@ -18,6 +16,7 @@ from jaxswarm.diagnose.decision.verdict import (
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.discovery.discover import Search
 from jaxswarm.diagnose.report import discovered
+from jaxswarm.diagnose.report.error_change import grown
 from jaxswarm.diagnose.report.experiment import NO_MOTION, best_experiment, separating_command
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
@@ -181,7 +180,7 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
             "helps_in_blocks": step.score.repeats,
         },
         "alternatives": [
-            {**place(s.candidate.term, joints), "relative_gain": s.gain / total}
+            {**place(s.candidate.term, joints), "relative_gain": s.relative_gain(step.score)}
             for s in step.others[:5]
         ],
     }
@@ -230,21 +229,6 @@ def _undecided(one: Undecided, joints: tuple[str, ...]) -> dict:
     return {
         "joint": place(step.added, joints)["joint"],
         "effects": names,
+        "rival": place(other, joints),
         "experiment": trial.words(joints) + command,
     }
-
-
-def grown(
-    validation: list[dict], joints: Sequence[str], noise: np.ndarray, harm: float
-) -> list[str]:
-    """Sentences on joints whose error on a validation log grew beyond the noise by what was added."""
-    told = []
-    for entry in validation:
-        for joint, one, two, low in zip(
-            joints, entry["before"]["rms"], entry["after"]["rms"], noise, strict=True
-        ):
-            if two > harm * one and two > low:
-                told.append(
-                    f"on {entry['on']} the error of {joint} grew from {one:.3g} to {two:.3g}"
-                )
-    return told

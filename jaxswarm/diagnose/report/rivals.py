@@ -3,22 +3,36 @@
 
 def not_told_apart(result: dict) -> list[str]:
     """Clauses beside the names, which alone read as certain: an effect and all that it may be instead."""
-    rivals: dict[tuple[str | None, str], list[str]] = {}
+    rivals: dict[tuple[str, str], list[str]] = {}
     for pair in result["undecided"]:
-        named, *others = pair["effects"]
-        rivals.setdefault((pair["joint"], named), []).extend(others)
+        named, other, place = _names(pair)
+        rivals.setdefault((named, place), []).append(other)
     return [
-        f"this log does not tell {named} from {' or '.join(others)}{_on(joint)}"
-        for (joint, named), others in rivals.items()
+        f"this log does not tell {named} from {' or '.join(others)}{place}"
+        for (named, place), others in rivals.items()
     ]
 
 
 def to_tell_apart(result: dict) -> list[str]:
     """The motions that would tell them apart, in sentences."""
-    return [
-        f"To tell {' from '.join(pair['effects'])} apart{_on(pair['joint'])}: {pair['experiment']}."
-        for pair in result["undecided"]
-    ]
+    told = []
+    for pair in result["undecided"]:
+        named, other, place = _names(pair)
+        told.append(f"To tell {named} from {other} apart{place}: {pair['experiment']}.")
+    return told
+
+
+def _names(pair: dict) -> tuple[str, str, str]:
+    """Both effects and the joint that they have in common: each with its own where they have none.
+
+    An encoder's zero was said not to be told from a cable on its joint, where the cable was on the next one.
+    """
+    (named, other), rival = pair["effects"], pair["rival"]
+    # Two laws of one kind are told by names that have their joints.
+    if other != rival["effect"] or rival["joint"] == pair["joint"]:
+        return named, other, _on(pair["joint"])
+    driven = f" (driven by {rival['other']})" if rival.get("other") else ""
+    return named + _on(pair["joint"]), other + _on(rival["joint"]) + driven, ""
 
 
 def _on(joint: str | None) -> str:

@@ -11,6 +11,8 @@ from jaxswarm.diagnose.selection.extended import extended
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.step import with_errors
+from jaxswarm.diagnose.selection.tenable import is_certain
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -74,6 +76,25 @@ def leaves_less(
         if found is None or does_as_well(current, found[1], found[0].candidate.size - size):
             continue
         if not other or left_elsewhere(found[1], current, pick.joint, other) <= 1.0:
+            return found
+    return None
+
+
+def surer(
+    near: Sequence[Score], rest: Estimate, current: Estimate, other: Sequence[Motion], seed: int = 0
+) -> tuple[Score, Estimate] | None:
+    """A law that the data do not tell from the current model's and whose numbers, unlike its own, are certain.
+
+    It may leave little more. Beside a bound of a rotor an encoder's zero of 0.019 +- 0.011 rad did what a cable
+    of the next joint does by -6.1 +- 0.9 N m, had the fewer numbers, and doubled the error of other motion.
+    """
+    for pick in near:
+        found = fitted_pick(rest, pick, seed)
+        known = None if found is None else with_errors(found[0].candidate.term, found[1])
+        if found is None or known is None or not is_certain(*known):
+            continue
+        left = cost(found[1], pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
+        if left and (not other or left_elsewhere(found[1], current, pick.joint, other) <= 1.0):
             return found
     return None
 

@@ -21,7 +21,7 @@ from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
-from jaxswarm.diagnose.selection.instead import leaves_less, replacement, simpler
+from jaxswarm.diagnose.selection.instead import leaves_less, replacement, simpler, surer
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.plainer import plainer
 from jaxswarm.diagnose.selection.refit import refit
@@ -149,6 +149,8 @@ def reconsider(
         instead = replacement(picks, chosen, step.score.candidate.size, rest, current, other, seed)
         if instead is None and same:
             instead = leaves_less(chosen, near, rest, current, other, fuller, seed)
+        if instead is None and same and not certain:
+            instead = surer(near, rest, current, other, seed)
         if instead is None:
             if same:
                 done[place] = replace(step, rivals=tuple(near))

@@ -1,6 +1,6 @@
 """Whether fitted values are those of the law they are told of, by physics and by their own doubt."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -45,9 +45,13 @@ def _beyond(term: Term, parameter: Parameter) -> float:
 
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:
-    """Whether a linear coefficient is certain: else it stands for something else."""
-    linear = [p.name for p in term.law.linear]
-    return not linear or _one_is_certain(term, errors, linear)
+    """Whether a coefficient is certain: else it stands for another one. Transmissions and events have none."""
+    law = term.law
+    if law.linear:
+        return _one_is_certain(term, errors, dict.fromkeys((p.name for p in law.linear), 0.0))
+    if isinstance(law, MeasurementLaw | BodyChange):
+        return _one_is_certain(term, errors, law.neutral())
+    return True
 
 
 def stands_for_itself(term: Term, errors: dict[str, float]) -> bool:
@@ -67,7 +71,7 @@ def goes_beyond(term: Term, errors: dict[str, float]) -> bool:
     """
     linear = [p.name for p in term.law.linear]
     for inner in _within(term.law):
-        own = [name for name in linear if name not in inner]
+        own = {name: 0.0 for name in linear if name not in inner}
         if own and not _one_is_certain(term, errors, own):
             return False
     return True
@@ -82,10 +86,11 @@ def _within(law: Effect) -> Iterator[set[str]]:
             yield from _within(one)
 
 
-def _one_is_certain(term: Term, errors: dict[str, float], names: list[str]) -> bool:
-    """Whether one of some coefficients is beyond its doubt, or told by no doubt at all."""
+def _one_is_certain(term: Term, errors: dict[str, float], neutral: Mapping[str, float]) -> bool:
+    """Whether one of some coefficients is beyond its doubt from where it does nothing, or told by no doubt."""
     return any(
-        abs(term.values[name]) > CERTAIN * errors[name] or np.isnan(errors[name]) for name in names
+        abs(term.values[name] - zero) > CERTAIN * errors[name] or np.isnan(errors[name])
+        for name, zero in neutral.items()
     )
 
 
