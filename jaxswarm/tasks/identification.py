@@ -14,12 +14,11 @@ from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.identify.checks.weak import refuse_weak
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.model import Model, model_torque, save_model
+from jaxswarm.identify.forward.model import Model, save_model
 from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.console import remarks, summary_line
 from jaxswarm.identify.report.errors import base_table, error_rows, error_table
-from jaxswarm.identify.report.report import report_of
-from jaxswarm.identify.report.summary import units
+from jaxswarm.identify.report.report import report_of, torque_drawn
 from jaxswarm.identify.run import (
     described,
     findings,
@@ -54,13 +53,7 @@ class Fitted(Result):
         model, motion = self.model, self.motion
         if model is None or motion is None or motion.tau is None:
             raise InputError("this result has no model with a measured torque to draw")
-        low, robot = motion.decimator, model.robot
-        kept = low.kept(len(motion.t))
-        measured = motion.known_torque
-        predicted = low.apply(model_torque(model, motion))
-        title = f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz"
-        time, labels = motion.t[kept], units(robot)
-        return plots.torque_overlay(time, measured, predicted, robot.joints, labels, title)
+        return plots.torque_overlay(*torque_drawn(model, motion))
 
     def save(self, path: str | Path) -> Path:
         """Write the model as ``model.json``, which every command reads."""

@@ -24,7 +24,7 @@ from jaxswarm.identify.forward.regression import Diverged
 def told(effect, joint, gain, shows=None, own=None):
     candidate = SimpleNamespace(term=Term(effect, joint))
     where, own = joint if shows is None else shows, None if own is None else np.array([own])
-    blocks, per_joint = np.array([gain]), np.full(8, gain / 8)
+    blocks, per_joint = np.array([gain]), np.full(8, gain / 8 if own is None else own[0])
     return Score(
         candidate, gain, per_joint, blocks, 1.0, 1.0, where, 0.0, 1.0, blocks, True, own=own
     )

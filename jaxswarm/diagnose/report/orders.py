@@ -9,6 +9,7 @@ from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.drawing import Drawing
 from jaxswarm.identify.forward.model import Model, model_torque
+from jaxswarm.identify.report.report import torque_drawn
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -22,30 +23,17 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
     Returns:
         The torque that is drawn.
     """
-    final = diagnosis.final
-    robot = final.model.robot
-    shown = unseen[0] if unseen else final.motions[0]
-    low, kept = shown.decimator, shown.decimator.kept(len(shown.t))
-    signals = Signals(
-        shown.t[kept],
-        shown.known_torque,
-        low.apply(model_torque(final.model.during(None if unseen else 0), shown)),
-    )
-    drawing.ask(
-        "torque.png",
-        "plots.torque_overlay",
-        *signals,
-        robot.joints,
-        units(robot),
-        f"{robot.name}: torque below {shown.torque_cutoff:.3g} Hz, final model, {Path(shown.source).name}",
-    )
+    final = diagnosis.final.model.during(None if unseen else 0)
+    shown = unseen[0] if unseen else diagnosis.final.motions[0]
+    drawn = torque_drawn(final, shown, f", final model, {Path(shown.source).name}")
+    drawing.ask("torque.png", "plots.torque_overlay", *drawn)
     before = replace(diagnosis, final=diagnosis.declared)
     for name, one, title in (
         ("residual_before.png", before, "what the declared model leaves"),
         ("residual.png", diagnosis, "what the final model leaves"),
     ):
         drawing.ask(name, "plots.residual_dependence", *remaining(one, title))
-    return signals
+    return Signals(*drawn[:3])
 
 
 def remaining(diagnosis: Diagnosis, title: str) -> tuple:

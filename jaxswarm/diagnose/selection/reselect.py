@@ -149,8 +149,7 @@ def reconsider(
         instead = replacement(picks, chosen, step.score.candidate.size, rest, current, other, seed)
         if instead is None and same:
             instead = leaves_less(chosen, near, rest, current, other, fuller, seed)
-        if instead is None and same and not certain:
-            instead = surer(near, rest, current, other, seed)
+            instead = instead or (None if certain else surer(near, rest, current, other, seed))
         if instead is None:
             if same:
                 done[place] = replace(step, rivals=tuple(near))

@@ -9,7 +9,7 @@ from jaxswarm.drawing import Drawing
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held_shares
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
-from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import (
     base_parameter_table,
     correlation,
@@ -95,27 +95,35 @@ def _of_search(search: "SwarmFit") -> dict:
     }
 
 
+def torque_drawn(model: Model, motion: Motion, told: str = "") -> tuple:
+    """Arguments of ``plots.torque_overlay``: a log's torque, what a model makes of it, and a title.
+
+    Args:
+        model: The model.
+        motion: A log with torque.
+        told: What the title says beside the robot and the cutoff.
+    """
+    low, robot = motion.decimator, model.robot
+    return (
+        motion.t[low.kept(len(motion.t))],
+        motion.known_torque,
+        low.apply(model_torque(model, motion)),
+        robot.joints,
+        units(robot),
+        f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz{told}",
+    )
+
+
 def order_pictures(
     drawing: Drawing, found: Estimate, motion: Motion, search: "SwarmFit | None"
 ) -> None:
     """Order the pictures by file name: torque, residual, and the swarm's convergence."""
-    robot = found.model.robot
-    low = motion.decimator
-    kept = low.kept(len(motion.t))
-    measured, predicted = motion.known_torque, low.apply(model_torque(found.model, motion))
+    log = Path(motion.source).name
+    drawn = torque_drawn(found.model, motion, f", {log}")
+    _, measured, predicted, joints, labels, _ = drawn
+    drawing.ask("torque.png", "plots.torque_overlay", *drawn)
     known = ~motion.lost_rows
-    rows = np.arange(len(motion.t))[kept][known]
-    labels = units(robot)
-    drawing.ask(
-        "torque.png",
-        "plots.torque_overlay",
-        motion.t[kept],
-        measured,
-        predicted,
-        robot.joints,
-        labels,
-        f"{robot.name}: torque below {motion.torque_cutoff:.3g} Hz, {Path(motion.source).name}",
-    )
+    rows = np.arange(len(motion.t))[motion.decimator.kept(len(motion.t))][known]
     drawing.ask(
         "residual.png",
         "plots.residual_dependence",
@@ -127,9 +135,9 @@ def order_pictures(
             "torque": measured[known],
             "time [s]": motion.t[rows],
         },
-        robot.joints,
+        joints,
         labels,
-        f"{robot.name}: what the model leaves, {Path(motion.source).name}",
+        f"{found.model.robot.name}: what the model leaves, {log}",
     )
     if search is not None:
         drawing.ask(
