@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from jaxswarm import outputs
+from jaxswarm.diagnose.asked_again import doubtful, told_again
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.remainder import find_material
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
@@ -80,6 +81,7 @@ def diagnose_files(
         outputs.write_results(out, page | {"report.html": render(unfit | told, {})})
         return unfit | told
     refuse_too_large(read.motions)
+    doubted = doubtful(read.fitted, read.scored)
     read = replace(read, fitted=[])  # a long log is large, and its samples are not asked for again
     journal = Journal(out, fingerprint(robot, [*read.motions, *read.unseen], terms, options.seed))
     with Drawing() as drawing:
@@ -94,7 +96,7 @@ def diagnose_files(
         shown = order_pictures(drawing, diagnosis, unseen)
         result, left = conclude(diagnosis, unseen, options.seed, progress, search)
         result["reasons"] += resting_joints(read.motions, robot)
-        result |= told
+        result |= told_again(told, result, doubted, diagnosis.final.model)
         write_report(diagnosis, left, result, drawing, out, progress, search, shown)
     journal.close(done=diagnosis.spent is None)
     return result

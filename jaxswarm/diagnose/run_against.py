@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from jaxswarm import cores, outputs
+from jaxswarm.diagnose.asked_again import doubtful, told_again
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
 from jaxswarm.diagnose.decision.remainder import find_material
 from jaxswarm.diagnose.files import Files
@@ -85,6 +86,7 @@ def compare_files(
         )
         result, diagnosis, left = conclude_comparison(found, read.unseen, options.seed, progress)
         shown = order_pictures(drawing, diagnosis, read.unseen)
+        told = told_again(told, result, doubtful(read.fitted, read.scored), found.after.model)
         result |= {"model": Path(model_path).name, **told}
         write_report(diagnosis, left, result, drawing, out, progress, shown=shown)
     journal.close(done=found.spent is None)

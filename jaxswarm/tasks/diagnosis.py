@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from jaxswarm.diagnose.asked_again import doubtful, told_again
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import with_smooth_terms
 from jaxswarm.diagnose.discovery.discover import discover as find_formulas
@@ -89,6 +90,7 @@ def diagnose(
     result, left = conclude(found, unseen, seed, progress, formulas)
     result["reasons"] += resting_joints(motions, robot)
     model = with_smooth_terms(found.final, left)
+    told = told_again(told, result, doubtful(read, scored), model)
     return _result(result | told, model, unseen or found.final.motions)
 
 
@@ -126,8 +128,9 @@ def _against(
     refuse_too_large(motions)
     found = changes_since(model, motions, seed=seed, progress=progress, budget=budget)
     result, diagnosis, left = conclude_comparison(found, unseen, seed, progress)
-    result |= told_of(read, scored)
-    return _result(result, with_smooth_terms(diagnosis.final, left), unseen or motions)
+    after = with_smooth_terms(diagnosis.final, left)
+    result |= told_again(told_of(read, scored), result, doubtful(read, scored), after)
+    return _result(result, after, unseen or motions)
 
 
 def _result(result: dict, model: Model, shown: Sequence[Motion]) -> Fitted:
