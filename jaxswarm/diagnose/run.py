@@ -81,8 +81,7 @@ def diagnose_files(
         outputs.write_results(out, page | {"report.html": render(unfit | told, {})})
         return unfit | told
     refuse_too_large(read.motions)
-    doubted = doubtful(read.fitted, read.scored)
-    read = replace(read, fitted=[])  # a long log is large, and its samples are not asked for again
+    doubted, read = doubtful(read.fitted, read.scored), replace(read, fitted=[])  # others are large
     journal = Journal(out, fingerprint(robot, [*read.motions, *read.unseen], terms, options.seed))
     with Drawing() as drawing:
         diagnosis = diagnose(

@@ -89,9 +89,8 @@ def diagnose(
     found, formulas = find_formulas(found, unseen, seed, progress) if discover else (found, None)
     result, left = conclude(found, unseen, seed, progress, formulas)
     result["reasons"] += resting_joints(motions, robot)
-    model = with_smooth_terms(found.final, left)
-    told = told_again(told, result, doubtful(read, scored), model)
-    return _result(result | told, model, unseen or found.final.motions)
+    result |= told_again(told, result, doubtful(read, scored), found.final.model)
+    return _result(result, with_smooth_terms(found.final, left), unseen or found.final.motions)
 
 
 def _scored(

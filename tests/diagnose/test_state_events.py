@@ -141,3 +141,41 @@ def test_friction_by_the_partner_is_no_friction_that_changed(extra, stays):
     assert bool(search.steps) is stays
     if not stays:
         assert "no time is needed" in search.refused[0][1]
+
+
+def one_way(log):
+    """A dashpot that acts in one direction beyond an angle [N m]: strokes of several sizes."""
+    speed = np.gradient(log.q[:, 1], log.t)
+    return 40.0 * np.maximum(speed, 0.0) ** 1.5 * np.maximum(log.q[:, 1] - 0.2, 0.0)
+
+
+def no_function(monkeypatch):
+    """As if no function of the motion held: of few strokes none predicts the others' torque."""
+    monkeypatch.setattr(state_events, "find_unexplained", lambda *args: [])
+
+
+def test_strokes_of_one_direction_are_no_pushes(monkeypatch):
+    search = told_as_contacts(one_way, 3)
+    no_function(monkeypatch)
+    take_back_events(search)
+    assert not search.steps
+    (_, why) = search.refused[0]
+    assert "go by q_joint2 and dq_joint2" in why and "no event is needed" in why
+
+
+def test_pushes_at_any_time_stay_events():
+    search = told_as_contacts(push, 1)
+    own = search.steps[0].added
+    later = replace(own, values={**own.values, "start": 21.0, "end": 21.6})
+    assert state_events._of_like_states(search.current, 1, [own]) is None
+    assert state_events._of_like_states(search.current, 1, [own, later]) is None
+
+
+def test_strokes_that_the_joints_before_feel_stay_events(monkeypatch):
+    """What is pushed at the end of every stroke is felt on both joints: the surroundings' doing."""
+    search = told_as(
+        [Term("contact")] * 3, lambda log: np.stack([0.5 * one_way(log), one_way(log)], 1)
+    )
+    no_function(monkeypatch)
+    take_back_events(search)
+    assert len(search.steps) == 3

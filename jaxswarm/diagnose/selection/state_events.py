@@ -4,14 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import BY_STATE, FAR_LESS
+from jaxswarm.diagnose.decision.like_states import told_by_states
+from jaxswarm.diagnose.decision.rules import BY_CHANCE, BY_STATE, FAR_LESS, LIKE_STATES
+from jaxswarm.diagnose.decision.smooth_rows import table_of
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
-from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.alike import has, without
+from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.measuring_chain import clock_lag
@@ -30,22 +33,10 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
     events = [step for step in search.steps if _lasts(step.added) and has(step.added, held)]
     for joint in sorted({step.score.joint for step in events}):
         own = [step for step in events if step.score.joint == joint]
-        terms = current.model.terms
-        for step in own:
-            terms = without(step.added, terms)
-        rest = with_motion_noise(refit(current, terms), search.seed)
-        left = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
-        if not left or "t" in left[0].depends_on or left[0].share < BY_STATE:
-            continue
-        if share_left(current, rest)[joint] < FAR_LESS * (1.0 - left[0].share):
-            continue
-        share = _share_within(rest, left[0], [step.added for step in own])
-        if share > BY_STATE:
-            names = " and ".join(left[0].depends_on)
-            return own[0], (
-                f"is {100 * share:.0f} % a function of {names}, which predicts {100 * left[0].share:.0f} % "
-                f"of what {current.model.robot.joints[joint]} lacks: no event is needed"
-            )
+        terms = [step.added for step in own]
+        why = _by_function(search, joint, terms) or _of_like_states(current, joint, terms)
+        if why:
+            return own[0], f"{why}: no event is needed"
     return None
 
 
@@ -81,6 +72,61 @@ def time_of_state(search: Search) -> tuple[Step, str] | None:
     return None
 
 
+def _by_function(search: Search, joint: int, events: Sequence[Term]) -> str | None:
+    """Why events of a joint are none, if a function of the motion predicts them."""
+    current, terms = search.current, search.current.model.terms
+    for event in events:
+        terms = without(event, terms)
+    rest = with_motion_noise(refit(current, terms), search.seed)
+    left = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
+    if not left or "t" in left[0].depends_on or left[0].share < BY_STATE:
+        return None
+    if share_left(current, rest)[joint] < FAR_LESS * (1.0 - left[0].share):
+        return None
+    share = _share_within(rest, left[0], events)
+    if share <= BY_STATE:
+        return None
+    names = " and ".join(left[0].depends_on)
+    return (
+        f"is {100 * share:.0f} % a function of {names}, which predicts {100 * left[0].share:.0f} % of what "
+        f"{current.model.robot.joints[joint]} lacks"
+    )
+
+
+def _of_like_states(current: Estimate, joint: int, events: Sequence[Term]) -> str | None:
+    """Why torques of a joint alone are no pushes: where it was and how it moved tells their windows.
+
+    A dashpot that acted one way beyond an angle was told as five contacts of one joint, each while that went
+    this way: of the two long ones one did not predict the other's torque, so that no function of the motion
+    held, but none of them lay elsewhere. What is pushed feels it on the joints before it, too.
+    """
+    events = [event for event in events if _is_of_one(current, joint, event)]
+    if len(events) < 2:
+        return None
+    window = np.full(len(current.regression.t), -1)
+    for number, event in enumerate(events):
+        window[_within(current, event)] = number
+    name, table = current.model.robot.joints[joint], table_of(current)
+    asked = [one for one in (f"q_{name}", f"dq_{name}") if one in table]
+    states = np.stack([table[one].raw for one in asked], axis=1)
+    share, chance = told_by_states(states, window)
+    if share < LIKE_STATES or chance > BY_CHANCE:
+        return None
+    return (
+        f"is one of {len(events)} on {name} alone that go by {' and '.join(asked)}: {100 * share:.0f} % of "
+        "their time is nearest to another of them"
+    )
+
+
+def _is_of_one(current: Estimate, joint: int, event: Term) -> bool:
+    """Whether an event has no torque above the noise but on one joint."""
+    if not isinstance(event.law, ExternalTorque):
+        return False
+    names = event.linear_names(current.model.robot.joints)
+    torque = np.abs([event.values[name] for name in names])
+    return not np.any(np.delete(torque > noise_of(current), joint))
+
+
 def _lasts(term: Term) -> bool:
     """Whether a term is an event with a begin and an end."""
     return term.law.in_one_log and {"start", "end"} <= set(term.values)
@@ -88,14 +134,16 @@ def _lasts(term: Term) -> bool:
 
 def _share_within(rest: Estimate, left: Unexplained, events: Sequence[Term]) -> float:
     """Share of the squared error within the windows of events that a smooth function takes off."""
-    regression, joint = rest.regression, left.joint
-    t = regression.t - clock_lag(rest.model.terms)
-    inside = np.zeros(len(t), bool)
-    for event in events:
-        within = (t >= event.values["start"]) & (t <= event.values["end"])
-        inside |= within & (regression.log == event.values["log"])
-    before, after = rest.fit.residual[:, joint], _left_by(rest, left)
+    inside = np.any([_within(rest, event) for event in events], axis=0)
+    before, after = rest.fit.residual[:, left.joint], _left_by(rest, left)
     return 1.0 - float(np.sum(after[inside] ** 2) / max(np.sum(before[inside] ** 2), 1e-300))
+
+
+def _within(found: Estimate, event: Term) -> np.ndarray:
+    """The rows (T,) between an event's begin and end."""
+    t = found.regression.t - clock_lag(found.model.terms)
+    within = (t >= event.values["start"]) & (t <= event.values["end"])
+    return within & (found.regression.log == event.values["log"])
 
 
 def _left_by(rest: Estimate, left: Unexplained) -> np.ndarray:
