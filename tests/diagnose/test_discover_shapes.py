@@ -25,6 +25,9 @@ MECHANISMS = {
     "buffer": lambda q, dq, other: np.maximum(q - 0.1, 0.0) ** 2,
     "play": lambda q, dq, other: q - 0.1 - np.clip(q - 0.1, -0.15, 0.15),
     "magnet": lambda q, dq, other: (q - 0.1) / ((q - 0.1) ** 2 + 0.02) ** 2.5,
+    "brake over a span": lambda q, dq, other: (
+        dq / (1.0 + (dq / 0.4) ** 2) * (1.0 - np.tanh((np.abs(q - 0.1) - 0.2) / 0.02))
+    ),
     "eddy brake": lambda q, dq, other: dq / (1.0 + (dq / 0.4) ** 2),
     "shoe": lambda q, dq, other: np.maximum(np.abs(dq) - 0.6, 0.0) * np.sign(dq),
     "belt": lambda q, dq, other: (q - 0.6 * other) ** 3,
@@ -72,13 +75,22 @@ def simple():
     ]
 
 
+@cache
+def over_a_span():
+    """Programs of a joint's own position and velocity."""
+    joint = problem()
+    pieces = programs(joint.data, joint.units, joint.angles)
+    return [one for one in pieces if set(fields_of(one.program)) == {"q", "dq"}]
+
+
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_program_says_what_a_mechanism_does(name):
     joint = problem()
     truth = MECHANISMS[name](joint.data["q"], joint.data["dq"], joint.data["q_other"])
     fold = joint.lin.crossfit.whole
     hidden = fold.free_part(joint.lin.on_joint(truth[:, None], 1))[:, :, 0]
-    best = screen(joint, replace(fold, residual=hidden), simple())[0]
+    asked = over_a_span() if name == "brake over a span" else simple()
+    best = screen(joint, replace(fold, residual=hidden), asked)[0]
     assert best.share > 0.995, best.piece.program
 
 

@@ -6,7 +6,7 @@ times one more factor, so that a bent known law is found as such.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import combinations
+from itertools import chain, combinations
 from itertools import product as pairs
 
 import numpy as np
@@ -100,7 +100,9 @@ def _groups(
 ) -> dict[str, list[Piece]]:
     """Pieces by the variable they are functions of."""
     makers: dict[str, Callable[..., Iterable[Piece]]] = {
-        "q": lambda x, around, unit: p.of_position(x, around, unit, angles),
+        "q": lambda x, around, unit: chain(
+            p.of_position(x, around, unit, angles), p.of_span(x, around, unit)
+        ),
         "dq": lambda x, around, unit: p.of_velocity(x, around, unit, ("direction",)),
         "ddq": lambda x, *_: [Piece(x)],
         "load": p.of_load,

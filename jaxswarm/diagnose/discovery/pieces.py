@@ -129,6 +129,16 @@ def of_position(x: Program, r: Range, u: Unit, angle: bool) -> Iterator[Piece]:
         yield from (Piece(one, (center(r, u),)) for one in hinges((*x, "c", "-", "sin")))
 
 
+def of_span(x: Program, r: Range, u: Unit) -> Iterator[Piece]:
+    """What acts over a span of the travel, alike on all of it: a row of magnets, a shoe, a guide.
+
+    Its ends are as wide as a sixth of its half. Two hinges in its place are bent between them, and left 3 % of
+    an eddy-current brake that acted between two angles, which was told as a sum of three terms.
+    """
+    near = (*x, "c", "-", "s", "/")
+    yield Piece((*near, "cube", "square", "square", "neg", "exp"), (center(r, u), width(r, u)))
+
+
 def hinges(beyond: Program) -> tuple[Program, Program]:
     """What lies beyond zero, on either side: stops, slack cables, shoes that engage."""
     return (*beyond, "pos"), (*beyond, "neg", "pos")
