@@ -17,14 +17,16 @@ by ``q - e``, friction and rotor inertia stay with the motor. Reference: M. W. S
 Control 109 (1987); M. Nordin, P.-O. Gutman, Automatica 38 (2002), eq. 6 for the dead zone.
 """
 
+import math
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.programs import program
 
-# Steps of the integrator within one sample: keeps a stiff contact accurate.
-SUBSTEPS = 4
+# Longest step of the integrator [s], which keeps a stiff contact accurate, and the most of them in a sample.
+_STEP, _MOST_SUBSTEPS = 1e-3, 4
 # Damping ratio of a link on a closed gear: of 0.1 to 0.8 it leaves least of two logs with a known gap, one of
 # another simulator (0.3 there), one of this one (damping that grows with the pressing).
 _CONTACT_DAMPING = 0.3
@@ -35,6 +37,23 @@ _NEWTON = 16
 # Time [s] whose torque says where a link starts: longer than the ends of a smoothing reach. On q10 of the
 # practice logs the first sample said 49 N m where 37 held the link: a swing of its own, three times the noise.
 _EARLY = 0.25
+
+
+def substeps_of(interval: float, longer: float = 1.0) -> int:
+    """Steps of the integrator within a sample.
+
+    Four in a log at 250 Hz or less, one at 1 kHz: a sample ten times as short needs no more of them.
+
+    Args:
+        interval: Of the samples [s].
+        longer: How many times longer the steps may be than a fit's.
+
+    >>> [substeps_of(1 / rate) for rate in (100.0, 250.0, 500.0, 1000.0)], substeps_of(0.004, 2.0)
+    ([4, 4, 2, 1], 2)
+    """
+    # A rate that is off by a little asks for no step more.
+    most = max(1, round(_MOST_SUBSTEPS / longer))
+    return min(most, max(1, math.ceil(interval / (longer * _STEP) - 0.01)))
 
 
 @program("substeps")
@@ -49,7 +68,7 @@ def deflection(
     hard: jax.Array,
     step: jax.Array,
     calm: jax.Array | int = 0,
-    substeps: int = SUBSTEPS,
+    substeps: int = _MOST_SUBSTEPS,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Integrate the lag of a link behind its motor along a log.
 
@@ -67,7 +86,7 @@ def deflection(
         step: Sampling interval [s].
         calm: Samples at the start in which a link on a spring settles to where its torque would hold it, with
             critical damping: nobody measured how it swung before. Zero where it begins in equilibrium.
-        substeps: Integration steps per sample.
+        substeps: Integration steps per sample, :func:`substeps_of`.
 
     Returns:
         e [rad], its first and second derivative, each (T,), the second that of the samples of e. The start is

@@ -127,3 +127,13 @@ def test_laws_are_made_anew_where_an_encoder_misreads_the_motion(beside):
     told = assemble(ARM, terms, motion, WIDTH, PI, None, decimate=True)
     again = assemble(ARM, terms, motion, WIDTH, PI, rigid, decimate=True)
     np.testing.assert_allclose(again, told, atol=1e-9 * np.abs(told).max())
+
+
+def test_columns_of_links_before_one_that_lags_are_not_made_again(monkeypatch):
+    made, low_columns = [], body.low_columns
+    monkeypatch.setattr(body, "low_columns", lambda *at: made.append(at[3]) or low_columns(*at))
+    motion = make_motion(ARM, length=400)
+    told = assemble(ARM, (SOFT,), motion, WIDTH, PI, rigid_of(ARM, motion), decimate=True)
+    whole = assemble(ARM, (SOFT,), motion, WIDTH, PI, None, decimate=True)
+    np.testing.assert_allclose(told, whole, atol=1e-12 * np.abs(whole).max())
+    assert made == [SOFT.joint, 0]

@@ -19,7 +19,6 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
-from jaxswarm.effects.deflection import SUBSTEPS
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.memory import joined
@@ -45,9 +44,9 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
     along = lin.rotor(j)
     divided = bool(along.any())
 
-    def curves_at(points: list[_Point], substeps: int, own: bool = False) -> np.ndarray:
+    def curves_at(points: list[_Point], longer: float, own: bool = False) -> np.ndarray:
         parts = [
-            _curves(lin, term, list(group), pi - share * along, substeps, own)
+            _curves(lin, term, list(group), pi - share * along, longer, own)
             for share, group in groupby(points, lambda p: p.share)
         ]
         return joined(parts, axis=0)
@@ -57,14 +56,14 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
     assert tried is not None  # every dead zone has it
     lattice = [(o["gap"], o["flank"]) for o in tried(inertia)]
     coarse = [_Point(g, s, f) for s in (ROTOR_SHARES if divided else (0.0,)) for g, f in lattice]
-    curves = curves_at(coarse, SUBSTEPS // 2, own=True)[:, :, 0]
+    curves = curves_at(coarse, 2.0, own=True)[:, :, 0]
     shares_of = _explained(curves, residual[:, j])
     if shares_of.max() < 0.5 * _MOST:
         return None
     best = coarse[int(np.argmax(shares_of))]
     shares = np.unique(np.clip(best.share + _FINE_SHARES, 0.0, 0.95)) if divided else (0.0,)
     fine = [_Point(best.gap * g, s, f) for s in shares for f in _FLANKS for g in _FINE_GAPS]
-    curves = curves_at(fine, SUBSTEPS)
+    curves = curves_at(fine, 1.0)
     folds = lin.crossfit.folds
     picks = [int(np.argmax(_explained(curves[:, f.train, j], residual[f.train, j]))) for f in folds]
     unseen = [
@@ -93,7 +92,7 @@ def _curves(
     term: Term,
     points: list[_Point],
     pi: np.ndarray,
-    substeps: int,
+    longer: float,
     own: bool = False,
 ) -> np.ndarray:
     """Torque (m, T', n) that the link changes for each of the points, all logs; its own (m, T', 1)."""
@@ -101,7 +100,7 @@ def _curves(
     options = [{"gap": p.gap, "flank": p.flank} for p in points]
     terms, law = lin.found.model.terms, term.law_of(TransmissionLaw)
     parts = [
-        lag_torque(motion, one, pi[None], *gears(law, options, one, pi), substeps, terms, own)
+        lag_torque(motion, one, pi[None], *gears(law, options, one, pi), longer, terms, own)
         for motion, one in zip(motions, sensed, strict=True)
     ]
     return joined(parts, axis=1)

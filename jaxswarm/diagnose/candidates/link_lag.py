@@ -3,6 +3,8 @@
 import numpy as np
 
 from jaxswarm.diagnose.candidates.swings import swings
+from jaxswarm.diagnose.candidates.thinned import thinned
+from jaxswarm.effects.deflection import substeps_of
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.measuring_chain import report, report_own
@@ -30,7 +32,7 @@ def lag_torque(
     d: np.ndarray,
     gap: np.ndarray,
     hard: np.ndarray,
-    substeps: int = 2,
+    longer: float = 2.0,
     terms: tuple[Term, ...] = (),
     own: bool = False,
 ) -> np.ndarray:
@@ -41,11 +43,12 @@ def lag_torque(
         sensed: What the rigid torque does when the joint moves otherwise.
         pis: Rigid parameters, (m, 10 n); one row serves all options.
         k, d, gap, hard: Stiffness, damping, dead zone and hardening, each (m,).
-        substeps: Integration steps per sample.
+        longer: How many times longer the steps of the integrator may be than a fit's.
         terms: The model's, whose drives report the torque.
         own: Whether the torque of the joint itself is enough: (m, T', 1).
     """
-    count, joints = motion.q.shape
+    motion, sensed = thinned(motion, sensed)
+    (count, joints), substeps = motion.q.shape, substeps_of(1.0 / motion.rate, longer)
     swung = max(1, MOST_NUMBERS // (count * _SWINGS))
     at_once = max(1, MOST_NUMBERS // (count * max(_SWINGS, 1 if own else joints)))
     # Where many options share columns these are made twice for all, not once for every few.

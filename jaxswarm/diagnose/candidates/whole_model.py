@@ -192,7 +192,7 @@ def _by_gravity(lin: Linearization, directions: np.ndarray) -> list[np.ndarray]:
             q = lin.moved[k][0]
             decimator, zero = lin.found.motions[k].decimator, np.zeros_like(q)
             if not measured:  # of a long log some at a time: all of them are a gigabyte
-                return low_columns(arm, q, zero, zero, decimator)
+                return low_columns(arm, (q, zero, zero), decimator)
             return decimator.apply(lin.reported(k, rigid_columns(arm, q, zero, zero)))
 
         return np.concatenate([rows(k) for k in range(len(lin.moved))])

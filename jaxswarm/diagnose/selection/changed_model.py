@@ -65,7 +65,7 @@ def _with_masses(model: Model, motions: Sequence[Motion], torque: np.ndarray) ->
     """
 
     def rows(arm):
-        parts = [low_columns(arm, m.q, m.dq, m.ddq, m.decimator) for m in motions]
+        parts = [low_columns(arm, (m.q, m.dq, m.ddq), m.decimator) for m in motions]
         return np.concatenate(parts).reshape(torque.size, -1)
 
     level = rows(model.robot)

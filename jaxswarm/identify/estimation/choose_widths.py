@@ -12,6 +12,7 @@ from jaxswarm.identify.estimation.gauss_newton import (
     settle,
 )
 from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.identify.estimation.links_held import LinksHeld, links_can_be_held
 from jaxswarm.identify.estimation.own_widths import apart, is_told, told_by_the_others
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import width_range
@@ -45,6 +46,21 @@ def choose_widths(
         moving: What is free there.
         groups: Joints of a kind with directed friction.
     """
+    if not links_can_be_held(here.place.terms):
+        return _widths_of(problem, here, moving, groups)
+    fixed = LinksHeld.about(problem, here)
+    free = fixed.free(here.place.terms, [one for one in moving if one.joints])
+    there, free, held = _widths_of(fixed, here, free, groups)
+    moving = problem.free(there.place.terms, [one for one in free if one.joints])
+    if there.place.width != here.place.width:
+        here = newton(problem, moving, settle(problem, there.place, there.pi))
+    return here, moving, held
+
+
+def _widths_of(
+    problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
+) -> tuple[Settled, list[FreeParameter], list[FreeParameter]]:
+    """What :func:`choose_widths` gives, by fits of what this problem lets move."""
     held: list[FreeParameter] = []
     here = _shared_again(problem, here, moving)
     for _ in range(_PASSES):

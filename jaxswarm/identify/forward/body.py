@@ -6,7 +6,7 @@ from functools import cached_property
 import jax
 import numpy as np
 
-from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.kinds import BodyChange, TransmissionLaw
 from jaxswarm.effects.placement import moved_joint, own_moves
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import (
@@ -61,6 +61,7 @@ class Body:
         pi: Rigid parameters, (10 n,).
         rigid: What is known of the log's columns where the links do as it says; else None.
         laws: What is known of columns of laws where the motors do as the log says; else None.
+        unmoved: How many links, the first ones, do as the log says, in its gravity.
     """
 
     arm: Robot
@@ -69,6 +70,7 @@ class Body:
     pi: np.ndarray
     rigid: Rigid | None
     laws: Rigid | None
+    unmoved: int = 0
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -87,7 +89,11 @@ class Body:
         """Through the decimator, (T', n, 10 n)."""
         if self.rigid is not None:
             return self.rigid.low
-        return low_columns(self.arm, *self.moved, self.motion.decimator)
+        moved = low_columns(self.arm, self.moved, self.motion.decimator, self.unmoved)
+        if self.laws is None or not self.unmoved:
+            return moved
+        # A link lags by itself and those that it carries: what comes before it is known.
+        return np.concatenate([self.laws.low[:, :, : 10 * self.unmoved], moved], axis=2)
 
     def torque(self, pi: np.ndarray) -> np.ndarray:
         """Torque (T, n) for rigid parameters (10 n,), its own or others."""
@@ -114,7 +120,10 @@ def body_along(
         return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
     arm, true = arm_of(robot, terms), true_motion(terms, motion)
     known = rigid if true is motion else None
-    return Body(arm, _moved(arm, terms, true, pi, known), true, pi, None, known)
+    moving = [t for t in terms if t.law.changes_rigid_columns]
+    lag_alone = known is not None and all(isinstance(t.law, TransmissionLaw) for t in moving)
+    unmoved = min(t.index for t in moving) if lag_alone else 0
+    return Body(arm, _moved(arm, terms, true, pi, known), true, pi, None, known, unmoved)
 
 
 def _moved(

@@ -49,14 +49,12 @@ def torque_of(
     return rigid_torque(robot.replace(parameters=pi.reshape(-1, 10)), q, dq, ddq)
 
 
-def low_columns(
-    robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray, decimator: Decimator
-) -> np.ndarray:
-    """Decimated rigid columns (T', n, 10 n); those of a part of the log at a time."""
-    joints = robot.num_joints
-    low, row = np.empty((len(decimator.kept(len(q))), joints, 10 * joints)), 0
-    for part in decimator.blocks(len(q), _BLOCK):
-        own = decimator.apply(rigid_columns(robot, q[part], dq[part], ddq[part]))
+def low_columns(robot: Robot, moved: Moved, decimator: Decimator, first: int = 0) -> np.ndarray:
+    """Decimated rigid columns of the links from one on, (T', n, 10 (n - first)); a part at a time."""
+    joints, length = robot.num_joints, len(moved[0])
+    low, row = np.empty((len(decimator.kept(length)), joints, 10 * (joints - first))), 0
+    for part in decimator.blocks(length, _BLOCK):
+        own = decimator.apply(rigid_columns(robot, *(x[part] for x in moved), first=first))
         low[row : row + len(own)] = own
         row += len(own)
     return low
@@ -170,7 +168,7 @@ class Rigid:
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
     """The rigid-body columns of a log in nominal gravity and motion."""
     moved = (motion.q, motion.dq, motion.ddq)
-    return Rigid(robot, motion, low_columns(robot, *moved, motion.decimator))
+    return Rigid(robot, motion, low_columns(robot, moved, motion.decimator))
 
 
 class Load(NamedTuple):

@@ -15,7 +15,7 @@ import jax
 import numpy as np
 import scipy
 
-from jaxswarm.effects.deflection import deflection
+from jaxswarm.effects.deflection import deflection, substeps_of
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.misreading import misreading
 from jaxswarm.effects.term import Term, of_kind
@@ -66,7 +66,9 @@ def term_deflection(term: Term, motion: Motion, sensed: tuple) -> tuple[np.ndarr
     """Lag of a link along a log: e, de, dde, each (T,); ``sensed``: of its joint alone, (T, 1) each."""
     torque, by_q, by_dq, by_ddq = (x[:, 0] for x in sensed)
     driven = filled((by_ddq, by_dq, by_q, torque))
-    lag = deflection(*driven, *_transmission(term, by_ddq), 1.0 / motion.rate, calm_start(motion))
+    step = 1.0 / motion.rate
+    clock = step, calm_start(motion), substeps_of(step)
+    lag = deflection(*driven, *_transmission(term, by_ddq), *clock)
     lag = (np.asarray(x)[: len(motion.t)] for x in lag)
     size = max(1, round(blur_of(term) * motion.rate))
     return tuple(scipy.ndimage.uniform_filter1d(x, size, mode="nearest") for x in lag)
@@ -171,7 +173,8 @@ def lag_slopes(
         own = sensed.own()
         felt = np.flatnonzero(np.abs(own).max(axis=(0, 1)) > 0)
         clock, by = (1.0 / motion.rate, calm_start(motion)), own @ pi[10 * j :]
-        lags = _lag_directions(term.law, by, own[:, :, felt], _values(term), clock)
+        steps = substeps_of(clock[0])
+        lags = _lag_directions(term.law, by, own[:, :, felt], _values(term), clock, steps)
         slopes = sensed.at(pi)[1:]
         for k in range(total.shape[1]):
             total[:, k, 10 * j - first + felt] -= sum(
@@ -180,13 +183,13 @@ def lag_slopes(
     return total
 
 
-@program("law")
-def _lag_directions(law, own, directions, values, clock):
+@program("law", "substeps")
+def _lag_directions(law, own, directions, values, clock, substeps):
     """Derivatives (T, m) of e, de, dde along m directions (4, T, m) of torque and sensitivities."""
 
     def lag(signals):
         torque, by_q, by_dq, by_ddq = signals
-        return deflection(by_ddq, by_dq, by_q, torque, *law.gear(values, by_ddq), *clock)
+        return deflection(by_ddq, by_dq, by_q, torque, *law.gear(values, by_ddq), *clock, substeps)
 
     along = partial(jax.jvp, lag, (own,))
     return jax.vmap(lambda x: along((x,))[1], in_axes=2, out_axes=1)(directions)

@@ -1,6 +1,6 @@
 """What the rigid torque does when one joint moves otherwise than logged: columns and their derivatives."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from threading import Lock
@@ -49,6 +49,7 @@ class Sensitivity:
         joint: The joint, j.
         full: Rigid columns where they are known, (T, n, 10 n).
         asked: Torques that were asked for last, by their parameters: many ask for the same.
+        thinner: The same on every few samples, by how many, with those samples.
     """
 
     robot: Robot
@@ -56,6 +57,7 @@ class Sensitivity:
     joint: int
     full: np.ndarray | None = None
     asked: dict = field(default_factory=dict, repr=False, compare=False)
+    thinner: dict = field(default_factory=dict, repr=False, compare=False)
 
     def at(self, pi: np.ndarray, joints: slice = slice(None)) -> tuple[np.ndarray, ...]:
         """Torque of joints and its three derivatives, (T, n) each, for rigid parameters (10 n,).
@@ -77,6 +79,12 @@ class Sensitivity:
     def during(self, part: slice, pi: np.ndarray, joints: slice = slice(None)) -> tuple:
         """What :meth:`at` gives, of a stretch of the log alone: its columns are made for that."""
         return self._torques(self._columns(part), pi, joints)
+
+    def averaged(self, motion: Motion, mean: Callable[[np.ndarray], np.ndarray]) -> "Sensitivity":
+        """The same on fewer samples, a motion of its own, by what ``mean`` makes of columns (T, ...)."""
+        other = Sensitivity(self.robot, motion, self.joint)
+        vars(other)["_made"] = _Columns(*map(mean, self._whole))
+        return other
 
     def inertia(self, pi: np.ndarray) -> np.ndarray:
         """The joint's own inertia along the log, (T,)."""
