@@ -15,6 +15,7 @@ from jaxswarm.identify.estimation.free_parameters import (
     write,
 )
 from jaxswarm.identify.estimation.problem import Problem
+from jaxswarm.identify.forward import sensitivity
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression, lag_slopes, link_motion
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
@@ -111,3 +112,22 @@ def test_tangents_of_one_law_are_those_of_the_whole_model():
         read(write(place, moving, read(place, moving)), moving), read(place, moving)
     )
     assert rigid_columns(ARM, motion.q, motion.dq, motion.ddq).shape[2] == len(PI)
+
+
+@pytest.mark.parametrize("joints", [slice(None), slice(1, 2), slice(0, 1)])
+@pytest.mark.parametrize("sets", [1, 3])
+def test_torques_of_a_log_are_one_product_not_one_a_sample(joints, sets, monkeypatch):
+    """One small product a sample took up to ten times as long."""
+    motion = make_motion(ARM, length=40)
+    sensed = sensitivity_of(ARM, motion, 1, rigid_of(ARM, motion))
+    pis = PI if sets == 1 else PI * np.linspace(0.5, 2.0, sets)[:, None]
+    columns, told = sensed._whole, sensed.at(pis, joints)
+    for one, part, pi in zip(told, columns, (pis, *(pis[..., 10:],) * 3), strict=True):
+        np.testing.assert_allclose(one, part[:, joints] @ pi.T, atol=1e-12 * np.abs(PI).max())
+    if sets == 1:
+        for one, other in zip(sensed.slopes(PI), sensed.at(PI)[1:], strict=True):
+            np.testing.assert_array_equal(one, other)
+    seen, times = [], sensitivity._times
+    monkeypatch.setattr(sensitivity, "_times", lambda *at: seen.append(at) or times(*at))
+    sensed.slopes(PI)
+    assert len(seen) == 3  # a torque that nobody asks for is not made

@@ -41,7 +41,13 @@ def swings(
     e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
-    return np.stack([np.where(alive, x, 0.0) for x in (e, v, a)], axis=1)
+    swung = np.empty((len(e), 3, count))
+    for k, x in enumerate(
+        (e, v, a)
+    ):  # each is written once: of all options they are the largest there is
+        swung[:, k] = x
+    swung[:, :, ~alive] = 0.0
+    return swung
 
 
 def _held(felt: tuple[np.ndarray, ...], gear: tuple[np.ndarray, ...], most: int) -> tuple:

@@ -175,7 +175,7 @@ def lag_slopes(
         clock, by = (1.0 / motion.rate, calm_start(motion)), own @ pi[10 * j :]
         steps = substeps_of(clock[0])
         lags = _lag_directions(term.law, by, own[:, :, felt], _values(term), clock, steps)
-        slopes = sensed.at(pi)[1:]
+        slopes = sensed.slopes(pi)
         for k in range(total.shape[1]):
             total[:, k, 10 * j - first + felt] -= sum(
                 by[:, k, None] * np.asarray(lag) for by, lag in zip(slopes, lags, strict=True)
