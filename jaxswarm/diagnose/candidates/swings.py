@@ -41,10 +41,9 @@ def swings(
     e, v, a = (np.asarray(x)[: len(motion.t), :count] for x in lags)
     # A model whose inertia is not positive somewhere lets the lag run away: no candidate.
     alive = np.isfinite(a).all(axis=0) & (np.abs(e).max(axis=0) < _MOST_LAG)
+    # Each is written once: of all options they are the largest there is.
     swung = np.empty((len(e), 3, count))
-    for k, x in enumerate(
-        (e, v, a)
-    ):  # each is written once: of all options they are the largest there is
+    for k, x in enumerate((e, v, a)):
         swung[:, k] = x
     swung[:, :, ~alive] = 0.0
     return swung
