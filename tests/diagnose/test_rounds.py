@@ -147,6 +147,16 @@ def test_what_was_refused_is_asked_again_where_the_model_changed(fitted, changed
     assert {key[1] for key in search.banned} == left
 
 
+def test_what_other_motion_refused_is_asked_again_whatever_changes(fitted):
+    """A backlash was refused for what another joint lacked on the validation log, which was found next."""
+    search = search_of(fitted[0])
+    slack, spring = Term("backlash", 1), Term("joint_spring", 1)
+    search.refuse(slack, "does not lower the error of all joints", elsewhere=True)
+    search.refuse(spring)
+    search.ask_again(0)
+    assert search.banned == {spring.identity} and not search.unproven
+
+
 def test_rules_that_decided_what_changed_are_told():
     motion = prepare(log_with(), BAND)
     model = diagnose(small_arm(), blank(), [motion]).final.model

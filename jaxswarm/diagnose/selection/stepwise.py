@@ -41,6 +41,7 @@ from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
+from jaxswarm.effects.alike import has
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.logs.motion import Motion
@@ -109,7 +110,7 @@ def diagnose(
         search.folds,
         search.asked,
         search.withdrawn,
-        tuple(search.refused),
+        tuple((t, why) for t, why in search.refused if not has(t, search.current.model.terms)),
         search.ended,
         rules,
         search.spent,
@@ -215,7 +216,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if not term.law.in_one_log:
         why = survives(current, after, chosen.joint, search.other, search.rules)
     if why:
-        search.refuse(term, why)
+        search.refuse(term, why, elsewhere=bool(search.other))
         return True
     added = find_term(after, term)
     why = one_place(after, added, search.rules, search.seed)

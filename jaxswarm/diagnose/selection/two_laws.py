@@ -81,7 +81,8 @@ def add_two_laws(search: Search) -> bool:
             continue
         why = survives(current, found.after, joint, search.other, search.rules)
         if why:
-            search.refuse(found.scores[1].candidate.term, why)
+            second = found.scores[1].candidate.term
+            search.refuse(second, why, elsewhere=bool(search.other))
             continue
         _add(search, found)
         return True
