@@ -7,8 +7,12 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import jax  # noqa: E402
+import numpy as np  # noqa: E402
 import pytest  # noqa: E402
 
+from jaxswarm.identify.synthetic import random_links  # noqa: E402
+from jaxswarm.robot import Robot  # noqa: E402
+from jaxswarm.robot.load import load_robot  # noqa: E402
 from jaxswarm.room import room_for_programs  # noqa: E402
 
 jax.config.update("jax_enable_x64", True)
@@ -30,6 +34,13 @@ def data_root() -> Path:
 def _room_for_programs():
     """Let go of the programs of former tests before the system has no memory maps left for more."""
     room_for_programs()
+
+
+@pytest.fixture(scope="module")
+def arm() -> Robot:
+    """An arm of six joints with links drawn at random."""
+    bare = load_robot("ur10e")
+    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
 
 
 @pytest.fixture

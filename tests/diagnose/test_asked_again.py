@@ -8,19 +8,12 @@ import pytest
 
 from jaxswarm.diagnose.asked_again import doubtful, told_again, without_events
 from jaxswarm.identify.run import told_of
-from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
+from jaxswarm.identify.synthetic import Noise, synthetic_log
 from jaxswarm.logs.motion import Filtering
-from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.logged import rigid_columns
 
 FALSE = "encoder_zero: the position of joint2 reads 0.23 rad too small. Take it off the positions."
 OTHER = "another note"
-
-
-@pytest.fixture(scope="module")
-def arm():
-    bare = load_robot("ur10e")
-    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
 
 
 @pytest.fixture(scope="module")

@@ -1,16 +1,8 @@
-"""An arm of six joints with links drawn at random, and a clean log of it, that many checks are tried on."""
+"""A clean log of the arm of six joints that many checks are tried on."""
 
-import numpy as np
 import pytest
 
-from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
-from jaxswarm.robot.load import load_robot
-
-
-@pytest.fixture(scope="module")
-def arm():
-    bare = load_robot("ur10e")
-    return bare.replace(parameters=random_links(bare, np.random.default_rng(0), mass=20.0))
+from jaxswarm.identify.synthetic import Noise, synthetic_log
 
 
 @pytest.fixture(scope="module")

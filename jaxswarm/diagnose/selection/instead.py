@@ -50,7 +50,7 @@ def replacement(
             )
         else:
             fits = does_as_well(after, current, -more)
-        if fits and (not other or left_elsewhere(after, current, pick.joint, other) <= 1.0):
+        if fits and _no_worse(after, current, pick, other):
             return found
     return None
 
@@ -75,7 +75,7 @@ def leaves_less(
         found = fitted_pick(rest, pick, seed)
         if found is None or does_as_well(current, found[1], found[0].candidate.size - size):
             continue
-        if not other or left_elsewhere(found[1], current, pick.joint, other) <= 1.0:
+        if _no_worse(found[1], current, pick, other):
             return found
     return None
 
@@ -94,9 +94,14 @@ def surer(
         if found is None or known is None or not is_certain(*known):
             continue
         left = cost(found[1], pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
-        if left and (not other or left_elsewhere(found[1], current, pick.joint, other) <= 1.0):
+        if left and _no_worse(found[1], current, pick, other):
             return found
     return None
+
+
+def _no_worse(one: Estimate, current: Estimate, pick: Score, other: Sequence[Motion]) -> bool:
+    """Whether a fit with a pick leaves no more of its joint on other motion than the current model does."""
+    return not other or left_elsewhere(one, current, pick.joint, other) <= 1.0
 
 
 def simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:

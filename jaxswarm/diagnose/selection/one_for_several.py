@@ -96,7 +96,7 @@ def _replace(search: Search, gone: Sequence[Step], steps: list[Step]) -> None:
     search.progress(f"{told} in place of what was added")
     search.withdrawn += tuple(s.added for s in gone)
     search.steps = steps
-    search.banned = set()  # what was refused was refused beside laws that are gone
+    search.ask_again(None)  # what was refused was refused beside laws that are gone
 
 
 def _of_the_arm(term: Term) -> bool:

@@ -7,7 +7,7 @@ samples, with backlash, they took 15 to 45 s of fits of 20 to 50.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -40,15 +40,7 @@ class LinksHeld(Problem):
     @classmethod
     def about(cls, problem: Problem, at: Settled) -> "LinksHeld":
         """A problem with its links where a fit has them."""
-        return cls(
-            problem.robot,
-            problem.motions,
-            problem.rigids,
-            problem.bounded,
-            problem.usual,
-            problem.inertias,
-            at,
-        )
+        return cls(**{f.name: getattr(problem, f.name) for f in fields(problem)}, at=at)
 
     def free(
         self, terms: tuple[Term, ...], widths: Sequence[FreeParameter] = ()
