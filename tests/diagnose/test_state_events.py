@@ -179,3 +179,22 @@ def test_strokes_that_the_joints_before_feel_stay_events(monkeypatch):
     no_function(monkeypatch)
     take_back_events(search)
     assert len(search.steps) == 3
+
+
+def load(log):
+    """Something heavy is picked up after twelve seconds [N m]."""
+    return np.where(log.t > 12.0, 1.0, 0.0)[:, None] * np.stack(
+        [2.0 * np.cos(log.q[:, 0]), 0.0 * log.t], axis=1
+    )
+
+
+@pytest.mark.parametrize("of_its_value, told", [(0.1, 1), (0.4, 0)])
+def test_a_load_is_one_by_a_number_that_is_told_from_zero(monkeypatch, of_its_value, told):
+    """Of ten numbers one may be 2.5 standard errors from zero by chance."""
+    search = told_as([Term("payload_change")], load)
+    term = search.steps[0].added
+    errors = {name: of_its_value * abs(value) for name, value in term.values.items()}
+    monkeypatch.setattr(state_events, "with_errors", lambda added, found: (term, errors))
+    take_back_events(search)
+    assert len(search.steps) == told
+    assert told or "no number is told from zero" in search.refused[0][1]

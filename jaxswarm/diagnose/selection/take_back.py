@@ -22,7 +22,7 @@ from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit, share_left
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.state_events import event_of_state, time_of_state
+from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, find_term, with_errors
 from jaxswarm.diagnose.selection.survives import harmful, survives
 from jaxswarm.diagnose.selection.tenable import is_certain
@@ -75,18 +75,18 @@ def take_back_idle(search: Search) -> bool:
 
 
 def take_back_events(search: Search) -> None:
-    """Take back events and laws by the time that a function of the arm's motion predicts as well."""
+    """Take back events that nothing is left to, and what a function of the arm's motion predicts as well."""
+    _take_back(search, lambda: event_of_nothing(search))
     _take_back(search, lambda: event_of_state(search) or time_of_state(search), events=True)
 
 
 def take_back_shadows(search: Search) -> None:
     """Take back what explains a small part of what its joint lacks, where the rest stays far above the noise.
 
-    What is missing there has no name, and a law that happens to go along with a part of it has no better one:
-    an encoder's eccentricity took a fifth off what another joint had left, an eighth off that of its own, which
-    a soft gear left at 5.6 times the noise (q10 of the practice logs). The part is that which a law has to take
-    off the joint where it shows most, and nearly all where what is left is very far above the noise. What
-    lowers the error of another log is shown by that.
+    What is missing there has no name, and what goes along with a part of it has no better one: an encoder's
+    eccentricity took a fifth off what another joint had left, an eighth off its own, which a soft gear left at
+    5.6 times the noise (q10). The part is that which a law has to take off the joint where it shows most, and
+    nearly all where what is left is very far above the noise. What lowers the error of another log is shown.
     """
     if not search.other:
         _take_back(search, lambda: _shadow(search))
