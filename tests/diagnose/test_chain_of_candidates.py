@@ -23,7 +23,8 @@ from jaxswarm.effects.lattice import lattice_of
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.forward.columns import joint_series, term_columns
+from jaxswarm.identify.forward.columns import term_columns
+from jaxswarm.identify.forward.joint_series import joint_series
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model import linear_values
 from jaxswarm.logs.motion import Filtering, prepare

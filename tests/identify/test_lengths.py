@@ -10,6 +10,7 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward import columns
+from jaxswarm.identify.forward.joint_series import joint_series
 from jaxswarm.identify.forward.lengths import CHUNK
 from jaxswarm.identify.forward.link_lag import calm_start
 from jaxswarm.identify.forward.measuring_chain import report
@@ -42,7 +43,7 @@ def test_columns_of_a_law_are_those_of_the_log_alone(name):
     other = 1 if law.scope == "pair" else None
     values = {p.name: p.nominal for p in law.nonlinear}
     found = columns.term_columns(Term(name, 0, other, values=values), seen, (0.01, 0.01))
-    series = columns.joint_series(seen, (0.01, 0.01), None, 0, other)
+    series = joint_series(seen, (0.01, 0.01), None, 0, other)
     np.testing.assert_allclose(found, law_columns(law, values, series), rtol=1e-12, atol=1e-12)
 
 

@@ -15,7 +15,8 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.body import Body, arm_of, body_along
-from jaxswarm.identify.forward.columns import columns_along, is_kept, joint_series, partner_series
+from jaxswarm.identify.forward.columns import columns_along, is_kept
+from jaxswarm.identify.forward.joint_series import joint_series, partner_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values

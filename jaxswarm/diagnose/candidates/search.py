@@ -18,7 +18,7 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.lattice import batch_of, lattice_of, points_of, seen_of
 from jaxswarm.effects.measurement import shifted
 from jaxswarm.effects.sample import Sample
-from jaxswarm.identify.forward.columns import Load, joint_series
+from jaxswarm.identify.forward.joint_series import Load, joint_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.motion import Motion
 

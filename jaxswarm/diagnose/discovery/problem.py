@@ -13,7 +13,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.folds.partial_out import CrossFit, Fold
 from jaxswarm.effects.dimensions import Unit, field_units
 from jaxswarm.effects.postfix import Program, evaluate
-from jaxswarm.identify.forward.columns import joint_series
+from jaxswarm.identify.forward.joint_series import joint_series
 from jaxswarm.robot.logged import rigid_columns
 
 # Rows that are searched on; a longer log is thinned evenly, for programs are smooth against the rows' clock.

@@ -10,7 +10,6 @@ from jaxswarm.effects.kinds import BodyChange, TransmissionLaw
 from jaxswarm.effects.placement import moved_joint, own_moves
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.columns import (
-    Load,
     Moved,
     Rigid,
     is_kept,
@@ -18,6 +17,7 @@ from jaxswarm.identify.forward.columns import (
     low_columns,
     torque_of,
 )
+from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import link_motion, true_motion
 from jaxswarm.logs.motion import Motion

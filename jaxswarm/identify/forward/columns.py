@@ -8,7 +8,6 @@ load torque enter as given numbers. Torque and columns then pass the same decima
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -17,7 +16,7 @@ from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.direction import direction
+from jaxswarm.identify.forward.joint_series import Load, filled_series, load_series
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
@@ -128,7 +127,7 @@ class Rigid:
             return self.full @ pi
         return torque_of(self.robot, self.motion.q, self.motion.dq, self.motion.ddq, pi)
 
-    def load(self, pi: np.ndarray) -> "Load":
+    def load(self, pi: np.ndarray) -> Load:
         """Load torque for rigid parameters (10 n,)."""
         place = np.asarray(pi).tobytes()
         load = self.loads.get(place)
@@ -138,7 +137,7 @@ class Rigid:
             self.loads[place] = load
         return load
 
-    def _load(self, pi: np.ndarray) -> "Load":
+    def _load(self, pi: np.ndarray) -> Load:
         # A fit asks for dozens: the recursion takes ten times as long as the product.
         if is_kept(self.motion):
             return Load(self.full @ pi, self.still @ pi)
@@ -171,20 +170,6 @@ def rigid_of(robot: Robot, motion: Motion) -> Rigid:
     return Rigid(robot, motion, low_columns(robot, moved, motion.decimator))
 
 
-class Load(NamedTuple):
-    """Torque of a model along a log [N m or N], (T, n).
-
-    Attributes:
-        full: Of the rigid body.
-        static: Of the rigid body without acceleration.
-        whole: Of the rigid body and of all effects that supply a torque; None where no law asks.
-    """
-
-    full: np.ndarray
-    static: np.ndarray
-    whole: np.ndarray | None = None
-
-
 def load_along(arm: Robot, moved: Moved, pi: np.ndarray) -> Load:
     """Load torque along a motion (q, dq, ddq) of the links, for rigid parameters (10 n,)."""
     q, dq, ddq = moved
@@ -192,51 +177,14 @@ def load_along(arm: Robot, moved: Moved, pi: np.ndarray) -> Load:
     return Load(torque_of(arm, q, dq, ddq, pi), rest)
 
 
-def joint_series(
-    motion: Motion,
-    width: Sequence[float],
-    load: Load | None,
-    joint: int,
-    other: int | None = None,
-) -> Sample[np.ndarray]:
-    """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) NumPy arrays.
-
-    ``width`` is that of every joint's smooth sign, (n,); a sum of velocities takes the joint's own.
-    """
-    zero = np.zeros(len(motion.t))
-    temperature = motion.channels.get("temperature")
-    own = Sample(
-        t=motion.t,
-        q=motion.q[:, joint],
-        dq=motion.dq[:, joint],
-        ddq=motion.ddq[:, joint],
-        direction=direction(motion.dq[:, joint], width[joint], motion.driven),
-        load=zero if load is None else load.full[:, joint],
-        static_load=zero if load is None else load.static[:, joint],
-        temperature=zero + np.nan if temperature is None else temperature[:, joint],
-        dq_other=zero,
-        ddq_other=zero,
-        direction_sum=zero,
-        state=zero,
-        q_other=zero,
-    )
-    return own if other is None else own._replace(**partner_series(motion, width, joint, other))
-
-
-def partner_series(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
-    """The fields (T,) of :func:`joint_series` that a partner fills, by name."""
-    x = {"dq_other": motion.dq, "ddq_other": motion.ddq, "q_other": motion.q}
-    both = motion.dq[:, joint] + motion.dq[:, other]
-    sum_of = direction(both, width[joint], motion.driven)
-    return {**{name: column[:, other] for name, column in x.items()}, "direction_sum": sum_of}
-
-
 def term_columns(
     term: Term, motion: Motion, width: Sequence[float], load: Load | None = None
 ) -> np.ndarray:
     """Columns of the linear parameters of a joint or pair term, shape (T, k), on its own joint."""
-    series = joint_series(motion, width, load, term.index, term.other)
-    return columns_along(term, filled(series))[: len(motion.t)]
+    series = filled_series(motion, width, term.index, term.other)
+    if term.law.uses_load and load is not None:
+        series = series._replace(**filled(load_series(load, term.index)))
+    return columns_along(term, series)[: len(motion.t)]
 
 
 def columns_along(term: Term, series: Sample) -> np.ndarray:

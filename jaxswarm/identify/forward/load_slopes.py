@@ -20,8 +20,9 @@ from jaxswarm.effects.distortion import distortion_slope
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along
-from jaxswarm.identify.forward.columns import Load, Rigid, is_kept, term_columns
+from jaxswarm.identify.forward.columns import Rigid, is_kept, term_columns
 from jaxswarm.identify.forward.compliance import compliance_slopes
+from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.measuring_chain import distorted, report, reported_load
 from jaxswarm.identify.forward.own_columns import placed

@@ -16,8 +16,9 @@ from jaxswarm.effects.kinds import (
 )
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
-from jaxswarm.identify.forward.columns import Load, Rigid, term_columns
+from jaxswarm.identify.forward.columns import Rigid, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
+from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.own_columns import own_columns, placed
 from jaxswarm.logs.motion import Motion

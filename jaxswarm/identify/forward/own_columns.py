@@ -15,7 +15,8 @@ from jaxswarm.effects.kinds import (
     TransmissionLaw,
 )
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.columns import Load, term_columns
+from jaxswarm.identify.forward.columns import term_columns
+from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.motion import Motion
 
