@@ -64,12 +64,17 @@ class Linearization:
     @cached_property
     def outputs(self) -> list[np.ndarray]:
         """Torque (T, n) of the model on every log; laws of the load, tried with many models, ask for none."""
-        found, told = self.found, []
-        for k, (motion, rigid) in enumerate(zip(found.motions, found.rigids, strict=True)):
-            own = self.seen.during(k)
-            at = own.robot, own.terms, motion, own.width, linear_values(own), rigid
-            told.append(torque_along(*at))
-        return told
+        return [self._torque(k, self.seen.during(k)) for k in range(len(self.found.motions))]
+
+    def output_of(self, k: int, joint: int) -> np.ndarray:
+        """Torque (T,) of a joint on a log; that of a model which was changed asks for no other joint's laws."""
+        if "outputs" in vars(self):
+            return self.outputs[k][:, joint]
+        return self._torque(k, self.seen.during(k).on_joint(joint))[:, joint]
+
+    def _torque(self, k: int, own: Model) -> np.ndarray:
+        motion, rigid = self.found.motions[k], self.found.rigids[k]
+        return torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
 
     def changed_by(self, change: np.ndarray) -> "Linearization":
         """The same with the loads and the torque of a model with its linear parameters changed, by (p,)."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from jaxswarm.documents import read_document
 from jaxswarm.effects import formula
+from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward import uncertainty
@@ -50,6 +51,16 @@ class Model:
         kept = (
             t for t in self.terms if not t.law.in_one_log or (log is not None and t.acts_in(log))
         )
+        return replace(self, terms=tuple(kept))
+
+    def on_joint(self, joint: int) -> "Model":
+        """The model without what acts on other joints alone: the torque of this one is the same.
+
+        Where what is written down of the whole arm may mix its joints, nothing is left out.
+        """
+        if any(isinstance(t.law, MeasurementLaw) and t.joint is None for t in self.terms):
+            return self
+        kept = (t for t in self.terms if t.joint == joint or not isinstance(t.law, TorqueLaw))
         return replace(self, terms=tuple(kept))
 
     def __repr__(self) -> str:
