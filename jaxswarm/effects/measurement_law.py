@@ -13,9 +13,9 @@ class MeasurementLaw(Effect):
     """How the drives and their clock write down a torque, or an encoder a position.
 
     Attributes:
-        report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
-            x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
-            arm sees (T, n, ...), one of a joint that joint's (T, ...).
+        report: ``report(p, x, step)``: torques x (T, ...) as they are written down, each by itself along the
+            first axis, linear in x, unchanged for neutral parameters; ``step`` is the sampling interval [s].
+            A law of the whole arm sees those of all joints, one of a joint that joint's.
         distortion: ``distortion(p, x)``: what is written down beside a true torque x [N m or N] of its joint,
             linear in the linear parameters; None: nothing.
         clock: Whether its one parameter is the time [s] by which the torque's clock lags.

@@ -86,6 +86,7 @@ class Rigid:
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
         moved: Motion of links that lag that was asked for last, by all that it follows from.
         laws: Decimated columns of laws by all that they follow from, the oldest first.
+        reported: Those of ``low`` as drives write them down that were asked for last, by what says how.
     """
 
     robot: Robot
@@ -96,6 +97,7 @@ class Rigid:
     loads: dict = field(default_factory=dict, repr=False, compare=False)
     moved: dict = field(default_factory=dict, repr=False, compare=False)
     laws: dict = field(default_factory=dict, repr=False, compare=False)
+    reported: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def gravity(self) -> np.ndarray:
@@ -120,6 +122,7 @@ class Rigid:
         self.sensed.clear()
         self.swayed.clear()
         self.moved.clear()
+        self.reported.clear()
 
     def torque(self, pi: np.ndarray) -> np.ndarray:
         """Rigid-body torque (T, n) for parameters (10 n,)."""
@@ -142,6 +145,20 @@ class Rigid:
         if is_kept(self.motion):
             return Load(_times(self.full, pi), _times(self.still, pi))
         return load_along(self.robot, (self.motion.q, self.motion.dq, self.motion.ddq), pi)
+
+    def as_reported(self, place: tuple, make: Callable[[], np.ndarray]) -> np.ndarray:
+        """Columns (T', n, 10 n) as drives write them down; a fit moves a width more often than a filter.
+
+        Args:
+            place: What says how they are written down.
+            make: Makes them.
+        """
+        known = self.reported.get(place)
+        if known is None:
+            known = make()
+            self.reported.clear()
+            self.reported[place] = known
+        return known
 
     def law(self, term: Term, width: Sequence[float], make: Callable[[], np.ndarray]) -> np.ndarray:
         """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.

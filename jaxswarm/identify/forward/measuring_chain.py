@@ -9,11 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from jaxswarm.effects.kinds import (
-    BodyChange,
-    MeasurementLaw,
-    TorqueLaw,
-)
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Rigid, term_columns
@@ -57,11 +53,20 @@ def assemble(
     """
     low = motion.decimator.apply if decimate else np.asarray
     body = body_along(robot, terms, motion, pi, rigid)
-    if decimate and not of_kind(terms, MeasurementLaw):
-        parts = [body.low]
-    else:
-        parts = [low(report(terms, motion, body.columns))]
-    return np.concatenate([*parts, *_blocks(terms, body, width, low, log)], axis=2)
+    whole = _low(terms, body) if decimate else report(terms, motion, body.columns)
+    return np.concatenate([whole, *_blocks(terms, body, width, low, log)], axis=2)
+
+
+def _low(terms: tuple[Term, ...], body: Body) -> np.ndarray:
+    """Rigid columns as reported, through the decimator, (T', n, 10 n)."""
+    if not of_kind(terms, MeasurementLaw):
+        return body.low
+
+    def make() -> np.ndarray:
+        return body.motion.decimator.apply(report(terms, body.motion, body.columns))
+
+    place = tuple((t.identity, *sorted(t.values.items())) for t in _in_order(terms))
+    return make() if body.rigid is None else body.rigid.as_reported(place, make)
 
 
 def _blocks(
@@ -172,16 +177,13 @@ def _block(
 ) -> np.ndarray:
     """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
     motion = body.motion
-    # What is written down of the whole arm may mix its joints: then no term stays with its own.
-    measured = of_kind(terms, MeasurementLaw)
-    mixed = any(t.joint is None for t in measured)
-    if mixed or not isinstance(term.law, TorqueLaw):
+    if not isinstance(term.law, TorqueLaw):
         return low(report(terms, motion, _supplied(term, body, width, load)))
 
     def own() -> np.ndarray:
         return low(report_own(terms, motion, term_columns(term, motion, width, load), term.index))
 
-    known = None if low is np.asarray or measured else body.laws
+    known = None if low is np.asarray or of_kind(terms, MeasurementLaw) else body.laws
     made = own() if known is None else known.law(term, width, own)
     return placed(made, term.index, motion.q.shape[1])
 
@@ -198,19 +200,26 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
 
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
     """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
-    measured = of_kind(terms, MeasurementLaw)
+    measured = _in_order(terms)
     size, block = len(block), filled(block) if measured else block
-    for term in sorted(measured, key=lambda t: t.joint is None):
+    for term in measured:
         own = (slice(None), slice(None) if term.joint is None else term.joint)
         block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
     return block[:size]
 
 
 def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
-    """Columns (T, k) that act on one joint as its drive reports them."""
-    if not of_kind(terms, MeasurementLaw):
-        return own
-    return report(terms, motion, placed(own, joint, motion.q.shape[1]))[:, joint]
+    """Columns (T, k) that act on one joint as its drive and the clock report them."""
+    measured = [t for t in _in_order(terms) if t.joint in (None, joint)]
+    size, own = len(own), filled(own) if measured else own
+    for term in measured:
+        own = np.asarray(term.law.report(term.values, own, 1.0 / motion.rate))
+    return own[:size]
+
+
+def _in_order(terms: tuple[Term, ...]) -> list:
+    """What a torque is written down by, the drives before their clock."""
+    return sorted(of_kind(terms, MeasurementLaw), key=lambda t: t.joint is None)
 
 
 def lateness(terms: tuple[Term, ...]) -> float:
