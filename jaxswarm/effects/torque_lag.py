@@ -53,7 +53,16 @@ register(
         scope="global",
         parameters=(
             Parameter("tc", "s", 0.0, 0.2, False, 0.0, "time constant of the filter"),
-            Parameter("seconds", "s", -0.05, 0.05, False, 0.0, "by which the torque is late too"),
+            Parameter(
+                "seconds",
+                "s",
+                -0.05,
+                0.05,
+                False,
+                0.0,
+                "by which the torque is late too",
+                usual=True,
+            ),
         ),
         summary="tc d(measured)/dt + measured = torque(t - seconds): filtered torque channel",
         reference="Astrom, Murray 2008, Feedback Systems, ch. 8",

@@ -19,6 +19,10 @@ from jaxswarm.logs.motion import prepare
 ASKED = 60
 
 
+def passing_among_all(score) -> bool:
+    return passes(score, ASKED, Rules())
+
+
 def early_log(dry_alone: bool):
     """A log whose dry friction, or all of its torque, is that of the next sample."""
     log = log_with(duration=24.0, motion_seed=5)
@@ -34,7 +38,7 @@ def test_a_delay_is_one_of_all_torque(dry_alone):
     crossfit = cross_fit(found)
     (delay,) = score_on(found, [Term("time_delay")], 0)
     assert passes(delay, ASKED, Rules())
-    alone = only_friction([delay], found, crossfit, ASKED, Rules())
+    alone = only_friction([delay], found, crossfit, passing_among_all)
     assert bool(alone) == dry_alone
 
 
@@ -48,7 +52,7 @@ def test_an_arm_without_friction_is_asked_for_a_delay():
     crossfit = cross_fit(found)
     (delay,) = score_on(found, [Term("time_delay")], 0)
     assert passes(delay, ASKED, Rules())
-    assert only_friction([delay], found, crossfit, ASKED, Rules()) == []
+    assert only_friction([delay], found, crossfit, passing_among_all) == []
 
 
 def test_columns_of_nothing_take_up_nothing():

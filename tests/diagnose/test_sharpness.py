@@ -43,7 +43,7 @@ def scored(effect: str, sharp: float):
 def asked(effect: str, sharp: float):
     """The scores that pass, and those of them that are sharp alone."""
     passed, found, crossfit = scored(effect, sharp)
-    return passed, only_sharp(passed, found, crossfit, len(passed), Rules())
+    return passed, only_sharp(passed, found, crossfit, lambda s: passes(s, len(passed), Rules()))
 
 
 def test_how_large_a_law_is_beside_the_torque_is_no_question_of_sharpness():
@@ -53,7 +53,7 @@ def test_how_large_a_law_is_beside_the_torque_is_no_question_of_sharpness():
     (softly,) = score_softly([drag], found, crossfit)
     rules = replace(Rules(), over_torque=drag.over_torque)
     assert softly.over_torque < drag.over_torque
-    assert only_sharp([drag], found, crossfit, len(passed), rules) == []
+    assert only_sharp([drag], found, crossfit, lambda s: passes(s, len(passed), rules)) == []
 
 
 def names(scores) -> set[str]:

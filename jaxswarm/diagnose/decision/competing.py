@@ -10,10 +10,11 @@ import numpy as np
 
 from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.level import level_of
 from jaxswarm.diagnose.decision.of_joints import told_by_joints
 from jaxswarm.diagnose.decision.rules import AS_GOOD, ASKED_AGAIN, OVERLAP, SPECIAL_CASE, Rules
 from jaxswarm.diagnose.decision.score import score
-from jaxswarm.diagnose.decision.worth import Score, adds, passes
+from jaxswarm.diagnose.decision.worth import Score, adds
 from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TransmissionLaw
@@ -23,21 +24,9 @@ from jaxswarm.effects.term import Term
 def accepted(scores: Sequence[Score], rules: Rules, added: Sequence[Term] = ()) -> list[Score]:
     """Those that pass; what happens once only if nothing that lasts passes and explains more.
 
-    A law that extends one that was ``added`` is asked with its like alone. That something is missing is proven;
-    whether it is more than was added is another question, with as many chances as there are such laws. A filter
-    of 17 ms told as a delay took 0.36 more off a joint at p = 0.003, and 24 standard errors once fitted.
+    ``added``: what was added before, see :func:`jaxswarm.diagnose.decision.level.level_of`.
     """
-    places = {t.place for t in added}
-
-    def further(s: Score) -> bool:
-        term = s.candidate.term
-        return any((name, term.joint, term.other) in places for name in term.law.extends)
-
-    count = sum(map(further, scores))
-
-    def tested(s: Score) -> bool:
-        return passes(s, count if further(s) else len(scores), rules)
-
+    tested = level_of(scores, rules, added)
     passed = with_soft_joints([s for s in scores if tested(s)], scores, tested)
     lasting = [s.gain for s in passed if not s.candidate.term.law.recurring]
     most = max(lasting, default=0.0)

@@ -103,12 +103,23 @@ def runners_up(
 
 def passes(item: Score, asked: int, rules: Rules) -> bool:
     """Whether a candidate passes, alone against the current model."""
+    return is_no_chance(item, asked, rules) and is_large(item, rules)
+
+
+def is_no_chance(item: Score, asked: int, rules: Rules) -> bool:
+    """Whether a candidate explains anything, however little, that chance does not."""
     return (
         item.allowed
         and item.worth > 0
         and item.p_value * asked < rules.significance
-        and item.share >= rules.share
         and item.repeats >= rules.repeat
+    )
+
+
+def is_large(item: Score, rules: Rules) -> bool:
+    """Whether a candidate explains enough to be an effect of its own."""
+    return (
+        item.share >= rules.share
         and item.over_noise >= rules.over_noise
         and item.over_torque >= rules.over_torque
     )

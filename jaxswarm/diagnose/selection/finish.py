@@ -7,6 +7,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.clock import settle_clocks
 from jaxswarm.diagnose.selection.doubt_of_motion import with_doubt_of_motion
 from jaxswarm.diagnose.selection.from_declared import fit_from_declared
+from jaxswarm.diagnose.selection.readings import with_readings
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import settle_signs
 from jaxswarm.diagnose.selection.take_back import take_back_idle
@@ -28,6 +29,7 @@ def finish(search: Search, alone: Callable[[], Estimate]) -> None:
         settle_signs(search, alone)
         if not take_back_idle(search):
             _hold_within_bounds(search)
+            with_readings(search)
             search.current = with_doubt_of_motion(search.current, search.seed)
             return
     _as_identified(search, alone())

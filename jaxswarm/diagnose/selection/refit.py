@@ -152,7 +152,7 @@ def _starts(term: Term, coefficients: np.ndarray) -> list[Term]:
         softer = law.softer(term.values, float(coefficients[0]))
         inside = {n: float(np.clip(v, *limits[n])) for n, v in softer.items()}
         return [replace(term, values=inside), term]
-    lower = ({n: part * term.values[n] for n in names} for part in parts)
+    lower = ({n: part * term.values[n] for n in names} for part in parts if names)
     return [term, *(replace(term, values={**term.values, **values}) for values in lower)]
 
 

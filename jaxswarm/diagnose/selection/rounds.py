@@ -73,8 +73,7 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
         search.scores = score_terms(lin, eligible, search.seed, signed)
         del lin  # of a long log its signals are as large as those of the fits to come
         search.asked = search.asked or len(search.scores)
-        added = [step.added for step in search.steps if not step.removed]
-        passed = accepted(search.scores, search.rules, added)
+        passed = accepted(search.scores, search.rules, search.added)
         if number > most:
             search.ended = bool(passed)
             return

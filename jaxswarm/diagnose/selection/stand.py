@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.position_laws import imitates, is_unseen, strays
+from jaxswarm.diagnose.decision.level import level_of
 from jaxswarm.diagnose.decision.rules import BY_STATE, Rules
 from jaxswarm.diagnose.decision.sharpness import (
     FoldsOf,
@@ -94,9 +95,10 @@ def in_all_motion(
 
     ``folds_of``: makes the folds of the model by the noise of every row.
     """
-    current, folds, rules, asked = search.current, search.folds, search.rules, len(search.scores)
-    sharp = only_sharp(list(passed), current, folds, asked, rules, folds_of)
-    alone = only_friction(passed, current, folds, asked, rules)
+    current, folds = search.current, search.folds
+    tested = level_of(search.scores, search.rules, search.added)
+    sharp = only_sharp(list(passed), current, folds, tested, folds_of)
+    alone = only_friction(passed, current, folds, tested)
     for found, why in ((sharp, _SHARP), (alone, _ALONE)):
         for one in found:
             search.refuse(one.candidate.term, why)

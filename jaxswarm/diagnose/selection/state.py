@@ -79,6 +79,11 @@ class Search:
             raise ValueError("no round has begun: there are no folds yet")
         return self.crossfit
 
+    @property
+    def added(self) -> list[Term]:
+        """What was added and took nothing's place: what extends it is asked with its like alone."""
+        return [step.added for step in self.steps if not step.removed]
+
     def refuse(self, term: Term, why: str = "", *, elsewhere: bool = False) -> None:
         """Leave a term out until its joint's model changes; told if it had been found worth adding.
 

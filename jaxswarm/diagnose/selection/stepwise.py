@@ -28,6 +28,7 @@ from jaxswarm.diagnose.selection.finish import finish
 from jaxswarm.diagnose.selection.from_declared import declared_alone
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.one_for_several import one_for_several
+from jaxswarm.diagnose.selection.readings import why_not
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere, told_elsewhere
@@ -36,7 +37,7 @@ from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
 from jaxswarm.diagnose.selection.sticking import leave_out_sticks
-from jaxswarm.diagnose.selection.survives import one_place, stands_in, survives
+from jaxswarm.diagnose.selection.survives import one_place, stands_in
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
 from jaxswarm.diagnose.selection.with_rest import with_rest
@@ -212,10 +213,8 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if search.other and near:
         chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
         term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
-    why = None
-    if not term.law.in_one_log:
-        why = survives(current, after, chosen.joint, search.other, search.rules)
-    if why:
+    why = why_not(search, chosen, after)
+    if why is not None:
         search.refuse(term, why, elsewhere=bool(search.other))
         return True
     added = find_term(after, term)

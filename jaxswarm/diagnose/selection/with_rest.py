@@ -19,7 +19,7 @@ from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ABOVE_NOISE, NEAR
-from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.decision.worth import Score, is_large
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit
@@ -99,9 +99,8 @@ def _asks_for_more(search: Search, every: Sequence[Motion], joints: np.ndarray) 
     beside = refit(replace(current, motions=tuple(logs)), current.model.terms)
     beside = with_motion_noise(beside, search.seed)
     terms = eligible_terms(beside.model, beside.motions)
-    added = [step.added for step in search.steps if not step.removed]
-    passed = accepted(score_on(beside, terms, search.seed), search.rules, added)
-    return any(joints[s.joint] for s in passed)
+    passed = accepted(score_on(beside, terms, search.seed), search.rules, search.added)
+    return any(joints[s.joint] and is_large(s, search.rules) for s in passed)
 
 
 def _may_explain(
