@@ -19,9 +19,9 @@ def level_of(scores: Sequence[Score], rules: Rules, added: Sequence[Term] = ()) 
     whether it is more than was added is another question, with as many chances as there are such laws. A filter
     of 17 ms told as a delay took 0.36 more off a joint at p = 0.003, and 24 standard errors once fitted.
 
-    One that may be what was added, read otherwise, is no effect of its own and need not be as large as one: which
-    of both it is the fit says (:func:`jaxswarm.diagnose.selection.readings.why_not`). A filter of 8 ms told as
-    a delay took 0.16 more off a joint at p = 6e-6, of 0.2 that an effect has to take.
+    One that may be what was added, read otherwise, is no effect of its own and need not be as large as one:
+    which of both it is the fit says (:func:`jaxswarm.diagnose.selection.readings.why_not`). A filter of 8 ms
+    told as a delay took 0.16 more off a joint at p = 6e-6, of 0.2 that an effect has to take.
     """
     places = {t.place for t in added}
 

@@ -1,9 +1,9 @@
 """One effect that two laws of as few numbers read otherwise: a torque that is late by a clock, or by a filter.
 
-Below its corner a filter is late as a clock is, so that it is found as a delay first and asked beside that. What
-it has to show there is no effect of its own but which of both it is: which leaves less, each with its one number.
-Of fourteen filters of 8 to 26 ms, whose torque was 2.2 to 3.3 times the noise, six were told as delays: beside a
-delay they took too little off for an effect, though 4.6 to 13 standard errors.
+Below its corner a filter is late as a clock is, so that it is found as a delay first and asked beside that.
+What it has to show there is no effect of its own but which of both it is: which leaves less, each with its
+one number. Of fourteen filters of 8 to 26 ms, whose torque was 2.2 to 3.3 times the noise, six were told as
+delays: beside a delay they took too little off for an effect, though 4.6 to 13 standard errors.
 """
 
 from dataclasses import replace
