@@ -17,8 +17,8 @@ it: the joint's torque never goes below zero, where they are the same); torque_c
 show as much, and 8203, where a false asymmetric_friction was; base_compliance all 6, none with another law
 beside it (before the fit knew what it owes to the arm's parameters all of the first 3 had one or two).
 torque_lag 8 of the 14 from 8400, the others told as delays, before it was told by which of both leaves less;
-after that all of the 11 that were looked at. lugre_friction 7306 was told as hysteresis, before it was asked what it
-shows at reversals with its like alone.
+after that all of the 11 that were looked at. lugre_friction 7306 was told as hysteresis, before it was
+asked what it shows at reversals with its like alone.
 """
 
 import json
