@@ -90,22 +90,14 @@ def _within(law: Effect) -> Iterator[set[str]]:
 def _one_is_certain(term: Term, errors: dict[str, float], neutral: Mapping[str, float]) -> bool:
     """Whether one of some coefficients is beyond its doubt from where it does nothing, or told by no doubt.
 
-<<<<<<< HEAD
-    Each of k has a k-th of the chance to be so by accident that one alone has: of the ten numbers of a load
-    that nobody carried one was 2.1 standard errors from zero.
+    One that is held where it does nothing is none of them. Each of k others has a k-th of the chance to be so
+    by accident that one alone has: of the ten numbers of a load that nobody carried one was 2.1 standard
+    errors from zero.
     """
-    certain = scipy.special.ndtri(1.0 - scipy.special.ndtr(-CERTAIN) / max(len(neutral), 1))
-    return any(
-        abs(term.values[name] - zero) > certain * errors[name] or np.isnan(errors[name])
-=======
-    One that is held where it does nothing has no doubt either.
-    """
-    return any(
-        abs(term.values[name] - zero) > CERTAIN * errors[name]
-        or (np.isnan(errors[name]) and term.values[name] != zero)
->>>>>>> 81e15e0 (A filter of the torque is told from a delay by which leaves less, not by how much)
-        for name, zero in neutral.items()
-    )
+    change = {name: abs(term.values[name] - zero) for name, zero in neutral.items()}
+    free = [name for name in neutral if change[name] > 0.0 or not np.isnan(errors[name])]
+    certain = scipy.special.ndtri(1.0 - scipy.special.ndtr(-CERTAIN) / max(len(free), 1))
+    return any(change[name] > certain * errors[name] or np.isnan(errors[name]) for name in free)
 
 
 def can_be_as_wrong(term: Term) -> bool:
