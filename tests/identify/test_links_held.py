@@ -11,7 +11,7 @@ from jaxswarm.identify.estimation.free_parameters import Place
 from jaxswarm.identify.estimation.gauss_newton import settle
 from jaxswarm.identify.estimation.links_held import LinksHeld, links_can_be_held
 from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.forward import body
+from jaxswarm.identify.forward import body, measuring_chain
 from jaxswarm.identify.forward.columns import rigid_of
 
 ARM = planar_arm()
@@ -21,6 +21,7 @@ SOFT = Term("joint_elasticity", 1, values={"k": 60.0, "d": 0.5})
 DRY = tuple(Term("coulomb_friction", j, values={"fc": 0.5}) for j in (0, 1))
 BY_LOAD = Term("load_dependent_friction", 0, values={"mu": 0.1, "inertial": 0.4})
 WRONG = Term("encoder_eccentricity", 0, values={"sine": 0.02, "cosine": 0.01})
+LATE = Term("torque_lag", None, values={"tc": 0.01, "seconds": 0.0})
 TERMS = (*DRY, SOFT)
 
 
@@ -37,6 +38,7 @@ def dry_problem(widths):
 
 def test_links_are_held_where_they_alone_follow_the_parameters():
     assert links_can_be_held(TERMS)
+    assert links_can_be_held((*DRY, LATE))  # a filter's time is a parameter like a stiffness
     assert not links_can_be_held(DRY)  # nothing moves
     assert not links_can_be_held((*TERMS, BY_LOAD))  # what a law sees moves
     assert not links_can_be_held((*TERMS, WRONG))
@@ -69,6 +71,16 @@ def test_widths_are_chosen_without_moving_links(monkeypatch):
     found, moving, _ = choose_widths(problem, here, problem.free(TERMS), [(0, 1)])
     assert not moved and found is here
     assert [one.name for one in moving] == ["k", "d"]
+
+
+def test_widths_are_chosen_beside_one_and_the_same_filter(monkeypatch):
+    problem = dry_problem(WIDTH)
+    here = settle(problem, Place((*DRY, LATE), WIDTH), PI)
+    made, report = [], measuring_chain.report
+    monkeypatch.setattr(measuring_chain, "report", lambda *of: made.append(of) or report(*of))
+    found, moving, _ = choose_widths(problem, here, problem.free(here.place.terms), [(0, 1)])
+    assert not made and found is here
+    assert [one.name for one in moving] == ["tc", "seconds"]
 
 
 def test_the_fit_with_other_widths_is_one_of_the_whole_problem():

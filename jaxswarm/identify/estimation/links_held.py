@@ -1,9 +1,10 @@
-"""A fit with its links where they are: their lag to first order, what depends on signs as it is.
+"""A fit with its links where they are, and torques written down as they are; what depends on signs as it is.
 
-A lag follows from the rigid parameters, and each fit with one moves the links some times and builds all rows
-anew. What the widths of signs and the shapes of laws change is a few columns. Which widths a log tells is asked
-of some ten such fits in a row, and none of them moves a link by more than its own doubt: on a log of 36,000
-samples, with backlash, they took 15 to 45 s of fits of 20 to 50.
+A lag follows from the rigid parameters, a filter of the torque from its own, and each fit with one moves the
+links or filters all columns some times and builds all rows anew. What the widths of signs and the shapes of
+laws change is a few columns. Which widths a log tells is asked of some ten such fits in a row, and none of
+them moves a link, or a filter, by more than its own doubt: on a log of 36,000 samples, with backlash, they
+took 15 to 45 s of fits of 20 to 50, on seven joints with a filter half of fits of 50 s.
 """
 
 from collections.abc import Sequence
@@ -22,9 +23,10 @@ from jaxswarm.identify.forward.regression import Regression
 
 
 def links_can_be_held(terms: tuple[Term, ...]) -> bool:
-    """Whether links move with the parameters of a model, and what its laws see does not."""
-    misread = moves_links(tuple(of_kind(terms, MeasurementLaw)))
-    return moves_links(terms) and not misread and not uses_load(terms)
+    """Whether links move, or torques are written down, by the parameters of a model, and no law sees them."""
+    written = of_kind(terms, MeasurementLaw)
+    misread = moves_links(tuple(written))
+    return bool(moves_links(terms) or written) and not misread and not uses_load(terms)
 
 
 @dataclass(frozen=True)
