@@ -19,7 +19,7 @@ from jaxswarm.effects import REGISTRY, get_law
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.sample import Sample
-from jaxswarm.identify.forward import columns
+from jaxswarm.identify.forward import columns, direction
 from jaxswarm.programs import Program
 
 programs = importlib.import_module("jaxswarm.programs")
@@ -148,7 +148,7 @@ def test_every_law_has_a_text_of_its_own_that_holds():
 
 
 def test_what_a_function_holds_is_told():
-    one, two = (functools.partial(columns.direction, width=w) for w in (0.1, 0.2))
+    one, two = (functools.partial(direction.direction, width=w) for w in (0.1, 0.2))
     assert program_names.described(one) != program_names.described(two)
     with pytest.raises(program_names.Unknown):
         program_names.described(lambda x: x)

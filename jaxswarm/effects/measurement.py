@@ -68,6 +68,7 @@ register(
         ),
         report=lambda p, x, step: shifted(x, p["seconds"], step),
         clock=True,
+        alike=True,
         shown_against="torque rate",
     )
 )

@@ -13,9 +13,11 @@ class MeasurementLaw(Effect):
     """How the drives and their clock write down a torque, or an encoder a position.
 
     Attributes:
-        report: ``report(p, x, step)``: torques x (T, ...) as they are written down, each by itself along the
-            first axis, linear in x, unchanged for neutral parameters; ``step`` is the sampling interval [s].
-            A law of the whole arm sees those of all joints, one of a joint that joint's.
+        report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
+            x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
+            arm sees (T, n, ...), one of a joint that joint's (T, ...).
+        alike: Whether a law of the whole arm does the same to every torque by itself, of whatever shape
+            (T, ...): then a joint's is written down without the others.
         distortion: ``distortion(p, x)``: what is written down beside a true torque x [N m or N] of its joint,
             linear in the linear parameters; None: nothing.
         clock: Whether its one parameter is the time [s] by which the torque's clock lags.
@@ -32,6 +34,7 @@ class MeasurementLaw(Effect):
     late: Callable[[Mapping], float] | None = None
     excess: Callable[[Mapping, jax.Array, jax.Array], jax.Array] | None = None
     scales: bool = False
+    alike: bool = False
 
     @property
     def changes_rigid_columns(self) -> bool:

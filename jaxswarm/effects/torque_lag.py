@@ -71,6 +71,7 @@ register(
             "the filter off, or pass both through the same one."
         ),
         report=jax.jit(_report),
+        alike=True,
         late=lambda p: p["tc"] + p["seconds"],
         # The slope at zero is that of the delay: drawn to a common time constant it is the filter's own.
         probe={"tc": 0.01},

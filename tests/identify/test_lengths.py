@@ -13,8 +13,8 @@ from jaxswarm.identify.forward import columns
 from jaxswarm.identify.forward.joint_series import joint_series
 from jaxswarm.identify.forward.lengths import CHUNK
 from jaxswarm.identify.forward.link_lag import calm_start
-from jaxswarm.identify.forward.measuring_chain import report
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
+from jaxswarm.identify.forward.written_down import report
 from jaxswarm.identify.synthetic import fourier_motion, random_links
 from jaxswarm.logs import log_from_arrays
 from jaxswarm.logs.motion import Filtering, prepare

@@ -1,16 +1,20 @@
 """What a torque's filter does to the rigid body is made once; a law of one joint stays with its joint."""
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from small_problems import make_motion, planar_arm
 
+from jaxswarm.effects.base import REGISTRY
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward import measuring_chain
 from jaxswarm.identify.forward.columns import rigid_of
-from jaxswarm.identify.forward.measuring_chain import assemble, report_own
+from jaxswarm.identify.forward.measuring_chain import assemble
+from jaxswarm.identify.forward.written_down import report_own
 from jaxswarm.testing import check_effect
 
 ARM = planar_arm()
@@ -64,14 +68,31 @@ def test_a_width_leaves_the_rigid_columns_as_they_were_written_down(motion, aske
     np.testing.assert_allclose(second, fresh, atol=1e-9)
 
 
-def test_a_torque_written_down_by_another_one_breaks_the_contract():
-    mixed = MeasurementLaw(
+def cross_talk(**fields) -> MeasurementLaw:
+    """Each drive writes down a part of the mean torque too."""
+    return MeasurementLaw(
         name="cross_talk",
         scope="global",
         parameters=(Parameter("part", "1", 0.0, 0.5, False, 0.0, "of the mean torque"),),
         summary="trial",
         reference="none",
-        report=lambda p, x, step: x + p["part"] * jnp.mean(x, axis=-1, keepdims=True),
+        report=lambda p, x, step: x + p["part"] * jnp.mean(x, axis=1, keepdims=True),
+        **fields,
     )
+
+
+def test_a_law_that_mixes_joints_sees_all_of_them(motion, monkeypatch):
+    monkeypatch.setitem(REGISTRY, "cross_talk", cross_talk())
+    mixing = Term("cross_talk", None, values={"part": 0.3})
+    rigid = rigid_of(ARM, motion)
+    columns = assemble(ARM, (DRY, mixing), motion, (0.05, 0.05), PI, rigid, decimate=True)
+    own = columns[:, :, 20]
+    np.testing.assert_allclose(own[:, 0], own[:, 1] * 0.15 / 1.15, atol=1e-12)
+
+
+def test_a_law_that_says_it_does_not_mix_is_tried(monkeypatch):
+    check_effect(cross_talk())
+    false = replace(cross_talk(), report=lambda p, x, step: x * (1.0 + p["part"] * (x.ndim > 1)))
+    check_effect(false)
     with pytest.raises(AssertionError, match="writes down a torque by another one"):
-        check_effect(mixed)
+        check_effect(replace(false, alike=True))

@@ -9,7 +9,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.measuring_chain import clock_lag
+from jaxswarm.identify.forward.written_down import clock_lag
 
 # Lengths of the windows tried: from this many rows to a third of the log.
 _SHORTEST, _LENGTHS = 3, 32

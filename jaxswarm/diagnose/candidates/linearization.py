@@ -18,10 +18,10 @@ from jaxswarm.identify.forward.body import Body, arm_of, body_along
 from jaxswarm.identify.forward.columns import columns_along, is_kept
 from jaxswarm.identify.forward.joint_series import joint_series, partner_series
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.model import Model, linear_values, with_linear_values
 from jaxswarm.identify.forward.sensitivity import Sensitivity, sensitivity_of
 from jaxswarm.identify.forward.torque_along import torque_along
+from jaxswarm.identify.forward.written_down import report, report_own
 from jaxswarm.robot.logged import rigid_columns
 
 # Rows beyond this multiple of the noise are left out of a steady fit, and its turns.

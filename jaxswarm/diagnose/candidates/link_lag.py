@@ -7,8 +7,8 @@ from jaxswarm.diagnose.candidates.thinned import thinned
 from jaxswarm.effects.deflection import substeps_of
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.measuring_chain import report, report_own
 from jaxswarm.identify.forward.sensitivity import BLOCK, Sensitivity
+from jaxswarm.identify.forward.written_down import report, report_own
 from jaxswarm.logs.motion import Motion
 
 # Shares of a joint's inertia that its rotor may hold.

@@ -35,7 +35,7 @@ from jaxswarm.effects.kinds import (
 )
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.columns import is_kept
-from jaxswarm.identify.forward.measuring_chain import lateness
+from jaxswarm.identify.forward.written_down import lateness
 from jaxswarm.logs.motion import Motion
 
 # Basis columns are filled up to a multiple, so that a model that grows does not recompile the search.

@@ -19,8 +19,8 @@ from jaxswarm.identify.forward.columns import is_kept, low_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
-from jaxswarm.identify.forward.measuring_chain import report_own
 from jaxswarm.identify.forward.placement import placement_columns
+from jaxswarm.identify.forward.written_down import report_own
 from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns
 

@@ -21,8 +21,8 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.sign_width import best_widths
-from jaxswarm.identify.forward.measuring_chain import clock_lag
 from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.written_down import clock_lag
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3

@@ -18,7 +18,7 @@ from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.measuring_chain import clock_lag
+from jaxswarm.identify.forward.written_down import clock_lag
 
 
 def event_of_nothing(search: Search) -> tuple[Step, str] | None:

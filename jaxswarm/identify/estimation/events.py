@@ -10,10 +10,11 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.least_squares import Fit
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import assemble, report
+from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.own_columns import own_columns
 from jaxswarm.identify.forward.regression import Regression
+from jaxswarm.identify.forward.written_down import report
 from jaxswarm.logs.motion import Motion
 
 # Rows, over S, within which 95 % of estimated places of a step are; and the same of a normal distribution.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.measuring_chain import clock_lag
+from jaxswarm.identify.forward.written_down import clock_lag
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 

@@ -24,8 +24,9 @@ from jaxswarm.identify.forward.columns import Rigid, is_kept, term_columns
 from jaxswarm.identify.forward.compliance import compliance_slopes
 from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.measuring_chain import distorted, report, reported_load
+from jaxswarm.identify.forward.measuring_chain import distorted, reported_load
 from jaxswarm.identify.forward.own_columns import placed
+from jaxswarm.identify.forward.written_down import report
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot

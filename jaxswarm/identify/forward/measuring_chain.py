@@ -15,8 +15,8 @@ from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
 from jaxswarm.identify.forward.columns import Rigid, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.joint_series import Load
-from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.own_columns import own_columns, placed
+from jaxswarm.identify.forward.written_down import in_order, mixed, report, report_own
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -65,7 +65,7 @@ def _low(terms: tuple[Term, ...], body: Body) -> np.ndarray:
     def make() -> np.ndarray:
         return body.motion.decimator.apply(report(terms, body.motion, body.columns))
 
-    place = tuple((t.identity, *sorted(t.values.items())) for t in _in_order(terms))
+    place = tuple((t.identity, *sorted(t.values.items())) for t in in_order(terms))
     return make() if body.rigid is None else body.rigid.as_reported(place, make)
 
 
@@ -177,7 +177,7 @@ def _block(
 ) -> np.ndarray:
     """Columns of a term of a model as reported, through ``low``: (T', n, k)."""
     motion = body.motion
-    if not isinstance(term.law, TorqueLaw):
+    if mixed(terms) or not isinstance(term.law, TorqueLaw):
         return low(report(terms, motion, _supplied(term, body, width, load)))
 
     def own() -> np.ndarray:
@@ -196,41 +196,6 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     if isinstance(law, BodyChange) and law.window:
         return carried(term, body.motion)[:, None, None] * (body.last @ body_basis(law))
     return own_columns(term, body.motion, width, load)
-
-
-def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
-    """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
-    measured = _in_order(terms)
-    size, block = len(block), filled(block) if measured else block
-    for term in measured:
-        own = (slice(None), slice(None) if term.joint is None else term.joint)
-        block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
-    return block[:size]
-
-
-def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: int) -> np.ndarray:
-    """Columns (T, k) that act on one joint as its drive and the clock report them."""
-    measured = [t for t in _in_order(terms) if t.joint in (None, joint)]
-    size, own = len(own), filled(own) if measured else own
-    for term in measured:
-        own = np.asarray(term.law.report(term.values, own, 1.0 / motion.rate))
-    return own[:size]
-
-
-def _in_order(terms: tuple[Term, ...]) -> list:
-    """What a torque is written down by, the drives before their clock."""
-    return sorted(of_kind(terms, MeasurementLaw), key=lambda t: t.joint is None)
-
-
-def lateness(terms: tuple[Term, ...]) -> float:
-    """Time [s] by which the terms say the clock of the torque lags."""
-    measured = of_kind(terms, MeasurementLaw)
-    return sum(t.law.lateness({**t.law.neutral(), **t.values}) for t in measured)
-
-
-def clock_lag(terms: Sequence[Term]) -> float:
-    """Time [s] by which the torque's own clock lags: what happens at t stands in it that much later."""
-    return lateness(tuple(t for t in of_kind(terms, MeasurementLaw) if t.law.clock))
 
 
 def term_block(

@@ -17,9 +17,10 @@ from jaxswarm.identify.forward.link_lag import (
     unseen_rows,
 )
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
-from jaxswarm.identify.forward.measuring_chain import assemble, report
+from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.names import column_names
+from jaxswarm.identify.forward.written_down import report
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 

@@ -7,13 +7,9 @@ import numpy as np
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.body import body_along
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.measuring_chain import (
-    distorted,
-    report,
-    true_torque,
-    uses_load,
-)
+from jaxswarm.identify.forward.measuring_chain import distorted, true_torque, uses_load
 from jaxswarm.identify.forward.own_columns import own_columns
+from jaxswarm.identify.forward.written_down import report
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
