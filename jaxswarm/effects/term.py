@@ -180,6 +180,11 @@ def of_kind(terms: Iterable, kind: type[Effect]) -> list:
     return [t for t in terms if isinstance(t.law, kind)]
 
 
+def valued(terms: Iterable[Term]) -> tuple:
+    """Which terms these are, and with which values: to be found again by."""
+    return tuple((t.identity, *sorted(t.values.items())) for t in terms)
+
+
 def _expand(law: Effect, where: str, joints: tuple[str, ...]) -> list[Term]:
     if law.scope == "global":
         if where:

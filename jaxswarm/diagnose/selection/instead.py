@@ -10,7 +10,7 @@ from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.selection.extended import extended
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.rivals_elsewhere import no_worse
 from jaxswarm.diagnose.selection.step import with_errors
 from jaxswarm.diagnose.selection.tenable import is_certain
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -50,7 +50,7 @@ def replacement(
             )
         else:
             fits = does_as_well(after, current, -more)
-        if fits and _no_worse(after, current, pick, other):
+        if fits and no_worse(after, current, pick.joint, other):
             return found
     return None
 
@@ -75,7 +75,7 @@ def leaves_less(
         found = fitted_pick(rest, pick, seed)
         if found is None or does_as_well(current, found[1], found[0].candidate.size - size):
             continue
-        if _no_worse(found[1], current, pick, other):
+        if no_worse(found[1], current, pick.joint, other):
             return found
     return None
 
@@ -94,14 +94,9 @@ def surer(
         if found is None or known is None or not is_certain(*known):
             continue
         left = cost(found[1], pick.joint, rest) <= PRICE * cost(current, pick.joint, rest)
-        if left and _no_worse(found[1], current, pick, other):
+        if left and no_worse(found[1], current, pick.joint, other):
             return found
     return None
-
-
-def _no_worse(one: Estimate, current: Estimate, pick: Score, other: Sequence[Motion]) -> bool:
-    """Whether a fit with a pick leaves no more of its joint on other motion than the current model does."""
-    return not other or left_elsewhere(one, current, pick.joint, other) <= 1.0
 
 
 def simpler(chosen: Score, passed: Sequence[Score]) -> list[Score]:

@@ -9,7 +9,7 @@ from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import left_on, refit, refit_with
-from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.rivals_elsewhere import no_worse
 from jaxswarm.effects.alike import without
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
@@ -44,7 +44,7 @@ def plainer(
         saved = size - score.candidate.size
         if after is None or not does_as_well(after, current, saved):
             continue
-        if not other or left_elsewhere(after, current, score.joint, other) <= 1.0:
+        if no_worse(after, current, score.joint, other):
             return score, after
     return None
 

@@ -14,7 +14,7 @@ from jaxswarm.diagnose.decision.rules import GAIN
 from jaxswarm.diagnose.decision.worth import Score, is_large
 from jaxswarm.diagnose.selection.plainer import does_as_well
 from jaxswarm.diagnose.selection.refit import refit_in_place
-from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere, no_worse
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.diagnose.selection.survives import survives
@@ -77,9 +77,7 @@ def _does_as_well(search: Search, step: Step, law: Effect) -> bool:
         after, current, 1
     ):
         return False
-    if not search.other:
-        return True
-    return GAIN * left_elsewhere(after, current, step.score.joint, search.other) <= 1.0
+    return no_worse(after, current, step.score.joint, search.other, 1.0 / GAIN)
 
 
 def _is_read_otherwise(term: Term, current: Estimate) -> bool:

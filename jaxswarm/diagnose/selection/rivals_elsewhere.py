@@ -25,6 +25,13 @@ def left_elsewhere(after: Estimate, before: Estimate, joint: int, other: Sequenc
     return float(max(two / max(one, 1e-300) for one, two in errors))
 
 
+def no_worse(
+    after: Estimate, before: Estimate, joint: int, other: Sequence[Motion], part: float = 1.0
+) -> bool:
+    """Whether a fit leaves at most a part of a joint's errors under another one on all other motion, if any."""
+    return not other or left_elsewhere(after, before, joint, other) <= part
+
+
 def told_elsewhere(
     current: Estimate, chosen: Score, other: Sequence[Motion], share: float
 ) -> Estimate | None:

@@ -96,7 +96,7 @@ def _one_is_certain(term: Term, errors: dict[str, float], neutral: Mapping[str, 
     """
     change = {name: abs(term.values[name] - zero) for name, zero in neutral.items()}
     free = [name for name in neutral if change[name] > 0.0 or not np.isnan(errors[name])]
-    certain = scipy.special.ndtri(1.0 - scipy.special.ndtr(-CERTAIN) / max(len(free), 1))
+    certain = -scipy.special.ndtri(scipy.special.ndtr(-CERTAIN) / max(len(free), 1))
     return any(change[name] > certain * errors[name] or np.isnan(errors[name]) for name in free)
 
 

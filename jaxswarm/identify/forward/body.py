@@ -8,11 +8,12 @@ import numpy as np
 
 from jaxswarm.effects.kinds import BodyChange, TransmissionLaw
 from jaxswarm.effects.placement import moved_joint, own_moves
-from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.effects.term import Term, of_kind, valued
 from jaxswarm.identify.forward.columns import (
     Moved,
     Rigid,
     is_kept,
+    last_of,
     load_along,
     low_columns,
     torque_of,
@@ -133,13 +134,8 @@ def _moved(
     if rigid is None or not is_kept(motion):
         return link_motion(arm, terms, motion, pi, rigid)
     lagging = [t for t in terms if t.law.changes_rigid_columns]
-    place = (pi.tobytes(), *((t.identity, *sorted(t.values.items())) for t in lagging))
-    moved = rigid.moved.get(place)
-    if moved is None:
-        moved = link_motion(arm, terms, motion, pi, rigid)
-        rigid.moved.clear()
-        rigid.moved[place] = moved
-    return moved
+    place = (pi.tobytes(), valued(lagging))
+    return last_of(rigid.moved, place, lambda: link_motion(arm, terms, motion, pi, rigid))
 
 
 def carried(term: Term, motion: Motion) -> np.ndarray:

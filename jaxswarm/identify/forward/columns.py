@@ -5,9 +5,10 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import jax
 import numpy as np
@@ -24,6 +25,7 @@ from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
+Kept = TypeVar("Kept")
 # Position, velocity and acceleration along a log, each (T, n).
 Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -132,33 +134,13 @@ class Rigid:
 
     def load(self, pi: np.ndarray) -> Load:
         """Load torque for rigid parameters (10 n,)."""
-        place = np.asarray(pi).tobytes()
-        load = self.loads.get(place)
-        if load is None:
-            load = self._load(pi)
-            self.loads.clear()
-            self.loads[place] = load
-        return load
+        return last_of(self.loads, np.asarray(pi).tobytes(), lambda: self._load(pi))
 
     def _load(self, pi: np.ndarray) -> Load:
         # A fit asks for dozens: the recursion takes ten times as long as the product.
         if is_kept(self.motion):
             return Load(_times(self.full, pi), _times(self.still, pi))
         return load_along(self.robot, (self.motion.q, self.motion.dq, self.motion.ddq), pi)
-
-    def as_reported(self, place: tuple, make: Callable[[], np.ndarray]) -> np.ndarray:
-        """Columns (T', n, 10 n) as drives write them down; a fit moves a width more often than a filter.
-
-        Args:
-            place: What says how they are written down.
-            make: Makes them.
-        """
-        known = self.reported.get(place)
-        if known is None:
-            known = make()
-            self.reported.clear()
-            self.reported[place] = known
-        return known
 
     def law(self, term: Term, width: Sequence[float], make: Callable[[], np.ndarray]) -> np.ndarray:
         """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.
@@ -179,6 +161,16 @@ class Rigid:
                 self.laws.pop(next(iter(self.laws)))
             self.laws[place] = own
         return self.laws[place]
+
+
+def last_of(kept: dict, place: Hashable, make: Callable[[], Kept]) -> Kept:
+    """What was kept of a place, or is made and kept of it alone."""
+    known = kept.get(place)
+    if known is None:
+        known = make()
+        kept.clear()
+        kept[place] = known
+    return known
 
 
 def _times(columns: np.ndarray, pi: np.ndarray) -> np.ndarray:

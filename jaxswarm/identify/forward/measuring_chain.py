@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
-from jaxswarm.effects.term import Term, of_kind
+from jaxswarm.effects.term import Term, of_kind, valued
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
-from jaxswarm.identify.forward.columns import Rigid, term_columns
+from jaxswarm.identify.forward.columns import Rigid, last_of, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.own_columns import own_columns, placed
@@ -65,8 +65,10 @@ def _low(terms: tuple[Term, ...], body: Body) -> np.ndarray:
     def make() -> np.ndarray:
         return body.motion.decimator.apply(report(terms, body.motion, body.columns))
 
-    place = tuple((t.identity, *sorted(t.values.items())) for t in in_order(terms))
-    return make() if body.rigid is None else body.rigid.as_reported(place, make)
+    if body.rigid is None:
+        return make()
+    # A fit moves the width of a sign more often than a filter.
+    return last_of(body.rigid.reported, valued(in_order(terms)), make)
 
 
 def _blocks(
