@@ -14,7 +14,9 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward import measuring_chain
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.measuring_chain import assemble
+from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.forward.written_down import report_own
+from jaxswarm.logs.motion import Filtering
 from jaxswarm.testing import check_effect
 
 ARM = planar_arm()
@@ -88,6 +90,10 @@ def test_a_law_that_mixes_joints_sees_all_of_them(motion, monkeypatch):
     columns = assemble(ARM, (DRY, mixing), motion, (0.05, 0.05), PI, rigid, decimate=True)
     own = columns[:, :, 20]
     np.testing.assert_allclose(own[:, 0], own[:, 1] * 0.15 / 1.15, atol=1e-12)
+    plain = Model(ARM, (DRY,), (0.05, 0.05), Filtering(), (1.0, 1.0))
+    assert not plain.on_joint(0).terms
+    mixed = replace(plain, terms=(*plain.terms, mixing))
+    assert mixed.on_joint(0) == mixed
 
 
 def test_a_law_that_says_it_does_not_mix_is_tried(monkeypatch):

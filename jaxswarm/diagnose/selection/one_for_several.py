@@ -22,7 +22,7 @@ from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit, refit_with
-from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere
+from jaxswarm.diagnose.selection.rivals_elsewhere import no_worse
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, step_between
 from jaxswarm.diagnose.selection.survives import survives
@@ -75,7 +75,7 @@ def _one_of_a_joint(search: Search) -> bool:
             after = refit_with(before, score) if saved > 0 else None
             if after is None or not does_as_well(after, current, saved):
                 continue
-            if other and left_elsewhere(after, current, joint, other) > 1.0:
+            if not no_worse(after, current, joint, other):
                 continue
             if survives(before, after, joint, other, search.rules) is None:
                 _replace(search, steps, chain([*rest, step_between(score, before, after)]))
@@ -137,7 +137,7 @@ def _explains_more(search: Search, steps: Sequence[Step], score: Score, after: E
         return False
     if any(cost(after, j, current) > PRICE * cost(current, j, current) for j in joints):
         return False
-    if any(left_elsewhere(after, current, j, search.other) > 1.0 for j in joints if search.other):
+    if not all(no_worse(after, current, j, search.other) for j in joints):
         return False
     if score.candidate.term.law.in_one_log:
         return True

@@ -14,7 +14,7 @@ from jaxswarm.diagnose.decision.rules import GAIN
 from jaxswarm.diagnose.decision.worth import Score, is_large
 from jaxswarm.diagnose.selection.plainer import does_as_well
 from jaxswarm.diagnose.selection.refit import refit_in_place
-from jaxswarm.diagnose.selection.rivals_elsewhere import left_elsewhere, no_worse
+from jaxswarm.diagnose.selection.rivals_elsewhere import no_worse
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.diagnose.selection.survives import survives
@@ -35,8 +35,8 @@ def why_not(search: Search, chosen: Score, after: Estimate) -> str | None:
     """
     current, term = search.current, find_term(after, chosen.candidate.term)
     if _is_read_otherwise(term, current):
-        worse = search.other and left_elsewhere(after, current, chosen.joint, search.other) > 1.0
-        return "" if worse or does_as_well(current, after, 1) else None
+        holds = no_worse(after, current, chosen.joint, search.other)
+        return None if holds and not does_as_well(current, after, 1) else ""
     if not is_large(chosen, search.rules):
         return ""
     if term.law.in_one_log:

@@ -10,7 +10,7 @@ import numpy as np
 
 from jaxswarm.documents import read_document
 from jaxswarm.effects import formula
-from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
+from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward import uncertainty
@@ -18,6 +18,7 @@ from jaxswarm.identify.forward.model_check import check_content
 from jaxswarm.identify.forward.smooth import Smooth, from_json, to_json
 from jaxswarm.identify.forward.torque_along import torque_along
 from jaxswarm.identify.forward.uncertainty import Uncertainty
+from jaxswarm.identify.forward.written_down import mixed
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.robot.model import Robot
 
@@ -58,7 +59,7 @@ class Model:
 
         Where what is written down of the whole arm may mix its joints, nothing is left out.
         """
-        if any(isinstance(t.law, MeasurementLaw) and t.joint is None for t in self.terms):
+        if mixed(self.terms):
             return self
         kept = (t for t in self.terms if t.joint == joint or not isinstance(t.law, TorqueLaw))
         return replace(self, terms=tuple(kept))
