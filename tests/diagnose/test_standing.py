@@ -16,10 +16,13 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection import stepwise
 from jaxswarm.diagnose.selection import with_rest as with_rest_module
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.elsewhere import event_windows, residuals_on
+from jaxswarm.diagnose.selection.pair import _predicts_better
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import _may_be_friction
 from jaxswarm.diagnose.selection.tenable import can_be_resolved
@@ -77,9 +80,9 @@ def stopping(level: float, seed: int = 0, *hidden: Term, creep: float = 0.0) -> 
     return replace(bare, tau=tau + NOISE.torque * rng.normal(size=tau.shape))
 
 
-def sticking(seed: int = 0, level: float = 2.0) -> Log:
+def sticking(seed: int = 0, level: float = 2.0, *hidden: Term) -> Log:
     """A log whose joints, where they hardly move, are held within so many times their friction."""
-    log = log_with(seed=seed + 1)
+    log = log_with(*hidden, seed=seed + 1)
     rng = np.random.default_rng(seed)
     motion = prepare(log, BAND)
     held = np.zeros_like(motion.dq)
@@ -367,6 +370,30 @@ def test_a_joint_that_sticks_for_moments_is_fitted_where_it_moves(seed):
     assert (off < 0.01).all() and off[1] < 0.5 * before[1]
     # Of rows that are not fitted the sign says what it said before.
     assert np.isclose(found.final.model.width[1], whole.model.width[1])
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_a_joint_that_sticks_for_moments_and_lacks_a_law_is_told_both(monkeypatch, beside):
+    """Neither is told without the other: ten times the noise was "unexplained", or nothing was missing."""
+    if not beside:
+        monkeypatch.setattr(stepwise, "leave_out_beside_laws", lambda search: False)
+    spring = Term("joint_spring", 0, values={"k": 8.0, "tau0": 4.0})
+    found = diagnose(small_arm(), blank(), [prepare(sticking(0, 2.0, spring), BAND)])
+    assert [(s.added.effect, s.added.joint) for s in found.kept] == [("joint_spring", 0)] * beside
+    loud = remainders(found.final)[0].over_noise
+    assert loud < 1.0 if beside else loud > 1.7
+    if beside:
+        assert found.kept[0].added.values["k"] == pytest.approx(8.0, rel=0.05)
+        assert "joint1" in held_shares(found.final.motions)
+
+
+def test_a_law_predicts_better_where_friction_holds_joints_in_some_rows():
+    """Rows without a weight made the error no number, and no pair of laws was told on such logs."""
+    old = fitted(stopping(2.5, 0, Term("joint_spring", 0, values={"k": 8.0, "tau0": 2.0})))
+    assert held_shares(old.motions)
+    new = refit(old, (*old.model.terms, Term("joint_spring", 0)))
+    assert _predicts_better(new, old, 0, 1, Rules())
+    assert not _predicts_better(old, new, 0, 1, Rules())
 
 
 def test_what_holds_a_joint_is_no_more_than_its_friction():

@@ -71,7 +71,8 @@ def _predicts_better(new: Estimate, old: Estimate, joint: int, asked: int, rules
     def blocks(crossfit: CrossFit) -> np.ndarray:
         total = np.zeros(count)
         for half in crossfit.halves:
-            out = ~half.train
+            # A row in which friction holds the joint has no weight.
+            out = ~half.train & (crossfit.weight[:, joint] > 0.0)
             left = half.residual[out, joint] / crossfit.weight[out, joint]
             np.add.at(total, former.block[out], (left * former.weight[out, joint]) ** 2)
         return total

@@ -37,6 +37,7 @@ from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
 from jaxswarm.diagnose.selection.sticking import leave_out_sticks
+from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws
 from jaxswarm.diagnose.selection.survives import one_place, stands_in
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
@@ -87,7 +88,7 @@ def diagnose(
         logs: Sequence[Motion],
         most: int,
         goes_on: Callable = _always,
-        sticks: Callable[[Search], bool] = leave_out_sticks,
+        sticks: Callable[[Search], bool] = _sticks,
     ) -> Search:
         question = replace(_LACKING, act=partial(_act_if, goes_on))
         with declared_alone(robot, declared, logs) as alone:
@@ -150,6 +151,11 @@ def _act(search: Search, passed: list[Score]) -> bool:
     if everyday_again(search) or one_for_several(search) or _choose_again(search):
         return True
     return not search.budget.spent and add_two_laws(search)
+
+
+def _sticks(search: Search) -> bool:
+    """Leave out where friction holds joints for moments, alone or beside laws to come; whether it does."""
+    return leave_out_sticks(search) or leave_out_beside_laws(search)
 
 
 def _always(search: Search, passed: list[Score]) -> bool:

@@ -24,7 +24,12 @@ from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import chain
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving, leave_out, tells_motion
+from jaxswarm.identify.estimation.standing import (
+    HELD,
+    hardly_moving,
+    leave_out,
+    tells_motion,
+)
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import Motion
 
@@ -59,11 +64,14 @@ def _fit_of_what_moves(search: Search) -> Estimate | None:
         structure = find_material(current, search.folds, search.seed)
         asked -= {item.joint for item in structure if _may_be_friction(item, current)}
 
-    def fitted(motions: Sequence[Motion]) -> Estimate:
-        found = refit(replace(current, motions=tuple(motions)), current.model.terms)
-        return with_motion_noise(found, search.seed)
+    return without_sticks(search, asked, lambda motions: fit_of_rows(search, current, motions))
 
-    return without_sticks(search, asked, fitted)
+
+def fit_of_rows(search: Search, found: Estimate, motions: Sequence[Motion]) -> Estimate:
+    """A fit once more, to the rows that are in use of these logs, with their noise."""
+    return with_motion_noise(
+        refit(replace(found, motions=tuple(motions)), found.model.terms), search.seed
+    )
 
 
 def loud_joints(search: Search) -> set[int]:
@@ -89,7 +97,7 @@ def without_sticks(
     while asked:
         joints = np.isin(np.arange(rows[0].shape[1]), list(asked))
         after = fitted(leave_out(current.motions, rows, joints))
-        held = asked & set(np.flatnonzero(_is_held(current, after)))
+        held = asked & set(np.flatnonzero(is_held(current, after)))
         if held == asked:
             search.sticking |= held
             return after
@@ -134,18 +142,36 @@ def _known(motion: Motion) -> np.ndarray:
     return motion.held
 
 
-def _is_held(before: Estimate, after: Estimate) -> np.ndarray:
+def is_held(before: Estimate, after: Estimate) -> np.ndarray:
     """Whether friction may be what holds each joint, (n,), in rows that the fit after does not use any more."""
-    out = before.regression.used_rows & ~after.regression.used_rows
+    left, _, friction = _where_left_out(before, after)
+    pairs = list(zip(remainders(before), remainders(after), strict=True))
+    near = np.array([b.near and b.over_noise**2 < STICKS * a.over_noise**2 for a, b in pairs])
+    return near & tells_motion(after.regression.used_rows) & (left <= friction)
+
+
+def stands_out(before: Estimate, after: Estimate) -> np.ndarray:
+    """Whether friction may hold each joint, (n,), where the fit after uses no row, far from the noise or not.
+
+    Those are left with more than motion, by as much as for a rest that is held, and no more than friction.
+    """
+    left, moving, friction = _where_left_out(before, after)
+    return (left > HELD * moving) & (left <= friction)
+
+
+def _where_left_out(before: Estimate, after: Estimate) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """RMS of what is left in rows that a fit uses no more and in motion, and its friction, (n,) each."""
+    used = after.regression.used_rows
+    out = before.regression.used_rows & ~used
     left, friction = (
         np.concatenate(parts)
         for parts in zip(*(_left_and_friction(after, m) for m in after.motions), strict=True)
     )
-    size = np.sqrt((np.where(out, left, 0.0) ** 2).sum(axis=0) / np.maximum(out.sum(axis=0), 1))
-    pairs = list(zip(remainders(before), remainders(after), strict=True))
-    near = np.array([b.near and b.over_noise**2 < STICKS * a.over_noise**2 for a, b in pairs])
-    moves = tells_motion(after.regression.used_rows)
-    return near & moves & (size <= np.abs(friction).max(axis=0))
+    sizes = (
+        np.sqrt(np.where(rows, left**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))
+        for rows in (out, used)
+    )
+    return *sizes, np.abs(friction).max(axis=0)
 
 
 def _left_and_friction(found: Estimate, motion: Motion) -> tuple[np.ndarray, np.ndarray]:

@@ -24,7 +24,7 @@ _REST = 0.25
 # joints, and at most 2.34 (1.9 by rests), where a law is missing that shows at rest, too; on measured robots of
 # two makers 2.6 to 5.7. Rests count beside time: an arm of 300 kg is held at 960 N m before its first move and
 # for longer at 20 N m after its last one.
-_HELD = 2.5
+HELD = 2.5
 # Where no more than this part of the rows in which a joint hardly moves is fitted, its sign has no width to
 # fit: logs are moved by parts of a sample after rows were left out.
 _UNTOLD = 0.02
@@ -106,7 +106,7 @@ def held(left: np.ndarray, rest: Sequence[np.ndarray], mixed: Sequence[np.ndarra
     told = []
     for e, s, m, own in zip(left.T, still.T, moves.T, spans, strict=True):
         known = s.any() and tells_motion(m)
-        told.append(known and _half(e, s, own) > _HELD * np.sqrt(np.mean(e[m] ** 2)))
+        told.append(known and _half(e, s, own) > HELD * np.sqrt(np.mean(e[m] ** 2)))
     return np.array(told, dtype=bool)
 
 

@@ -1,0 +1,90 @@
+"""Joints that dry friction holds for a moment and that lack a law as well: neither is told without the other.
+
+With the rows in which friction holds a joint no law of the others lowers its error by enough, and without the
+law motion alone is far from its noise, so that nothing is friction's. A joint of an arm of another simulator
+that paused for less than a quarter of a second between its moves, at up to its whole dry friction, lacked a
+spring of 2.8 times its noise: "unexplained", ten times the noise, 92 % of it by the joint's own position. So
+laws are asked of motion alone; where one brings that near its noise, the rows are judged beside it.
+"""
+
+import numpy as np
+
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.decision.competing import accepted, choose
+from jaxswarm.diagnose.decision.evaluate import score_on
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import LOUD, NEAR
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.sticking import (
+    fit_of_rows,
+    go_on_from,
+    is_held,
+    loud_joints,
+    stands_out,
+)
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.standing import hardly_moving, leave_out
+
+
+def leave_out_beside_laws(search: Search) -> bool:
+    """Leave out where joints hardly move that motion alone explains with a law; whether friction holds them.
+
+    The laws are not added here: the search goes on without these rows, and asks for them as for any.
+    """
+    current, asked = search.current, loud_joints(search)
+    if search.budget.spent or not asked:
+        return False
+    rows = hardly_moving(current.motions)
+
+    def what_moves(joints: set[int]) -> Estimate:
+        which = np.isin(np.arange(rows[0].shape[1]), list(joints))
+        return fit_of_rows(search, current, leave_out(current.motions, rows, which))
+
+    moving = what_moves(asked)
+    loud = set(np.flatnonzero(stands_out(current, moving) & (over_noise(moving) > LOUD)))
+    if not asked & loud:
+        return False
+    if asked - loud:
+        asked &= loud
+        moving = what_moves(asked)
+    told = _with_laws(search, moving, asked)
+    if told is None or not _is_held_beside(told, search, asked):
+        return False
+    search.sticking |= asked
+    go_on_from(search, moving, asked)
+    return True
+
+
+def _is_held_beside(told: Estimate, search: Search, asked: set[int]) -> bool:
+    """Whether friction holds all these joints in the rows that a fit does not use, beside its laws."""
+    every = fit_of_rows(search, told, search.current.motions)
+    return asked <= set(np.flatnonzero(is_held(every, told)))
+
+
+def _with_laws(search: Search, moving: Estimate, asked: set[int]) -> Estimate | None:
+    """The fit to motion alone with a law for each of these joints; None where one of them stays loud."""
+    here = moving
+    for _ in asked:
+        after = _with_law(search, here, asked)
+        if after is None:
+            return None
+        here = fit_of_rows(search, after, after.motions)
+        if (over_noise(here)[list(asked)] <= NEAR).all():
+            return here
+    return None
+
+
+def _with_law(search: Search, here: Estimate, asked: set[int]) -> Estimate | None:
+    """The fit with the law of these joints that would be added, or the next one that can be fitted."""
+    terms, folds = eligible_terms(here.model, here.motions), cross_fit(here)
+    passed = accepted(score_on(here, terms, search.seed), search.rules, search.added)
+    left = [s for s in passed if s.joint in asked]
+    while left:
+        best, _ = choose(left, search.rules, folds)
+        after = refit_with(here, best)
+        if after is not None:
+            return after
+        left = [s for s in left if s is not best]
+    return None
