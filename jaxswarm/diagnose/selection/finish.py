@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.as_declared import keep_declared_widths
 from jaxswarm.diagnose.selection.clock import settle_clocks
 from jaxswarm.diagnose.selection.doubt_of_motion import with_doubt_of_motion
 from jaxswarm.diagnose.selection.from_declared import fit_from_declared
@@ -30,6 +31,7 @@ def finish(search: Search, alone: Callable[[], Estimate]) -> None:
         if not take_back_idle(search):
             _hold_within_bounds(search)
             with_readings(search)
+            keep_declared_widths(search, alone)
             search.current = with_doubt_of_motion(search.current, search.seed)
             return
     _as_identified(search, alone())

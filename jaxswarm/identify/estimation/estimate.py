@@ -24,6 +24,7 @@ from jaxswarm.identify.estimation.sign_width import (
     alike,
     best_widths,
     driven_by_friction,
+    sharing,
     width_groups,
 )
 from jaxswarm.identify.estimation.usable import check_usable
@@ -78,6 +79,7 @@ def estimate(
     bounded: bool = True,
     rigids: Sequence[Rigid] | None = None,
     refine_width: bool | None = None,
+    known_width: bool = True,
     start: np.ndarray | None = None,
 ) -> Estimate:
     """Identify the rigid body and the parameters of ``terms`` on one or several logs.
@@ -89,6 +91,7 @@ def estimate(
         width: Width of every joint's smooth sign [rad/s or m/s], one or one per joint; None: those that
             fit best.
         refine_width: Whether the widths are fitted with the rest; None: where they are not given.
+        known_width: Whether widths that are not fitted are known; else the standard errors hold their doubt.
         bounded: Whether physical bounds (friction not below zero) hold.
         rigids: Rigid-body columns of the logs where they are known.
         start: Rigid parameters to start from, (10 n,), where loads or soft joints need some.
@@ -112,14 +115,15 @@ def estimate(
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     motions = without_rest(robot, terms, motions, rigids, width, pi)
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual_shapes(terms))
-    groups = width_groups(robot, terms, motions) if refine_width else []
-    here, moving, held_widths = _fitted(problem, groups, Place(as_usual(terms), width), pi)
+    groups = width_groups(robot, terms, motions) if refine_width or not known_width else []
+    fitted = _fitted if refine_width else _fitted_at_width
+    here, moving, held_widths = fitted(problem, groups, Place(as_usual(terms), width), pi)
     told = told_apart(problem, here, [*moving, *held_widths])
     if told:
         problem = replace(problem, usual=problem.usual - told)
         # Widths that were told beside a wrong shape made up for it, and would hold it there.
         place = here.place._replace(width=width)
-        here, moving, held_widths = _fitted(problem, groups, place, here.pi)
+        here, moving, held_widths = fitted(problem, groups, place, here.pi)
     return _named(problem, here, moving, held_widths)
 
 
@@ -139,6 +143,12 @@ def _fitted(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, p
         if any(one.joints and driven.issuperset(one.joints) for one in moving):
             here, moving = from_here(groups)
     return choose_widths(problem, here, moving, groups)
+
+
+def _fitted_at_width(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, pi):
+    """The fit with the widths of a place, what is free there, and the groups' widths, which are not known."""
+    here, moving, _ = _fitted(problem, [], place, pi)
+    return here, moving, free_widths(problem.motions, sharing(groups, place.width), place.width)
 
 
 def untold(term: Term, errors: dict[str, float]) -> list[str]:
@@ -182,12 +192,6 @@ def _exchange(term: Term, errors: dict[str, float]) -> Callable | None:
     return term.law.exchanged if second and not first else None
 
 
-def _uncertainty(solution: Fit) -> Uncertainty:
-    """The covariance of a fit by the names of its columns."""
-    base = solution.base
-    return Uncertainty(tuple(base.names[k] for k in base.kept), solution.covariance)
-
-
 def _finish(
     problem: Problem, here: Settled, moving: list[FreeParameter], held_widths: list[FreeParameter]
 ) -> Estimate:
@@ -208,7 +212,9 @@ def _finish(
         here.place.width,
         first.filtering,
         tuple(map(float, solution.sigma)),
-        uncertainty=_uncertainty(solution),
+        uncertainty=Uncertainty(
+            tuple(solution.base.names[k] for k in solution.base.kept), solution.covariance
+        ),
     )
     placed = replace(here, place=Place(terms, here.place.width))
     doubted = [*moving, *held_widths]

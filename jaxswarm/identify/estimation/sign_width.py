@@ -70,6 +70,19 @@ def alike(groups: Sequence[tuple[int, ...]], width: Sequence[float]) -> list[tup
     return parts
 
 
+def sharing(groups: Sequence[tuple[int, ...]], width: Sequence[float]) -> list[tuple[int, ...]]:
+    """Groups of joints cut into those whose joints have one width.
+
+    >>> sharing([(0, 1, 2), (3,)], (0.01, 0.2, 0.01, 0.2))
+    [(0, 2), (1,), (3,)]
+    """
+    return [
+        tuple(j for j in group if width[j] == one)
+        for group in groups
+        for one in dict.fromkeys(width[j] for j in group)
+    ]
+
+
 def width_range(motions: Sequence[Motion], joints: Sequence[int]) -> tuple[float, float]:
     """Least and largest width of joints that share one, for the refinement."""
     speed = typical_speed(motions)[list(joints)]
