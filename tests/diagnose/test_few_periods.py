@@ -1,4 +1,4 @@
-"""A ripple of which few periods are seen is one only if it leaves nothing that follows the position."""
+"""An order of which few periods are seen is one only if it leaves nothing that follows what it is about."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from planted import BAND, declared_fit, log_with
 from test_unexplained import with_extra
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.position_laws import imitates
+from jaxswarm.diagnose.candidates.position_laws import hardly_repeats, imitates
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -17,7 +17,7 @@ from jaxswarm.diagnose.selection.survives import one_place
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import prepare
 
-RIPPLE = Term("torque_ripple", 1)
+RIPPLE, FRICTION = Term("torque_ripple", 1), Term("position_dependent_friction", 1)
 FEW = replace(RIPPLE, values={"sine": 1.0, "cosine": 0.0, "n": 4.0})
 MANY = replace(RIPPLE, values={"sine": 1.0, "cosine": 0.0, "n": 40.0})
 SPRING, CUBIC, DEAD_ZONE, BRISTLES = (
@@ -30,13 +30,23 @@ def magnet(q, dq):
     return 4.0 * x * np.exp(-(x**2))
 
 
-def why_not(log):
-    """Why the best ripple of the second joint is refused on a log, and its order."""
+def brake(low, high):
+    """Drag of an eddy-current brake between two angles."""
+
+    def torque(q, dq):
+        place = 0.5 * (np.tanh((q[:, 1] - low) / 0.05) - np.tanh((q[:, 1] - high) / 0.05))
+        return 6.0 * place * dq[:, 1] / (1.0 + (dq[:, 1] / 0.35) ** 2)
+
+    return torque
+
+
+def why_not(log, law=RIPPLE):
+    """Why the best order of a law of the second joint is refused on a log, and that order."""
     before, crossfit = declared_fit(log)
-    (score,) = score_terms(Linearization(before, crossfit), [RIPPLE], 0)
+    (score,) = score_terms(Linearization(before, crossfit), [law], 0)
     after = refit_with(before, score)
     assert after is not None
-    found = find_term(after, RIPPLE)
+    found = find_term(after, law)
     return one_place(after, found, Rules(), 0), found.values["n"]
 
 
@@ -51,6 +61,29 @@ def test_a_ripple_is_one(order):
 def test_a_magnet_is_none():
     why, found = why_not(with_extra(magnet))
     assert why is not None
+
+
+@pytest.mark.parametrize(("low", "high"), [(-0.2, 0.5), (-0.5, 0.0), (0.1, 0.6), (-0.2, 0.2)])
+def test_a_brake_between_two_angles_is_no_friction_by_the_position(low, high):
+    why, found = why_not(with_extra(brake(low, high)), FRICTION)
+    assert why is not None
+
+
+@pytest.mark.parametrize("order", [1.5, 3.5])
+def test_friction_by_the_position_is_one(order):
+    true = replace(FRICTION, values={"sine": 1.5, "cosine": 0.5, "n": order})
+    why, found = why_not(log_with(true), FRICTION)
+    assert why is None
+    assert found == pytest.approx(order, rel=0.1)
+
+
+def test_only_orders_of_waves_are_seen_in_periods():
+    """A load friction has numbers without a unit, too, and no periods."""
+    motions = [prepare(log_with(), BAND)]
+    assert hardly_repeats(replace(FRICTION, values={"n": 1.0}), motions)
+    assert not hardly_repeats(replace(FRICTION, values={"n": 40.0}), motions)
+    load = Term("load_dependent_friction", 1, values={"mu": 0.1, "inertial": 1.0})
+    assert not hardly_repeats(load, motions)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import numpy as np
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.direction import follows_direction
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.parameter import ORDER, Unit
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import Motion
 
@@ -37,8 +38,11 @@ def leaves_room(term: Term, motions: Sequence[Motion]) -> bool:
 
 
 def hardly_repeats(term: Term, motions: Sequence[Motion]) -> bool:
-    """Whether a term is an order of which too few periods are seen to tell it from a torque at one place."""
-    return term.law.several and _periods(term, motions) <= _MULTIPLES
+    """Whether a term is an order of which too few periods are seen to tell it from a torque at one place.
+
+    Friction that varies with the position is one, too: drag between two angles was told as 1.2 periods of it.
+    """
+    return _order(term) > 0.0 and _periods(term, motions) <= _MULTIPLES
 
 
 def strays(term: Term, held: Sequence[Term], motions: Sequence[Motion]) -> bool:
@@ -88,8 +92,9 @@ def _is_multiple(one: float, other: float) -> bool:
 
 
 def _order(term: Term) -> float:
-    """The number that tells a term from others of its law."""
-    return max((term.values.get(name, 0.0) for name in term.law.identity), default=0.0)
+    """Periods of a term a turn of its joint, or a meter; zero for what does not repeat."""
+    orders = [p for p in term.law.parameters if isinstance(p.unit, Unit) and p.unit == ORDER]
+    return max((term.values.get(p.name, 0.0) for p in orders), default=0.0)
 
 
 def _periods(term: Term, motions: Sequence[Motion]) -> float:

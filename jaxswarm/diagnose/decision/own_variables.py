@@ -1,5 +1,7 @@
 """What a law is about, and how much of what it leaves still follows that."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from jaxswarm.diagnose.decision.smooth_rows import (
@@ -42,16 +44,33 @@ def left_of_own(
     inputs = _variables(found, term)
     if not inputs:
         return 0.0, 1.0
-    joint, names = term.index, tuple(inputs)
+    joint = term.index
     weight = crossfit.weight[:, joint, None]
     halves = [joint_rows(fold, joint) for fold in crossfit.halves]
-    tried = []
-    for narrow in (False, True) if len(names) == 1 else (False,):
-        waves = waves_of(SmoothOf(names, narrow), seed)
-        rows = smooth_rows(list(inputs.values()), waves) * weight
-        tried.append(held_out_share(halves, crossfit.block, rows))
+    tried = [
+        held_out_share(halves, crossfit.block, rows * weight)
+        for rows in _functions(inputs, torque_at_joint(found, term), seed)
+    ]
     best = max(tried)
     return best.share, min(1.0, len(tried) * best.p_value)
+
+
+def _functions(inputs: dict[str, Variable], torque: np.ndarray, seed: int) -> Iterator[np.ndarray]:
+    """Features (T, f) of what a law of a torque (T,) may leave by what it is about.
+
+    Of two variables any function has 96 numbers, which a short log does not tell: of drags between two angles
+    that were told as friction by the position none left any. So it is asked for one of each alone, too, and for
+    one of each times the law's own torque: dry friction has a level that no speed changes.
+    """
+    names = tuple(inputs)
+    asked = [SmoothOf(names), *(SmoothOf((name,)) for name in names if len(names) > 1)]
+    if len(names) == 1:
+        asked.append(SmoothOf(names, narrow=True))
+    for of in asked:
+        rows = smooth_rows([inputs[name] for name in of.names], waves_of(of, seed))
+        yield rows
+        if len(of.names) < len(names):
+            yield rows * torque[:, None]
 
 
 def torque_at_joint(found: Estimate, term: Term) -> np.ndarray:
