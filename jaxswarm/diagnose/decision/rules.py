@@ -104,7 +104,7 @@ BY_STATE = 0.6
 # were a dashpot of one direction had 0.61, random ones 0.05 and 0.43 at most.
 LIKE_STATES, BY_CHANCE = 0.5, 0.01
 # Share of what an order of few periods leaves that may follow what it is about: a magnet told as a ripple left
-# 0.2 (p = 1e-4), drags between two angles told as friction by the position 0.16 to 0.62 (p < 1e-3).
+# 0.2 (p = 1e-4), drags between two angles told as friction by the position 0.16 to 0.62 (p < 0.003).
 ONE_PLACE = 0.1
 
 # --- What is left, against the noise -------------------------------------------------------------------------
