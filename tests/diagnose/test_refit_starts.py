@@ -1,5 +1,7 @@
 """A refit begins again elsewhere where it comes to nothing that can be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planted import declared_fit, log_with
@@ -8,6 +10,7 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.selection import refit as refit_module
 from jaxswarm.diagnose.selection.refit import refit_with
+from jaxswarm.diagnose.selection.refit_starts import starts
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
 
@@ -38,7 +41,46 @@ def test_a_curve_of_usual_shape_begins_from_lower_speeds_too(monkeypatch, hidden
 def test_a_spring_wanted_many_times_over_begins_that_much_softer(wanted, stiffness):
     """A gear that stiffens was fitted from 3e5 N m/rad on, stuck at 24,000, and lost to an encoder's error."""
     term = Term("joint_elasticity", 1, values={"k": 43.0 * 7e3, "d": 64.0})
-    starts = refit_module._starts(term, np.array([wanted]))
-    assert [s.values["k"] for s in starts] == pytest.approx(stiffness, rel=0.01)
-    ratios = [s.values["d"] / np.sqrt(s.values["k"]) for s in starts]
+    begun = starts(term, np.array([wanted]))
+    assert [s.values["k"] for s in begun] == pytest.approx(stiffness, rel=0.01)
+    ratios = [s.values["d"] / np.sqrt(s.values["k"]) for s in begun]
     assert ratios == pytest.approx(ratios[:1] * len(ratios))
+
+
+@pytest.mark.parametrize("less", [True, False])
+def test_without_a_new_law_a_fit_begins_again_where_other_widths_leave_less(monkeypatch, less):
+    """Of 48 fits from widths that left more each came back to where it was, for half of their time."""
+    before, _ = declared_fit(log_with(DRAG))
+    width = tuple((5.0 if less else 1.0) * w for w in before.model.width)
+    fits, fit_from = [], refit_module.fit_from
+    best = before.model.width if less else tuple(5.0 * w for w in before.model.width)
+
+    def counted(current, start, terms, width):
+        fits.append(width)
+        return fit_from(current, start, terms, width, refine_width=False)
+
+    monkeypatch.setattr(refit_module, "fit_from", counted)
+    monkeypatch.setattr(refit_module, "best_widths", lambda *a: best)
+    found = replace(before, model=replace(before.model, width=width))
+    refit_module.refit(found, before.model.terms)
+    assert fits == [width, best][: 1 + less]
+    fits.clear()
+    refit_module.refit(found, (*before.model.terms, Term("joint_spring", 0)))
+    assert fits == [width, best]
+
+
+@pytest.mark.parametrize(("way", "fits"), [(0.0, 1), (1e-3, 2)])
+def test_a_bristle_that_became_dry_friction_is_not_fitted_once_more(monkeypatch, way, fits):
+    """Of seven bristles beside a filter five ran to the least way, and did so once more, in 11 s each."""
+    before, _ = declared_fit(log_with(DRAG))
+    least = Term("hysteresis", 0).law.nonlinear[0].lower
+    bristle = Term("hysteresis", 0, values={"x0": least + way, "fc": 1.0})
+    found = replace(before, model=replace(before.model, terms=(*before.model.terms, bristle)))
+    done = []
+    monkeypatch.setattr(refit_module, "fit_from", lambda *a: done.append(1) or found)
+    monkeypatch.setattr(
+        refit_module, "best_widths", lambda *a: tuple(5.0 * w for w in before.model.width)
+    )
+    monkeypatch.setattr(refit_module, "_leaves_less", lambda *a: False)
+    refit_module.refit(before, found.model.terms)
+    assert len(done) == fits

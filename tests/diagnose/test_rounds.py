@@ -30,6 +30,12 @@ def fitted():
     return declared_fit(log_with(SPRING))
 
 
+def changing(search, passed):
+    """Act on what passed: the model is another one."""
+    search.current = replace(search.current)
+    return True
+
+
 def search_of(found, **more):
     return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget(), **more)
 
@@ -43,7 +49,7 @@ def test_the_last_look_is_at_the_model_as_it_is_told(fitted):
         cross_fit=lambda search: crossfit,
         eligible=lambda search: asked.append(1) or [replace(SPRING, values={})],
         held=lambda search: set(),
-        act=lambda search, passed: True,
+        act=changing,
         allow=lambda *a: bool(allowed.append(1)),
     )
     search = search_of(found)
@@ -68,11 +74,46 @@ def test_scores_of_a_round_do_not_stand_beside_those_of_the_next(fitted, monkeyp
         cross_fit=lambda search: crossfit,
         eligible=lambda search: [replace(SPRING, values={})],
         held=lambda search: set(),
-        act=lambda search, passed: True,
+        act=changing,
     )
     search = search_of(found)
     run_rounds(search, question, 1)
     assert standing == [0, 0] and len(search.scores) == 1 and len(given) == 2
+
+
+def test_a_model_that_refused_something_is_not_asked_anew(fitted, monkeypatch):
+    """Each of seven joints was refused a bristle, and 290 laws were asked anew each time, beside one model."""
+    found, crossfit = fitted
+    asked, passed_on, score_terms = [], [], rounds.score_terms
+
+    def counted(lin, terms, *more):
+        asked.append(tuple(terms))
+        return score_terms(lin, terms, *more)
+
+    def refuse(search, passed):
+        passed_on.append([s.candidate.term for s in passed])
+        if not passed:
+            return False
+        search.refuse(passed[0].candidate.term)
+        return True
+
+    monkeypatch.setattr(rounds, "score_terms", counted)
+    terms = [Term("joint_spring", 0), Term("cubic_spring", 0)]
+    question = Question(
+        told=lambda search: "asking",
+        cross_fit=lambda search: crossfit,
+        eligible=lambda search: [t for t in terms if t.identity not in search.banned],
+        held=lambda search: set(),
+        act=refuse,
+    )
+    search = search_of(found)
+    run_rounds(search, question, 5)
+    assert asked == [tuple(terms)] and [len(p) for p in passed_on] == [2, 1, 0]
+    assert search.asked == 2 and not search.scores
+    search.ask_again(0)
+    terms.append(Term("torque_offset", 0))
+    run_rounds(search, question, 5)
+    assert len(asked) == 2
 
 
 @pytest.mark.parametrize("steps", [0, 1])

@@ -1,5 +1,6 @@
 """The exponent of Stribeck's curve stays at the usual one unless a log tells another."""
 
+import importlib
 from functools import cache
 
 import numpy as np
@@ -9,19 +10,25 @@ from small_problems import make_motion, planar_arm
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 
+estimating = importlib.import_module("jaxswarm.identify.estimation.estimate")
 PLAIN = [Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2)]
 WIDTH = 0.05
 
 
-@cache
-def fitted(delta: float, noise: float):
-    """Values and errors of the curve of the first joint, 1.5 N m high at rest and gone beyond 0.4 rad/s."""
+def log_of(delta: float, noise: float):
+    """A log whose first joint has a curve 1.5 N m high at rest and gone beyond 0.4 rad/s."""
 
     def friction(q, dq, ddq):
         curve = 1.5 * np.exp(-((np.abs(dq) / 0.4) ** delta)) * np.array([1.0, 0.0])
         return (2.0 + curve) * np.tanh(dq / WIDTH) + 0.5 * dq
 
-    motion = make_motion(planar_arm(), friction, length=1500, noise=noise)
+    return make_motion(planar_arm(), friction, length=1500, noise=noise)
+
+
+@cache
+def fitted(delta: float, noise: float):
+    """Values and errors of that curve."""
+    motion = log_of(delta, noise)
     found = estimate(planar_arm(), (*PLAIN, Term("stribeck_friction", 0)), [motion], width=WIDTH)
     return found.model.terms[-1].values, found.std_errors[-1]
 
@@ -36,6 +43,23 @@ def test_where_the_log_does_not_tell_another_it_is_the_usual_one_and_has_no_erro
 def test_where_the_log_tells_another_it_is_that_one(delta):
     values, errors = fitted(delta, 0.02)
     assert abs(values["delta"] - delta) < 4.0 * errors["delta"] < 0.4
+
+
+@pytest.mark.parametrize(("delta", "noise", "fits"), [(0.8, 0.02, 1), (2.0, 0.5, 2)])
+def test_what_a_fit_near_told_is_asked_whether_it_is_usual_after_all(
+    monkeypatch, delta, noise, fits
+):
+    """A filter that is late besides was fitted as one that is not first, for half the time of each fit."""
+    values, errors = fitted(delta, noise)
+    curve = Term("stribeck_friction", 0, values={**values, "delta": min(delta, 1.2)})
+    counted, plain = [], estimating._fitted
+    monkeypatch.setattr(estimating, "_fitted", lambda *a: counted.append(1) or plain(*a))
+    terms = (*PLAIN, curve)
+    again = estimate(planar_arm(), terms, [log_of(delta, noise)], width=WIDTH, near=terms)
+    assert len(counted) == fits
+    told, doubts = again.model.terms[-1].values, again.std_errors[-1]
+    assert told == pytest.approx(values, rel=0.01)
+    assert doubts["delta"] == pytest.approx(errors["delta"], rel=0.01, nan_ok=True)
 
 
 def test_a_width_that_made_up_for_the_usual_exponent_is_asked_again_beside_the_true_one():

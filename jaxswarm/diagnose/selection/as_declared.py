@@ -71,4 +71,5 @@ def _at_width(current: Estimate, width: np.ndarray) -> Estimate:
         bounded=bool(current.fit.at_bound.any()),
         rigids=current.rigids,
         start=np.asarray(model.robot.parameters).ravel(),
+        near=model.terms,
     )

@@ -55,7 +55,13 @@ def _fitted(found: Estimate, sign: float, seed: int) -> tuple[Term, ...]:
     motions = [_with_noise(m, sign, rng) for m in found.motions]
     start = np.asarray(model.robot.parameters).ravel()
     after = estimate(
-        model.robot, model.terms, motions, width=model.width, bounded=False, start=start
+        model.robot,
+        model.terms,
+        motions,
+        width=model.width,
+        bounded=False,
+        start=start,
+        near=model.terms,
     )
     return after.model.terms
 

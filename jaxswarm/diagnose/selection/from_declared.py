@@ -95,4 +95,5 @@ def _fit_at(current: Estimate, width: tuple[float, ...], late: float) -> Estimat
         refine_width=True,
         bounded=False,
         start=np.asarray(model.robot.parameters).ravel(),
+        near=model.terms,
     )

@@ -8,34 +8,28 @@ from jaxswarm.diagnose.decision.rules import IN_PLACE, WITHIN_BOUNDS
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import row_weight
 from jaxswarm.diagnose.selection.holds import holds
+from jaxswarm.diagnose.selection.refit_starts import starts, with_start
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
     is_within,
     unphysical_beside,
+    winds_up,
     within_chance,
 )
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
-from jaxswarm.effects.alike import number_of
-from jaxswarm.effects.kinds import TransmissionLaw
+from jaxswarm.effects.alike import lacking, number_of
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.free_parameters import Place
+from jaxswarm.identify.estimation.gauss_newton import settle
 from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import best_widths
 from jaxswarm.identify.forward.regression import Diverged
 from jaxswarm.identify.forward.written_down import clock_lag
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
-# The second start of a gap, as a part of what was found to first order: on a world it was found twice too wide,
-# and only from below half of that did the fit come to the true one.
-_NARROW = 0.35
-# Further starts of a speed, as parts of the one that was found with another shape than the usual one.
-_LOWER = (0.5, 0.25)
-# A spring whose torque is wanted more than so many times begins that much softer: neighbors on the lattice that
-# it was tried on are 1.8 times as stiff as one another.
-_MANY_TIMES = 1.8
-# A start lies within this part of the way from neutral to the bounds: at a bound no step shows a slope.
-_INSIDE = 0.95
 
 
 def refit_with(current: Estimate, chosen: Score, beyond: bool = True) -> Estimate | None:
@@ -80,7 +74,7 @@ def _refit_without(
     current: Estimate, chosen: Score, dropped: tuple[str, ...], beyond: bool
 ) -> Estimate | None:
     """As :func:`refit_with`, without the terms of these names on the same joint."""
-    term = _with_start(chosen)
+    term = with_start(chosen)
     weight = row_weight(current)
 
     def cost(one: Estimate) -> float:
@@ -98,7 +92,7 @@ def _refit_without(
         return within >= WITHIN_BOUNDS * fall
 
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in dropped)]
-    for start in _starts(term, chosen.coefficients):
+    for start in starts(term, chosen.coefficients):
         try:
             after = refit(current, (*kept, start), chosen.candidate.start)
         except Diverged:  # what was found to first order cannot be: a link runs away
@@ -129,37 +123,13 @@ def _within_own_bounds(after: Estimate, term: Term) -> Estimate:
     return after if is_within(fitted) else within_bounds(after)
 
 
-def _starts(term: Term, coefficients: np.ndarray) -> list[Term]:
-    """Where a refit begins, the next one where it comes to nothing that can be.
-
-    A spring whose torque was wanted many times over is that much softer: its lag is the torque over the
-    stiffness, but near its resonance. One that stiffens as it winds up was wanted 43 times at 3e5 N m/rad;
-    fitted from there it ended at 24,000, from a 43rd at 8,100 and left a tenth less.
-
-    A gap seen too wide does not close by small steps, so it begins from a narrow one too. A speed that was
-    found with another shape of a curve than the usual one may lie beyond where that one bends: it begins from
-    lower ones too. Stribeck friction of a slide that was led slowly went to -87 N at 0.25 m/s and was refused.
-    """
-    law = term.law
-    names: list[str] = []
-    parts: tuple[float, ...] = ()
-    if isinstance(law, TransmissionLaw) and law.gap is not None:
-        names, parts = ["gap"], (_NARROW,)
-    elif any(p.usual for p in law.parameters):
-        names, parts = [p.name for p in law.nonlinear if p.scale == "log"], _LOWER
-    if isinstance(law, TransmissionLaw) and law.softer and coefficients[0] > _MANY_TIMES:
-        limits = {p.name: (p.lower, p.upper) for p in law.parameters}
-        softer = law.softer(term.values, float(coefficients[0]))
-        inside = {n: float(np.clip(v, *limits[n])) for n, v in softer.items()}
-        return [replace(term, values=inside), term]
-    lower = ({n: part * term.values[n] for n in names} for part in parts if names)
-    return [term, *(replace(term, values={**term.values, **values}) for values in lower)]
-
-
 def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None = None) -> Estimate:
     """Estimate with other terms, its sign widths found anew.
 
-    It starts from the current rigid parameters where no others are given.
+    It starts from the current rigid parameters where no others are given, and once more from the widths that
+    are best of a few. Without a new law, whose values the widths of the current model may bend, that is done
+    where these leave less than the fit: where they left more, 48 fits in a row came back to where they were.
+    A new bristle that has run to the least way there is has become dry friction, and is no new law.
     """
     start = _rigid(current) if start is None else start
     after = fit_from(current, start, _on_their_clock(current, terms), current.model.width)
@@ -171,10 +141,20 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
         _rigid(after),
         after.model.width,
     )
-    if np.abs(np.log(np.divide(width, after.model.width))).max() < _NEAR:
+    near = np.abs(np.log(np.divide(width, after.model.width))).max() < _NEAR
+    new = any(map(winds_up, lacking(after.model.terms, current.model.terms)))
+    if near or not (new or _leaves_less(after, width)):
         return after
     again = fit_from(current, _rigid(after), after.model.terms, width)
     return again if _cost(again, after) < _cost(after, after) else after
+
+
+def _leaves_less(found: Estimate, width: tuple[float, ...]) -> bool:
+    """Whether a model leaves less with signs of other widths, where all else that bends its columns stays."""
+    model = found.model
+    problem = Problem(model.robot, found.motions, found.rigids, bounded=False)
+    there = settle(problem, Place(model.terms, width), _rigid(found))
+    return weighted_cost(there.residual, found.fit.sigma) < _cost(found, found)
 
 
 def _on_their_clock(current: Estimate, terms: tuple[Term, ...]) -> tuple[Term, ...]:
@@ -214,7 +194,11 @@ def fit_from(
     width: tuple[float, ...],
     refine_width: bool = True,
 ) -> Estimate:
-    """Fit terms to the current logs from rigid parameters (10 n,) and widths, which are fitted too or stay."""
+    """Fit terms to the current logs from rigid parameters (10 n,) and widths, which are fitted too or stay.
+
+    A shape that is not the usual one may have made up for a law that is new: beside that it is asked anew.
+    """
+    known = current.model.terms
     return estimate(
         current.model.robot,
         terms,
@@ -224,24 +208,8 @@ def fit_from(
         bounded=False,
         rigids=current.rigids,
         start=start,
+        near=() if lacking(terms, known) else known,
     )
-
-
-def _with_start(chosen: Score) -> Term:
-    """The term with a first-order start of what its linearization found, away from the bounds.
-
-    Of a law that goes by the load the linear values too: the load that goes with them is known from the first
-    step on. Without them a drive that bent a torque to half its size was fitted at 3.7 times the noise.
-    """
-    term = chosen.candidate.term
-    law, values = term.law, dict(term.values)
-    moving = {p.name: p for p in (*law.free(values), *(law.linear if law.uses_load else ()))}
-    for name, change in zip(law.candidate_names(()), chosen.coefficients, strict=False):
-        if name in moving:
-            p, neutral = moving[name], law.neutral()[name]
-            low, high = (neutral + _INSIDE * (bound - neutral) for bound in (p.lower, p.upper))
-            values[name] = float(np.clip(neutral + change, low, high))
-    return replace(term, values=values)
 
 
 def _cost(one: Estimate, weights: Estimate) -> float:

@@ -52,26 +52,31 @@ class Question:
 
 
 def run_rounds(search: Search, question: Question, most: int) -> None:
-    """Ask until nothing is done any more, at most so many rounds and a last look, or the time is over."""
+    """Ask until nothing is done any more, at most so many rounds and a last look, or the time is over.
+
+    Where a round left the model as it was, since what it would have added was refused, all others are worth
+    what they were: on seven joints eight rounds in a row asked 290 laws each, and refused one.
+    """
+    looked, asked = None, frozenset[Term]()
     for number in range(1, most + 2):
         memory.give_back()
         search.progress(f"round {number}: {question.told(search)}")
-        search.crossfit = question.cross_fit(search)
+        same = search.current is looked
+        if not same:
+            search.crossfit = question.cross_fit(search)
         if search.budget.spent:
             search.spent = Spent(search.budget.seconds, number - 1)
             search.progress(search.spent.sentence)
             held = question.held(search)
             search.scores = [s for s in search.scores if s.candidate.term.identity not in held]
             return
-        lin = Linearization(search.current, search.crossfit, search.memory)
         eligible = question.eligible(search)
+        if same and asked.issuperset(eligible):
+            search.scores = [s for s in search.scores if s.candidate.term in eligible]
         # The last look is at the model as it will be told.
-        if number <= most and question.allow(search, lin, eligible):
+        elif not _scored(search, question, eligible, number <= most):
             continue
-        signed = partial(question.signed, search)
-        search.scores = []  # their columns are as large as those of the scores to come
-        search.scores = score_terms(lin, eligible, search.seed, signed)
-        del lin  # of a long log its signals are as large as those of the fits to come
+        looked, asked = search.current, frozenset(eligible)
         search.asked = search.asked or len(search.scores)
         passed = accepted(search.scores, search.rules, search.added)
         if number > most:
@@ -79,3 +84,14 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
             return
         if not question.act(search, passed):
             return
+
+
+def _scored(search: Search, question: Question, eligible: Sequence[Term], allows: bool) -> bool:
+    """Score what is asked; False where something that is no effect was allowed for first, if it may be."""
+    lin = Linearization(search.current, search.folds, search.memory)
+    if allows and question.allow(search, lin, eligible):
+        return False
+    signed = partial(question.signed, search)
+    search.scores = []  # their columns are as large as those of the scores to come
+    search.scores = score_terms(lin, eligible, search.seed, signed)
+    return True

@@ -133,6 +133,15 @@ def can_be_resolved(found: Estimate, term: Term, errors: dict[str, float]) -> bo
     return bool(term.values[way.name] > max(way.lower + doubt, CERTAIN * told))
 
 
+def winds_up(term: Term) -> bool:
+    """Whether a law with a memory forgets over more than the least way there is: true of every other term."""
+    law = term.law
+    if not isinstance(law, TorqueLaw) or not law.forgets:
+        return True
+    way = next(p for p in law.parameters if p.name == law.forgets)
+    return term.values[way.name] > way.lower
+
+
 def can_swing(found: Estimate, term: Term) -> bool:
     """Whether a fitted transmission with a spring is one: true of every other term.
 

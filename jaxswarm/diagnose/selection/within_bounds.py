@@ -27,6 +27,7 @@ def within_bounds(current: Estimate) -> Estimate:
         rigids=current.rigids,
         refine_width=True,
         start=np.asarray(model.robot.parameters).ravel(),
+        near=model.terms,
     )
 
 

@@ -118,6 +118,7 @@ def with_skew(found: Estimate, seconds: float, bounded: bool = False) -> Estimat
         refine_width=True,
         bounded=bounded,
         start=np.asarray(model.robot.parameters).ravel(),
+        near=model.terms,
     )
 
 

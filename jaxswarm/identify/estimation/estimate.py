@@ -28,7 +28,7 @@ from jaxswarm.identify.estimation.sign_width import (
     width_groups,
 )
 from jaxswarm.identify.estimation.usable import check_usable
-from jaxswarm.identify.estimation.usual import as_usual, told_apart, usual_shapes
+from jaxswarm.identify.estimation.usual import as_usual, told_apart, told_before, usual_shapes
 from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
@@ -81,6 +81,7 @@ def estimate(
     refine_width: bool | None = None,
     known_width: bool = True,
     start: np.ndarray | None = None,
+    near: Sequence[Term] = (),
 ) -> Estimate:
     """Identify the rigid body and the parameters of ``terms`` on one or several logs.
 
@@ -95,6 +96,7 @@ def estimate(
         bounded: Whether physical bounds (friction not below zero) hold.
         rigids: Rigid-body columns of the logs where they are known.
         start: Rigid parameters to start from, (10 n,), where loads or soft joints need some.
+        near: Terms of a fit near this one: shapes that it told are asked whether they are usual after all.
 
     Raises:
         InputError: If the logs cannot be used for these terms, or there are too few samples.
@@ -114,13 +116,19 @@ def estimate(
     width = tuple(map(float, np.broadcast_to(width, robot.num_joints)))
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     motions = without_rest(robot, terms, motions, rigids, width, pi)
-    problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual_shapes(terms))
+    before = told_before(terms, near)
     groups = width_groups(robot, terms, motions) if refine_width or not known_width else []
     fitted = _fitted if refine_width else _fitted_at_width
-    here, moving, held_widths = fitted(problem, groups, Place(as_usual(terms), width), pi)
-    told = told_apart(problem, here, [*moving, *held_widths])
-    if told:
-        problem = replace(problem, usual=problem.usual - told)
+    for known in (before, before - before):
+        usual = usual_shapes(terms) - known
+        problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual)
+        place = Place(as_usual(terms, known), width)
+        here, moving, held_widths = fitted(problem, groups, place, pi)
+        told = told_apart(problem, here, [*moving, *held_widths])
+        if told >= known:
+            break
+    if told - known:
+        problem = replace(problem, usual=usual - told)
         # Widths that were told beside a wrong shape made up for it, and would hold it there.
         place = here.place._replace(width=width)
         here, moving, held_widths = fitted(problem, groups, place, here.pi)
