@@ -52,8 +52,8 @@ def test_what_a_fit_near_told_is_asked_whether_it_is_usual_after_all(
     """A filter that is late besides was fitted as one that is not first, for half the time of each fit."""
     values, errors = fitted(delta, noise)
     curve = Term("stribeck_friction", 0, values={**values, "delta": min(delta, 1.2)})
-    counted, plain = [], estimating._fitted
-    monkeypatch.setattr(estimating, "_fitted", lambda *a: counted.append(1) or plain(*a))
+    counted, plain = [], estimating.fitted_at_width
+    monkeypatch.setattr(estimating, "fitted_at_width", lambda *a: counted.append(1) or plain(*a))
     terms = (*PLAIN, curve)
     again = estimate(planar_arm(), terms, [log_of(delta, noise)], width=WIDTH, near=terms)
     assert len(counted) == fits

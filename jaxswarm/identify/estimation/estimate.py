@@ -2,14 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
 from jaxswarm.identify.estimation.events import window_errors, with_event_torques
+from jaxswarm.identify.estimation.fitted import fitted, fitted_at_width, with_shapes
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
@@ -21,14 +22,10 @@ from jaxswarm.identify.estimation.held_rest import without_rest
 from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import (
-    alike,
     best_widths,
-    driven_by_friction,
-    sharing,
     width_groups,
 )
 from jaxswarm.identify.estimation.usable import check_usable
-from jaxswarm.identify.estimation.usual import as_usual, told_apart, told_before, usual_shapes
 from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.link_lag import flank_compression
@@ -116,47 +113,11 @@ def estimate(
     width = tuple(map(float, np.broadcast_to(width, robot.num_joints)))
     pi = np.zeros(10 * robot.num_joints) if start is None else start
     motions = without_rest(robot, terms, motions, rigids, width, pi)
-    before = told_before(terms, near)
+    problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     groups = width_groups(robot, terms, motions) if refine_width or not known_width else []
-    fitted = _fitted if refine_width else _fitted_at_width
-    for known in (before, before - before):
-        usual = usual_shapes(terms) - known
-        problem = Problem(robot, tuple(motions), tuple(rigids), bounded, usual)
-        place = Place(as_usual(terms, known), width)
-        here, moving, held_widths = fitted(problem, groups, place, pi)
-        told = told_apart(problem, here, [*moving, *held_widths])
-        if told >= known:
-            break
-    if told - known:
-        problem = replace(problem, usual=usual - told)
-        # Widths that were told beside a wrong shape made up for it, and would hold it there.
-        place = here.place._replace(width=width)
-        here, moving, held_widths = fitted(problem, groups, place, here.pi)
-    return _named(problem, here, moving, held_widths)
-
-
-def _fitted(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, pi: np.ndarray):
-    """The fit from a place, what is free there, and widths that are held but not known."""
-
-    def from_here(groups):
-        widths = free_widths(problem.motions, alike(groups, place.width), place.width)
-        moving = problem.free(place.terms, widths)
-        # Nobody but the search holds where it starts: the columns of a long log are as large as all else.
-        return newton(problem, moving, settle(problem, place, pi)), moving
-
-    here, moving = from_here(groups)
-    driven = driven_by_friction(problem.robot, here.place.terms, here.theta)
-    if driven:  # their signs keep the width of their kind
-        groups = [g for g in (tuple(j for j in g if j not in driven) for g in groups) if g]
-        if any(one.joints and driven.issuperset(one.joints) for one in moving):
-            here, moving = from_here(groups)
-    return choose_widths(problem, here, moving, groups)
-
-
-def _fitted_at_width(problem: Problem, groups: Sequence[tuple[int, ...]], place: Place, pi):
-    """The fit with the widths of a place, what is free there, and the groups' widths, which are not known."""
-    here, moving, _ = _fitted(problem, [], place, pi)
-    return here, moving, free_widths(problem.motions, sharing(groups, place.width), place.width)
+    fit = fitted if refine_width else fitted_at_width
+    problem, fits = with_shapes(problem, terms, near, width, pi, partial(fit, groups))
+    return _named(problem, *fits)
 
 
 def untold(term: Term, errors: dict[str, float]) -> list[str]:
