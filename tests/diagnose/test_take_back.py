@@ -1,6 +1,7 @@
 """What explains a small part of what a joint lacks is no name for it; what explains the rest stays."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -28,6 +29,9 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
+
+module = import_module("jaxswarm.diagnose.selection.take_back")
+reasons = import_module("jaxswarm.diagnose.selection.may_not_stay")
 
 OFFSET = Term("torque_offset", 1)
 SPRING = Term("joint_spring", 1)
@@ -265,3 +269,44 @@ def test_what_imitates_any_law_beside_another_one_keeps_its_place_in_mind():
     search.current = replace(search.current, model=replace(model, terms=(*model.terms, CUBIC)))
     assert that_may_stand(search, search.scores) == []
     assert search.kept_out == {1} and search.refused[0][0].effect == "dead_zone_spring"
+
+
+def replaced(term: Term, plain: tuple[Term, ...], declared: tuple[Term, ...]) -> Search:
+    """As if a law had taken the place of plain ones, on a log of bristles on the second joint."""
+    bristles = Term("hysteresis", 1, values={"fc": 3.0, "x0": 0.05})
+    motion = prepare(log_with(bristles, duration=LONG), BAND)
+    start = estimate(small_arm(), declared, [motion], bounded=False)
+    before = with_motion_noise(refit(start, (*declared, *(t for t in plain if t not in declared))))
+    kept = [t for t in before.model.terms if t.identity not in {p.identity for p in plain}]
+    after = with_motion_noise(refit(before, (*kept, term)))
+    (score,) = score_terms(Linearization(start, cross_fit(start)), [replace(term, values={})], 0)
+    step = Step(find_term(after, term), score, (), (), before, after, plain)
+    search = Search(after, start, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search.steps, search.crossfit = [step], cross_fit(after)
+    return search
+
+
+def test_a_joint_keeps_its_declared_friction_where_what_took_its_place_is_taken_back(monkeypatch):
+    """Without both its errors were those of an arm that nobody had declared."""
+    dry = tuple(t for t in blank() if t.joint == 1)
+    search = replaced(Term("asymmetric_friction", 1), dry, blank())
+    assert not {t.identity for t in dry} & {t.identity for t in search.current.model.terms}
+    told = iter([(search.steps[0], "told"), None])
+    monkeypatch.setattr(module, "shadow", lambda search: next(told))
+    take_back_shadows(search)
+    assert not search.steps
+    assert {t.identity for t in search.current.model.terms} == {t.identity for t in blank()}
+
+
+@pytest.mark.parametrize("better", [True, False])
+def test_a_law_that_extends_another_stays_only_where_it_is_better(monkeypatch, better):
+    """Elements that slip left 1.4 times as much as the bristles whose place they had."""
+    plain = Term("hysteresis", 1, values={"fc": 3.0, "x0": 0.05})
+    slips = Term("maxwell_slip", 1)
+    search = replaced(slips, (plain,), blank())
+    if better:
+        monkeypatch.setattr(reasons, "survives", lambda *a: None)
+    take_back(search)
+    named = {t.effect for t in search.current.model.terms if t.joint == 1}
+    assert ("maxwell_slip" in named) == better
+    assert ("hysteresis" in named) != better

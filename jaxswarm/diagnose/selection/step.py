@@ -9,7 +9,7 @@ from jaxswarm.diagnose.decision.rules import ASKED_AGAIN, OVERLAP
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.effects.alike import has, lacking, number_of
+from jaxswarm.effects.alike import has, lacking, number_of, without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model
@@ -125,6 +125,14 @@ def chain(steps: Sequence[Step]) -> list[Step]:
         after = refit(before, (*kept, step.added))
         done.append(replace(step, added=find_term(after, step.added), before=before, after=after))
     return done
+
+
+def terms_before(step: Step, terms: Sequence[Term]) -> tuple[Term, ...]:
+    """The terms of a model that has an addition without it, and with what it took the place of.
+
+    Friction of both directions takes the place of the declared one, which no joint may lose with it.
+    """
+    return (*without(step.added, terms), *(t for t in step.removed if not has(t, terms)))
 
 
 def with_errors(term: Term, found: Estimate) -> tuple[Term, dict[str, float]] | None:

@@ -3,32 +3,16 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
-from jaxswarm.diagnose.decision.own_variables import left_of_own
-from jaxswarm.diagnose.decision.rules import (
-    A_THIRD,
-    FAR_LESS,
-    FOLLOWS_OWN,
-    LOST,
-    LOST_SHARE,
-    NEAR,
-    OF_TAKEN,
-    OF_TAKEN_NEAR,
-    STRUCTURE,
-)
-from jaxswarm.diagnose.decision.unexplained import find_unexplained
-from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
+from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.refit import refit, share_left
+from jaxswarm.diagnose.selection.may_not_stay import idle, outdone, poor, shadow, stand_in
+from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
-from jaxswarm.diagnose.selection.step import Step, chain, find_term, with_errors
-from jaxswarm.diagnose.selection.survives import harmful, survives
-from jaxswarm.diagnose.selection.tenable import is_certain
+from jaxswarm.diagnose.selection.step import Step, chain, terms_before
+from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.diagnose.selection.unpredicted import unpredicted
-from jaxswarm.effects.alike import has, without
-from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.effects.alike import has
 
 
 def take_back(search: Search) -> bool:
@@ -39,10 +23,12 @@ def take_back(search: Search) -> bool:
     """
     before = list(search.steps)
     take_back_harm(search)
+    _take_back(search, lambda: outdone(search))
     take_back_events(search)
     take_back_shadows(search)
     take_back_stand_ins(search)
-    gone = [s.added for s in before if not any(s.added is t.added for t in search.steps)]
+    held = {s.added.identity for s in search.steps}
+    gone = [s.added for s in before if s.added.identity not in held]
     again = {t.joint for t in gone} & search.kept_out
     search.kept_out -= again
     search.barred |= {replace(t, values={}).identity for t in gone if t.joint in again}
@@ -70,7 +56,7 @@ def take_back_idle(search: Search) -> bool:
     squared error; beside those of the final fit it was -0.7 +- 0.7 N m, and stood in the headline.
     """
     held = len(search.steps)
-    _take_back(search, lambda: _idle(search))
+    _take_back(search, lambda: idle(search))
     return len(search.steps) < held
 
 
@@ -89,7 +75,7 @@ def take_back_shadows(search: Search) -> None:
     nearly all where what is left is very far above the noise. What lowers the error of another log is shown.
     """
     if not search.other:
-        _take_back(search, lambda: _shadow(search))
+        _take_back(search, lambda: shadow(search))
 
 
 def take_back_stand_ins(search: Search) -> None:
@@ -103,8 +89,8 @@ def take_back_stand_ins(search: Search) -> None:
     function explains nearly all of: two bumps were told as a ripple.
     """
     held = len(search.steps)
-    _take_back(search, lambda: _stand_in(search), events=True)
-    _take_back(search, lambda: _poor(search), events=True)
+    _take_back(search, lambda: stand_in(search), events=True)
+    _take_back(search, lambda: poor(search), events=True)
     if len(search.steps) < held:
         # What a law hid shows now: four contacts of one joint stood beside a cable that was taken off another.
         take_back_events(search)
@@ -123,17 +109,12 @@ def _take_back(
         kept, terms = [], search.current.model.terms
         for one in search.steps:
             if one is step or _goes_with(one, step, events):
-                terms = without(one.added, terms) if has(one.added, terms) else terms
+                terms = terms_before(one, terms) if has(one.added, terms) else terms
             else:
                 kept.append(one)
         search.current = with_motion_noise(refit(search.current, terms), search.seed)
         search.steps = chain(kept) if kept else []
         search.crossfit = cross_fit(search.current)
-
-
-def _standing(search: Search) -> list[Step]:
-    """The additions that the model has: a later one may have taken an earlier one's place, a lag a delay's."""
-    return [step for step in search.steps if has(step.added, search.current.model.terms)]
 
 
 def _goes_with(one: Step, step: Step, events: bool) -> bool:
@@ -145,106 +126,3 @@ def _goes_with(one: Step, step: Step, events: bool) -> bool:
     joint = step.score.joint if b.joint is None else b.joint
     ends = a.law.mutual and (a.effect, a.joint, a.other) == (b.effect, b.other, b.joint)
     return ends or (events and a.law.in_one_log and one.score.joint == joint)
-
-
-def _without(current: Estimate, step: Step) -> Estimate:
-    """The model without an addition."""
-    return refit(current, without(step.added, current.model.terms))
-
-
-def _over_noise(current: Estimate) -> np.ndarray:
-    """What is left on every joint over its noise, (n,)."""
-    return current.fit.sigma / noise_of(current)
-
-
-def _idle(search: Search) -> tuple[Step, str] | None:
-    """The first addition of no certain number that does not survive any more, and why; None if none is."""
-    current = search.current
-    for step in _standing(search):
-        law, known = step.added.law, with_errors(step.added, current)
-        if law.in_one_log or law.everyday or known is None or is_certain(*known):
-            continue
-        rest = _without(current, step)
-        why = survives(rest, current, step.score.joint, search.other, search.rules)
-        if why:
-            return step, f"is not told from nothing any more, and {why}"
-    return None
-
-
-def _shadow(search: Search) -> tuple[Step, str] | None:
-    """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
-    current, left = search.current, _over_noise(search.current)
-    told = []
-    for step in _standing(search):
-        law = step.added.law
-        acts = {step.score.joint, step.added.joint}
-        far = [j for j in acts if j is not None and left[j] > NEAR]
-        if law.in_one_log or law.everyday or not far:
-            continue
-        leaves = share_left(current, _without(current, step))
-        for j in far:
-            lost = left[j] > LOST and not law.several
-            told.append((1.0 - leaves[j], LOST_SHARE if lost else search.rules.share, j, step))
-    told = [item for item in told if item[0] < item[1]]
-    if not told:
-        return None
-    share, _, joint, step = min(told, key=lambda item: item[0])
-    name = current.model.robot.joints[joint]
-    part = f"takes {100 * share:.0f} % off the squared error of {name}"
-    return step, f"{part}, which stays {left[joint]:.1f} times its noise"
-
-
-def _stand_in(search: Search) -> tuple[Step, str] | None:
-    """The addition of whose own variables most is left, and why it is no name; None if none is."""
-    current, left, told = search.current, _over_noise(search.current), []
-    for step in _standing(search):
-        term = find_term(current, step.added)
-        law, joint = term.law, term.joint
-        if law.in_one_log or law.everyday or law.several or joint is None:
-            continue
-        share, p_value = left_of_own(current, search.folds, term, search.seed)
-        # Near the noise it takes as sure a proof as that of the law itself.
-        tests = max(1, search.asked) if left[joint] < NEAR else 1
-        if share < STRUCTURE or p_value * tests > search.rules.significance:
-            continue
-        leaves = share_left(current, _without(current, step))[joint]
-        if _other_form(left[joint], share, leaves):
-            told.append((share, joint, step))
-    if not told:
-        return None
-    share, joint, step = max(told, key=lambda item: item[0])
-    part = f"leaves {left[joint]:.1f} times the noise on {current.model.robot.joints[joint]}"
-    return (
-        step,
-        f"{part}, {100 * share:.0f} % of it by what it is about itself: a law of another form",
-    )
-
-
-def _other_form(left: float, share: float, leaves: float) -> bool:
-    """Whether a law that leaves so much over the noise, a share of it by its own variables, has another form.
-
-    ``leaves``: the part of its joint's squared error without it that it leaves.
-    """
-    if left < NEAR:
-        return share * leaves > OF_TAKEN_NEAR**2 * (1.0 - leaves)
-    return share >= FOLLOWS_OWN and left * np.sqrt(share) >= NEAR and leaves > OF_TAKEN**2
-
-
-def _poor(search: Search) -> tuple[Step, str] | None:
-    """The first addition instead of which a smooth function leaves far less, and why; None if none is."""
-    current, left = search.current, _over_noise(search.current)
-    for step in _standing(search):
-        law, joint = step.added.law, step.added.joint
-        if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:
-            continue
-        rest = _without(current, step)
-        leaves = share_left(current, rest)[joint]
-        if leaves < A_THIRD:
-            continue
-        smooth = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
-        if smooth and 1.0 - smooth[0].share < FAR_LESS * leaves:
-            names = " and ".join(smooth[0].depends_on)
-            part = f"takes {100 * (1.0 - leaves):.0f} % off the squared error of"
-            told = f"{part} {current.model.robot.joints[joint]}, a function of {names}"
-            return step, f"{told} {100 * smooth[0].share:.0f} %"
-    return None

@@ -1,0 +1,158 @@
+"""Why an addition may not stay once nothing more is added."""
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.level import reads_otherwise
+from jaxswarm.diagnose.decision.own_variables import left_of_own
+from jaxswarm.diagnose.decision.rules import (
+    A_THIRD,
+    FAR_LESS,
+    FOLLOWS_OWN,
+    LOST,
+    LOST_SHARE,
+    NEAR,
+    OF_TAKEN,
+    OF_TAKEN_NEAR,
+    STRUCTURE,
+)
+from jaxswarm.diagnose.decision.unexplained import find_unexplained
+from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.refit import refit, share_left
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step, find_term, terms_before, with_errors
+from jaxswarm.diagnose.selection.survives import survives
+from jaxswarm.diagnose.selection.tenable import is_certain
+from jaxswarm.effects.alike import has
+from jaxswarm.identify.estimation.estimate import Estimate
+
+
+def _standing(search: Search) -> list[Step]:
+    """The additions that the model has: a later one may have taken an earlier one's place, a lag a delay's."""
+    return [step for step in search.steps if has(step.added, search.current.model.terms)]
+
+
+def _without(current: Estimate, step: Step) -> Estimate:
+    """The model without an addition, and with what it took the place of."""
+    return refit(current, terms_before(step, current.model.terms))
+
+
+def _over_noise(current: Estimate) -> np.ndarray:
+    """What is left on every joint over its noise, (n,)."""
+    return current.fit.sigma / noise_of(current)
+
+
+def idle(search: Search) -> tuple[Step, str] | None:
+    """The first addition of no certain number that does not survive any more, and why; None if none is."""
+    current = search.current
+    for step in _standing(search):
+        law, known = step.added.law, with_errors(step.added, current)
+        if law.in_one_log or law.everyday or known is None or is_certain(*known):
+            continue
+        rest = _without(current, step)
+        why = survives(rest, current, step.score.joint, search.other, search.rules)
+        if why:
+            return step, f"is not told from nothing any more, and {why}"
+    return None
+
+
+def outdone(search: Search) -> tuple[Step, str] | None:
+    """The first addition in the place of one that it extends, and no better any more, and why; None if none is.
+
+    Beside rows in which friction holds joints, elements that slip took the place of bristles; without these
+    rows they left 1.4 times as much of held-out time, and stood in the report with that.
+    """
+    current = search.current
+    for step in _standing(search):
+        law = step.added.law
+        plain = [
+            t.effect
+            for t in step.removed
+            if t.effect in law.extends and not reads_otherwise(law, t.effect)
+        ]
+        if not plain:
+            continue
+        rest = _without(current, step)
+        why = survives(rest, current, step.score.joint, search.other, search.rules)
+        if why:
+            return step, f"is no better than {plain[0]} any more: {why}"
+    return None
+
+
+def shadow(search: Search) -> tuple[Step, str] | None:
+    """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
+    current, left = search.current, _over_noise(search.current)
+    told = []
+    for step in _standing(search):
+        law = step.added.law
+        acts = {step.score.joint, step.added.joint}
+        far = [j for j in acts if j is not None and left[j] > NEAR]
+        if law.in_one_log or law.everyday or not far:
+            continue
+        leaves = share_left(current, _without(current, step))
+        for j in far:
+            lost = left[j] > LOST and not law.several
+            told.append((1.0 - leaves[j], LOST_SHARE if lost else search.rules.share, j, step))
+    told = [item for item in told if item[0] < item[1]]
+    if not told:
+        return None
+    share, _, joint, step = min(told, key=lambda item: item[0])
+    name = current.model.robot.joints[joint]
+    part = f"takes {100 * share:.0f} % off the squared error of {name}"
+    return step, f"{part}, which stays {left[joint]:.1f} times its noise"
+
+
+def stand_in(search: Search) -> tuple[Step, str] | None:
+    """The addition of whose own variables most is left, and why it is no name; None if none is."""
+    current, left, told = search.current, _over_noise(search.current), []
+    for step in _standing(search):
+        term = find_term(current, step.added)
+        law, joint = term.law, term.joint
+        if law.in_one_log or law.everyday or law.several or joint is None:
+            continue
+        share, p_value = left_of_own(current, search.folds, term, search.seed)
+        # Near the noise it takes as sure a proof as that of the law itself.
+        tests = max(1, search.asked) if left[joint] < NEAR else 1
+        if share < STRUCTURE or p_value * tests > search.rules.significance:
+            continue
+        leaves = share_left(current, _without(current, step))[joint]
+        if _other_form(left[joint], share, leaves):
+            told.append((share, joint, step))
+    if not told:
+        return None
+    share, joint, step = max(told, key=lambda item: item[0])
+    part = f"leaves {left[joint]:.1f} times the noise on {current.model.robot.joints[joint]}"
+    return (
+        step,
+        f"{part}, {100 * share:.0f} % of it by what it is about itself: a law of another form",
+    )
+
+
+def _other_form(left: float, share: float, leaves: float) -> bool:
+    """Whether a law that leaves so much over the noise, a share of it by its own variables, has another form.
+
+    ``leaves``: the part of its joint's squared error without it that it leaves.
+    """
+    if left < NEAR:
+        return share * leaves > OF_TAKEN_NEAR**2 * (1.0 - leaves)
+    return share >= FOLLOWS_OWN and left * np.sqrt(share) >= NEAR and leaves > OF_TAKEN**2
+
+
+def poor(search: Search) -> tuple[Step, str] | None:
+    """The first addition instead of which a smooth function leaves far less, and why; None if none is."""
+    current, left = search.current, _over_noise(search.current)
+    for step in _standing(search):
+        law, joint = step.added.law, step.added.joint
+        if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:
+            continue
+        rest = _without(current, step)
+        leaves = share_left(current, rest)[joint]
+        if leaves < A_THIRD:
+            continue
+        smooth = find_unexplained(rest, cross_fit(rest), search.seed, [joint])
+        if smooth and 1.0 - smooth[0].share < FAR_LESS * leaves:
+            names = " and ".join(smooth[0].depends_on)
+            part = f"takes {100 * (1.0 - leaves):.0f} % off the squared error of"
+            told = f"{part} {current.model.robot.joints[joint]}, a function of {names}"
+            return step, f"{told} {100 * smooth[0].share:.0f} %"
+    return None
