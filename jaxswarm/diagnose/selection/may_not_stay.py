@@ -37,6 +37,12 @@ def _without(current: Estimate, step: Step) -> Estimate:
     return refit(current, terms_before(step, current.model.terms))
 
 
+def _why_not(search: Search, step: Step) -> str | None:
+    """Why an addition does not survive beside all the others; None if it does."""
+    current, joint = search.current, step.score.joint
+    return survives(_without(current, step), current, joint, search.other, search.rules)
+
+
 def _over_noise(current: Estimate) -> np.ndarray:
     """What is left on every joint over its noise, (n,)."""
     return current.fit.sigma / noise_of(current)
@@ -49,8 +55,7 @@ def idle(search: Search) -> tuple[Step, str] | None:
         law, known = step.added.law, with_errors(step.added, current)
         if law.in_one_log or law.everyday or known is None or is_certain(*known):
             continue
-        rest = _without(current, step)
-        why = survives(rest, current, step.score.joint, search.other, search.rules)
+        why = _why_not(search, step)
         if why:
             return step, f"is not told from nothing any more, and {why}"
     return None
@@ -62,7 +67,6 @@ def outdone(search: Search) -> tuple[Step, str] | None:
     Beside rows in which friction holds joints, elements that slip took the place of bristles; without these
     rows they left 1.4 times as much of held-out time, and stood in the report with that.
     """
-    current = search.current
     for step in _standing(search):
         law = step.added.law
         plain = [
@@ -72,8 +76,7 @@ def outdone(search: Search) -> tuple[Step, str] | None:
         ]
         if not plain:
             continue
-        rest = _without(current, step)
-        why = survives(rest, current, step.score.joint, search.other, search.rules)
+        why = _why_not(search, step)
         if why:
             return step, f"is no better than {plain[0]} any more: {why}"
     return None

@@ -10,10 +10,12 @@ laws are asked of motion alone; where one brings that near its noise, the rows a
 import numpy as np
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
+from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import accepted, choose
-from jaxswarm.diagnose.decision.evaluate import score_on
+from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR
+from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
@@ -70,7 +72,7 @@ def _with_laws(search: Search, moving: Estimate, asked: set[int]) -> Estimate | 
         after = _with_law(search, here, asked)
         if after is None:
             return None
-        here = fit_of_rows(search, after, after.motions)
+        here = with_motion_noise(after, search.seed)
         if (over_noise(here)[list(asked)] <= NEAR).all():
             return here
     return None
@@ -79,7 +81,8 @@ def _with_laws(search: Search, moving: Estimate, asked: set[int]) -> Estimate | 
 def _with_law(search: Search, here: Estimate, asked: set[int]) -> Estimate | None:
     """The fit with the law of these joints that would be added, or the next one that can be fitted."""
     terms, folds = eligible_terms(here.model, here.motions), cross_fit(here)
-    passed = accepted(score_on(here, terms, search.seed), search.rules, search.added)
+    scores = score_terms(Linearization(here, folds), terms, search.seed)
+    passed = accepted(scores, search.rules, search.added)
     left = [s for s in passed if s.joint in asked]
     while left:
         best, _ = choose(left, search.rules, folds)
