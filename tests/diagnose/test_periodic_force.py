@@ -64,6 +64,16 @@ def test_a_force_that_shakes_the_arm_is_named_though_the_motion_has_its_line(siz
     assert best.candidate.term.place == ("periodic_force", 1, None)
 
 
+@pytest.mark.parametrize("part", [0.0, 0.25, 0.5])
+def test_its_frequency_is_told_between_the_lines_of_the_spectrum(part):
+    """A frequency a sixteenth of a line off left what seemed to be the rest of a law of the motion."""
+    log = elbow_log()
+    hertz = HERTZ + part / (8.0 * (log.t[-1] - log.t[0]))
+    found = fitted(shaken(log, hertz))
+    told = tonal_candidate(Linearization(found, cross_fit(found)), Term("periodic_force", 1))
+    assert told.term.values["hertz"] == pytest.approx(hertz, abs=3e-4)
+
+
 def test_it_is_of_its_own_log_alone():
     logs = [shaken(elbow_log()), elbow_log(seed=2)]
     declared = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
