@@ -192,7 +192,7 @@ def test_what_other_motion_refused_is_asked_again_whatever_changes(fitted):
     """A backlash was refused for what another joint lacked on the validation log, which was found next."""
     search = search_of(fitted[0])
     slack, spring = Term("backlash", 1), Term("joint_spring", 1)
-    search.refuse(slack, "does not lower the error of all joints", elsewhere=True)
+    search.refuse(slack, "does not lower the error of all joints", by_all=True)
     search.refuse(spring)
     search.ask_again(0)
     assert search.banned == {spring.identity} and not search.unproven

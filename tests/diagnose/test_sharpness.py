@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
+from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
@@ -14,6 +15,9 @@ from jaxswarm.diagnose.decision.sharpness import only_sharp, score_softly
 from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.stand import in_all_motion
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.motion import prepare
@@ -77,3 +81,16 @@ def test_drag_stays_whatever_reversals_are():
     passed, sharp = asked("quadratic_drag", SHARP)
     assert "quadratic_drag" in names(passed)
     assert "quadratic_drag" not in names(sharp)
+
+
+@pytest.mark.parametrize("changed", [0, 1])
+def test_what_went_with_what_is_sharp_is_asked_again_whatever_changes(changed):
+    """A drag of joint 2 went while joint 3 lacked Stribeck friction, and was not asked once it had that."""
+    passed, found, crossfit = scored("stribeck_friction", SHARP)
+    search = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search.crossfit, search.scores = crossfit, passed
+    stays = in_all_motion(search, passed)
+    friction = Term("stribeck_friction", 1).identity
+    assert friction in search.banned and "stribeck_friction" not in names(stays)
+    search.ask_again(changed)
+    assert friction not in search.banned

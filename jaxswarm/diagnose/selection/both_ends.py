@@ -43,7 +43,7 @@ def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
             continue
         whys = [survives(current, after, s.joint, search.other, search.rules) for s in (one, other)]
         if any(whys):
-            search.refuse(first, next(w for w in whys if w), elsewhere=bool(search.other))
+            search.refuse(first, next(w for w in whys if w), by_all=bool(search.other))
             continue
         search.steps += [step_between(one, current, middle), step_between(other, middle, after)]
         search.current = after

@@ -101,5 +101,5 @@ def in_all_motion(
     alone = only_friction(passed, current, folds, tested)
     for found, why in ((sharp, _SHARP), (alone, _ALONE)):
         for one in found:
-            search.refuse(one.candidate.term, why)
+            search.refuse(one.candidate.term, why, by_all=True)
     return [s for s in passed if s not in (*sharp, *alone)]

@@ -23,7 +23,7 @@ class Search:
         declared: The declared model, with the clocks as they were found.
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
-        unproven: Those of them that other motion refused, where every joint speaks, too.
+        unproven: Those of them that were refused by what every joint tells: on other motion, or by noisy rows.
         barred: Identities of terms that were taken back for another law's, and are not asked any more.
         kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
         pairs: Places of two laws that were added at once, and are not once more.
@@ -84,14 +84,14 @@ class Search:
         """What was added and took nothing's place: what extends it is asked with its like alone."""
         return [step.added for step in self.steps if not step.removed]
 
-    def refuse(self, term: Term, why: str = "", *, elsewhere: bool = False) -> None:
+    def refuse(self, term: Term, why: str = "", *, by_all: bool = False) -> None:
         """Leave a term out until its joint's model changes; told if it had been found worth adding.
 
-        ``elsewhere``: by other motion, so until any model changes.
+        ``by_all``: by what all joints tell, so until any joint's model changes.
         """
         key = replace(term, values={}).identity
         self.banned.add(key)
-        if elsewhere:
+        if by_all:
             self.unproven.add(key)
         if why and (term.identity, why) not in {(t.identity, w) for t, w in self.refused}:
             self.refused.append((term, why))
@@ -102,7 +102,9 @@ class Search:
         A filter of the torque was refused as it raised by chance what a spring explained in the next round, and
         was not asked again: a delay in its place left unseen motion with 5 to 68 times the floor. What other
         motion refused is asked again whatever changes: a backlash of joint 5 was not shown there by the sum of
-        all joints while joint 3 lacked a drag of 33 times its noise, which was found next.
+        all joints while joint 3 lacked a drag of 33 times its noise, which was found next. So is what the noise
+        of every row refused: a drag of joint 2, of p = 4e-5, fell to chance by quiet rows while joint 3 lacked
+        the Stribeck friction that was added next, and both ended as unexplained.
         """
         if joint is None:
             self.banned = set()

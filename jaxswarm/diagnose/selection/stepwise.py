@@ -221,7 +221,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
     why = why_not(search, chosen, after)
     if why is not None:
-        search.refuse(term, why, elsewhere=bool(search.other))
+        search.refuse(term, why, by_all=bool(search.other))
         return True
     added = find_term(after, term)
     why = one_place(after, added, search.rules, search.seed)

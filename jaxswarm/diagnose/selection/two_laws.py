@@ -82,7 +82,7 @@ def add_two_laws(search: Search) -> bool:
         why = survives(current, found.after, joint, search.other, search.rules)
         if why:
             second = found.scores[1].candidate.term
-            search.refuse(second, why, elsewhere=bool(search.other))
+            search.refuse(second, why, by_all=bool(search.other))
             continue
         _add(search, found)
         return True
