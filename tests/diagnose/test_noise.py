@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import BAND, blank, log_with, small_arm
+from planted import BAND, DECLARED, blank, log_with, small_arm
 
 from jaxswarm.diagnose.decision import remainder
 from jaxswarm.diagnose.decision.remainder import Remainder, find_material, material, remainders
@@ -18,7 +18,7 @@ from jaxswarm.diagnose.folds.noise import (
     with_motion_noise,
 )
 from jaxswarm.identify import estimate
-from jaxswarm.identify.synthetic import Noise
+from jaxswarm.identify.synthetic import Noise, synthetic_log
 from jaxswarm.logs.motion import prepare
 
 
@@ -69,6 +69,20 @@ def test_an_impact_is_noise_where_it_is_and_nowhere_else():
     near, far = np.abs(t - log.t[at]) < 0.1, np.abs(t - log.t[at]) > 1.0
     assert ratio[near].min() > 2.0
     assert np.abs(ratio[far] - 1.0).max() < 0.3
+
+
+@pytest.mark.parametrize("rate", [100.0, 125.0])
+def test_what_position_noise_makes_above_the_band_is_not_counted_in_it_twice(rate):
+    """It grows with the frequency and is drawn by itself: the noise was told as twice what is left."""
+    ratio = []
+    for seed in range(4):
+        log = synthetic_log(
+            small_arm(), DECLARED, seed, noise=Noise(2e-4, 1e-3), duration=24.0, rate=rate
+        )
+        found = estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False)
+        ratio.append(found.fit.sigma / noise_of(with_motion_noise(found)))
+    assert (np.mean(ratio, axis=0) > 0.62).all()
+    assert (np.mean(ratio, axis=0) < 1.2).all()
 
 
 def test_the_noise_of_a_log_is_that_of_its_rows(clean):

@@ -9,7 +9,8 @@ known only as well as its encoders tell: its noise goes through smoothing and de
 out of the model is found by drawing that noise and sending it the same way. When a torque jumped between two
 samples is not known either, a doubt of events alone (:mod:`jaxswarm.logs.steps`). And where a joint starts,
 stops or sticks, motion and torque are sharper than any smoothing or sampling shows: such errors are short, so
-that they have as much power per hertz above the compared band as in it, and are read off there.
+that they have as much power per hertz above the compared band as in it, and are read off there
+(:mod:`jaxswarm.diagnose.folds.sharp`).
 
 On clean logs of another simulator (11 worlds, some with 15-bit encoders, stick-slip or 50 Hz sampling) the
 residual is 0.4 to 1.4 times this noise on 44 of 47 joints, and up to 15 times one that is the same in all rows.
@@ -21,10 +22,10 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from jaxswarm.diagnose.folds.sharp import sharp_noise
 from jaxswarm.diagnose.folds.steady import with_steady_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
-from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.smoothing import smooth
@@ -34,14 +35,9 @@ from jaxswarm.logs.steps import step_noise
 _LEAST_NOISE = 1e-3
 # Draws of the motion's noise, and the decimated rows over which their power is averaged.
 _DRAWS, _ROWS = 2, 7
-# Where the octave begins and ends that tells what is sharp, over the torque's cutoff; and the time [s] over
-# which its power is averaged, in any case a period of the cutoff.
-_ABOVE, _WINDOW = (1.5, 3.0), 0.25
 # Decimated rows that missing samples have this share in are unknown to events: where 0.08 s were missing, a
 # line across them was told as a push. Their noise over the largest residual: none of them counts.
 _ACROSS, _UNKNOWN = 0.02, 1e3
-# Without this share of the working rate above the band, it tells nothing.
-_LEAST_SHARE = 0.05
 # Residuals beyond this multiple of the noise are bounded in their influence.
 _REACH = 4.0
 
@@ -64,7 +60,7 @@ def row_noise(found: Estimate) -> np.ndarray:
         slow = np.sqrt(np.maximum(steady**2 - _sensor(found) ** 2, 0.0))
         # What is steady is seen above the band once more, where what is sharp is read off.
         sharp = np.sqrt(np.maximum(_known(motion.sharp_noise) ** 2 - slow**2, 0.0))
-        return np.hypot(slow, np.maximum(_known(motion.model_noise), sharp))
+        return np.hypot(slow, np.hypot(_known(motion.model_noise), sharp))
 
     return _with_sensor(found, part)
 
@@ -124,7 +120,7 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
         replace(
             with_steady_noise(m, left, drawn),
             model_noise=np.sqrt(_drawn_power(m, drawn)),
-            sharp_noise=_sharp_noise(m, left),
+            sharp_noise=sharp_noise(m, left, drawn),
             step_noise=np.hypot(_step_noise(m, left), _stick_noise(found.model, m)),
         )
         for m in found.motions
@@ -170,24 +166,6 @@ def _stick_noise(model: Model, motion: Motion) -> np.ndarray:
     return np.abs(motion.decimator.apply(0.5 * (up - down)))
 
 
-def _sharp_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
-    """Standard deviation (T', n) below the torque cutoff of what is sharp, beyond the sensor's noise.
-
-    It has as much power per hertz in the octave just above the band as above that. A drive that jitters only
-    there, at all times, was told as 12 times what a clean log is left with.
-    """
-    rate, (begin, end) = motion.rate, np.multiply(_ABOVE, motion.torque_cutoff)
-    if 0.5 * rate - begin < _LEAST_SHARE * rate:
-        return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
-    sensor = np.zeros(motion.q.shape[1]) if motion.torque_noise is None else motion.torque_noise
-    above = butterworth(left, rate, begin, 4, high=True)
-    power = _sharp_power(motion, above, 0.5 * rate - begin) - sensor**2
-    if end < 0.5 * rate:
-        near = butterworth(above, rate, end, 4)
-        power = np.minimum(power, _sharp_power(motion, near, end - begin))
-    return np.sqrt(np.maximum(power, 0.0))
-
-
 def _drawn(found: Estimate, motion: Motion, seed: int) -> list[np.ndarray]:
     """What draws of the white noise of a log's positions make of the model's torque, each (T, n)."""
     if motion.position_noise is None:
@@ -219,13 +197,6 @@ def _drawn_power(motion: Motion, drawn: list[np.ndarray]) -> np.ndarray:
         return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
     power = [motion.decimator.apply(x) ** 2 for x in drawn]
     return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
-
-
-def _sharp_power(motion: Motion, above: np.ndarray, width: float) -> np.ndarray:
-    """Power (T', n) below the torque cutoff of what has as much per hertz in a band above of a width [Hz]."""
-    span = max(_WINDOW, 1.0 / motion.torque_cutoff)
-    power = scipy.ndimage.uniform_filter1d(above**2, max(3, int(span * motion.rate)), axis=0)
-    return power[motion.decimator.kept(len(motion.t))] * motion.torque_cutoff / width
 
 
 def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:

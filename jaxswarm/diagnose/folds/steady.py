@@ -93,7 +93,7 @@ def steady_powers(left: np.ndarray, rate: float, cutoff: float) -> Powers:
     return Powers(
         above=cutoff * beyond[0] if sampled else np.zeros(left.shape[1]),
         within=cutoff * np.array([_of_first_order(a, own, even) for a, own, even in pairs]),
-        most=cutoff * np.nan_to_num(np.fmin(beyond[1], middle[0]), nan=np.inf),
+        most=cutoff * np.nan_to_num(np.fmin(beyond[1], middle[0]), nan=np.inf, posinf=np.inf),
     )
 
 

@@ -1,0 +1,77 @@
+"""Noise of what is sharper than any smoothing or sampling shows, read off above the compared band.
+
+The noise of positions has more power the higher the frequency, and is drawn by itself; the torque's sensor
+has its own. Sharp is what a window of time has clearly more of than both. With all above the band told as
+sharp, a bristle of six times the noise was not seen, and 62 of 157 joints of 31 clean logs of other simulators
+were left with less than 0.7 times their noise; 44 are now.
+"""
+
+import numpy as np
+import scipy
+
+from jaxswarm.logs.butterworth import butterworth
+from jaxswarm.logs.motion import Motion
+
+# Where the octave begins and ends that tells what is sharp, over the torque's cutoff; and the time [s] over
+# which its power is averaged, in any case a period of the cutoff.
+_ABOVE, _WINDOW = (1.5, 3.0), 0.25
+# Chance with which noise alone is told as sharp in a window.
+_CHANCE = 0.01
+# Without this share of the working rate above the band, it tells nothing.
+_LEAST_SHARE = 0.05
+
+
+def sharp_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np.ndarray:
+    """Standard deviation (T', n) below the torque cutoff of what is sharp, beyond the noise of the sensors.
+
+    Args:
+        motion: Whose noise it is.
+        left: What a model leaves of it on its working clock, (T, n).
+        drawn: What draws of the noise of its positions make of the model's torque, each (T, n).
+
+    It has as much power per hertz in the octave just above the band as above that. A drive that jitters only
+    there, at all times, was told as 12 times what a clean log is left with.
+    """
+    rate, (begin, end) = motion.rate, np.multiply(_ABOVE, motion.torque_cutoff)
+    if 0.5 * rate - begin < _LEAST_SHARE * rate:
+        return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
+    sensor = np.zeros(motion.q.shape[1]) if motion.torque_noise is None else motion.torque_noise
+    bands = [(begin, 0.5 * rate), (begin, end)][: 1 + (end < 0.5 * rate)]
+    known = np.zeros((len(bands), 1, 1))
+    if drawn:
+        known = np.mean([[_power(motion, x, b) for b in bands] for x in drawn], axis=0)
+    beyond, clear = [], []
+    for number, (band, own) in enumerate(zip(bands, known, strict=True)):
+        told, own = _power(motion, left, band), own + sensor**2 * (number == 0)
+        beyond.append(told - own)
+        clear.append(told > _by_chance(motion, band, len(drawn)) * own)
+    # All above the band tells better whether there is any, and the one octave how much of it is in the band.
+    power = np.where(np.any(clear, axis=0), np.min(beyond, axis=0), 0.0)
+    return np.sqrt(np.maximum(power, 0.0))
+
+
+def _by_chance(motion: Motion, band: tuple[float, float], draws: int) -> float:
+    """How many times the power that is known noise itself has in a window, but for a chance.
+
+    Known from so many draws of the same window, or else from all of the log.
+    """
+    freedom = 2.0 * (band[1] - band[0]) * _span(motion)
+    if draws:
+        return float(scipy.stats.f.isf(_CHANCE, freedom, draws * freedom))
+    return float(scipy.stats.chi2.isf(_CHANCE, freedom) / freedom)
+
+
+def _power(motion: Motion, left: np.ndarray, band: tuple[float, float]) -> np.ndarray:
+    """Power (T', n) below the torque cutoff of what has as much per hertz as in a band [Hz] above."""
+    above = butterworth(left, motion.rate, band[0], 4, high=True)
+    if band[1] < 0.5 * motion.rate:
+        above = butterworth(above, motion.rate, band[1], 4)
+    power = scipy.ndimage.uniform_filter1d(
+        above**2, max(3, int(_span(motion) * motion.rate)), axis=0
+    )
+    return power[motion.decimator.kept(len(motion.t))] * motion.torque_cutoff / (band[1] - band[0])
+
+
+def _span(motion: Motion) -> float:
+    """Time [s] over which the power above the band is averaged."""
+    return max(_WINDOW, 1.0 / motion.torque_cutoff)
