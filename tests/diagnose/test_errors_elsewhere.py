@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from planted import BAND, blank, log_with, small_arm
+from results import explained
 
+from jaxswarm.diagnose.decision.verdict import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, verdict
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.report.remains import left_open
+from jaxswarm.diagnose.report.text import evidence_sentence, next_steps
 from jaxswarm.diagnose.selection import elsewhere
 from jaxswarm.diagnose.selection.elsewhere import compared, expected, log_residual, rms
 from jaxswarm.diagnose.selection.refit import refit
@@ -121,3 +124,28 @@ def test_a_reader_is_told_which_error_the_fitted_motion_leaves_open(other):
     assert line.startswith("On synthetic small, seed 5 joint") and "times the noise" in line
     # What a law is missing for is no doubt of the parameters.
     assert not told(fits(duration=12.0)[0])
+
+
+def test_what_acts_on_another_log_alone_is_left_beyond_what_the_fitted_motion_leaves_open(other):
+    """A log that was fitted shows no spring, or has it in its model: the other one has a spring."""
+    plain = prepare(log_with(), BAND)
+    without = with_motion_noise(estimate(small_arm(), blank(), [plain], bounded=False))
+    (entry,) = UnseenErrors([other], without, without).validation
+    assert [one["joint"] for one in entry["beyond"]] == ["joint2"]
+    assert entry["beyond"][0]["over_noise"] > 5.0
+    for duration in (3.0, 12.0):
+        _, true = fits(duration=duration)
+        (entry,) = UnseenErrors([other], true, true).validation
+        assert not entry.get("beyond")
+
+
+def test_what_another_log_alone_shows_is_in_the_verdict_and_its_sentence():
+    assert [verdict(added, [], []) for added in (0, 1)] == [NOTHING, EXPLAINED]
+    assert [verdict(added, [], [], beyond=True) for added in (0, 1)] == [UNEXPLAINED, PARTLY]
+    told = explained() | {"verdict": PARTLY}
+    names = told["joints"]
+    left = [{"joint": names[0], "over_noise": 10.4}, {"joint": names[2], "over_noise": 5.86}]
+    told["error"]["validation"][1]["beyond"] = left
+    clause = f"n second.csv 10 times the noise is left on {names[0]}, 5.9 times on {names[2]}"
+    assert f"more is missing that this log does not show: o{clause}." in evidence_sentence(told)
+    assert any(line.startswith(f"O{clause}, in motion") for line in next_steps(told))

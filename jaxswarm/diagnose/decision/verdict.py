@@ -16,15 +16,18 @@ NOTHING, EXPLAINED, PARTLY, UNEXPLAINED, CANNOT = (
 OTHER_MOTION, REGIONS, NO_PROOF = "other motion", "held-out regions", "none"
 
 
-def verdict(added: int, left: Sequence[Unexplained], remains: Sequence[Remainder]) -> str:
-    """Nothing may be called explained that is not near the noise.
+def verdict(
+    added: int, left: Sequence[Unexplained], remains: Sequence[Remainder], beyond: bool = False
+) -> str:
+    """Nothing may be called explained that is not near the noise, here and on other motion.
 
     Args:
         added: How many effects were added or changed.
         left: Structure that no law explains.
         remains: What is left on every joint.
+        beyond: Whether another log is left with far more than the fitted motion leaves open.
     """
-    more = bool(left) or not all(r.near for r in remains)
+    more = beyond or bool(left) or not all(r.near for r in remains)
     if added:
         return PARTLY if more else EXPLAINED
     return UNEXPLAINED if more else NOTHING

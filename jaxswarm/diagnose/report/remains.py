@@ -132,3 +132,26 @@ def left_open(result: dict) -> list[str]:
                 "parameters open: fit this log too, or a motion that excites more (jaxswarm excite)."
             )
     return told
+
+
+def left_beyond(result: dict) -> str:
+    """What another log is left with, and the fitted motion does not leave open, in one clause."""
+    told = []
+    for entry in result["error"].get("validation") or ():
+        if joints := entry.get("beyond"):
+            first, *others = [(one["joint"], f"{one['over_noise']:.2g} times") for one in joints]
+            clauses = [f"{first[1]} the noise is left on {first[0]}"]
+            clauses += [f"{times} on {joint}" for joint, times in others]
+            told.append(f"on {entry['on']} {', '.join(clauses)}")
+    return "; ".join(told)
+
+
+def fit_beyond(result: dict) -> list[str]:
+    """What to do about logs that are left with more than the fitted motion leaves open."""
+    told = left_beyond(result)
+    if not told:
+        return []
+    return [
+        f"{told[0].upper()}{told[1:]}, in motion and more than the fitted motion leaves open: something acts "
+        "there that this log does not show. Diagnose both logs together, with another one for --validation."
+    ]

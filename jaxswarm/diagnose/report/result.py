@@ -67,6 +67,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
     unseen = outcome.after["relative_global"]
     why, weak = hopeless(unseen, belongs), unpredicted(unseen, belongs)
     added = len(diagnosis.kept) + len(laws.found)
+    beyond = any(entry.get("beyond") for entry in outcome.validation)
     return {
         "robot": robot.name,
         "joints": list(joints),
@@ -76,7 +77,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
         "undecided": [_undecided(one, joints) for one in outcome.undecided],
         "error": _error(outcome),
         "torque_units": list(units(robot)),
-        "verdict": CANNOT if why else verdict(added, outcome.left, outcome.remains),
+        "verdict": CANNOT if why else verdict(added, outcome.left, outcome.remains, beyond),
         "proof": NO_PROOF if weak else outcome.proof,
         "residual_over_noise": [r.over_noise for r in outcome.remains],
         "discovered": discovered.entries(laws, final, joints),

@@ -7,7 +7,7 @@ from jaxswarm.diagnose.report.error_change import error_change
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
-from jaxswarm.diagnose.report.remains import left_of, left_open, look_at
+from jaxswarm.diagnose.report.remains import fit_beyond, left_beyond, left_of, left_open, look_at
 from jaxswarm.diagnose.report.rivals import not_told_apart, to_tell_apart
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines, event_lines, rest_lines, unscored_lines
@@ -72,8 +72,8 @@ def evidence_sentence(result: dict) -> str:
         return "This log cannot be judged: " + "; ".join(result["reasons"]) + "."
     change = error_change(result)
     added = _found(result)
-    left = left_of(result["unexplained"])
-    unknown = _unknown(result)
+    left = left_of(result["unexplained"]) or left_beyond(result)
+    unknown = _unknown(result) if result["unexplained"] else "that this log does not show"
     sentences = {
         "nothing missing": f"Nothing is missing: no known effect lowers the error on unseen motion "
         f"beyond chance, and what is left is near the noise (error {change}).",
@@ -192,7 +192,7 @@ def next_steps(result: dict) -> list[str]:
         for u in result["unexplained"]:
             steps += look_at(u) + worth_a_longer_log(result["not_added"], u["joint"])
         steps += _not_searched(result)
-    return steps + left_open(result) + _done(result)
+    return steps + fit_beyond(result) + left_open(result) + _done(result)
 
 
 def _not_searched(result: dict) -> list[str]:

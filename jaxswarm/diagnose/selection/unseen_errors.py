@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.decision.rules import BEYOND, NEAR
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.elsewhere import event_windows, expected
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -44,13 +44,16 @@ class UnseenErrors:
             self.worst = list(self.logs)[int(np.argmax(change))]
 
     def _entry(self, before: Estimate, after: Estimate, source: str) -> dict[str, Any]:
-        """Errors of both models on a log, and what the final one is expected to leave where that is much."""
+        """Errors of both models on a log; where they are much, what the final one is expected to leave."""
         one, two = (self._on(found.model, source) for found in (before, after))
         entry = {"on": Path(source).name, "before": one, "after": two}
         noise = noise_of(after)
         # Many predictions: only where there is something to say.
         if np.any(two["rms"] > NEAR * noise):
-            entry["expected"] = _expected(after, self.logs[source], noise).tolist()
+            expected = _expected(after, self.logs[source], noise)
+            entry["expected"] = expected.tolist()
+            most = np.maximum(NEAR * noise, expected)
+            entry["beyond"] = _beyond(after.model.robot.joints, two["rms_moving"], noise, most)
         return entry
 
     def of(self, found: Estimate) -> dict:
@@ -74,3 +77,20 @@ def _expected(found: Estimate, motions: Sequence[Motion], noise: np.ndarray) -> 
     """The most (n,) that a fit is expected to leave of a log in stretches, each counted by its length."""
     power = [expected(motion, noise, found) ** 2 for motion in motions]
     return np.sqrt(np.average(power, axis=0, weights=[len(m.t) for m in motions]))
+
+
+def _beyond(
+    joints: Sequence[str], moving: Sequence[float | None], noise: np.ndarray, most: np.ndarray
+) -> list[dict[str, Any]]:
+    """Joints that in motion are left with far more than the fitted motion leaves open, and how much.
+
+    Args:
+        joints: Their names.
+        moving: RMS error where they move; None: they do not.
+        noise, most: Of every joint, and what the fitted motion leaves open, (n,).
+    """
+    return [
+        {"joint": joint, "over_noise": float(left / own)}
+        for joint, left, own, at_most in zip(joints, moving, noise, most, strict=True)
+        if left is not None and left > BEYOND * at_most
+    ]
