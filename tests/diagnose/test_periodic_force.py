@@ -9,6 +9,7 @@ import pytest
 from elbow import ask, elbow, elbow_log, fitted, passing
 from planted import BAND
 
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.tone import tonal_candidate
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -24,9 +25,9 @@ DOUBLES = ("torque_ripple", "contact", "friction_change", "encoder_eccentricity"
 HERTZ, SIZE = 2.37, 1.2
 
 
-def shaken(log, hertz=HERTZ, joint=1, force=SIZE):
+def shaken(log, hertz=HERTZ, joint=1, force=SIZE, phase=0.7):
     tau = log.tau.copy()
-    tau[:, joint] += force * np.sin(2 * np.pi * hertz * log.t + 0.7)
+    tau[:, joint] += force * np.sin(2 * np.pi * hertz * log.t + phase)
     return replace(log, tau=tau)
 
 
@@ -86,6 +87,29 @@ def test_it_is_of_its_own_log_alone():
     both = [model_torque(after.model.during(k), motions[1]) for k in (1, None)]
     np.testing.assert_array_equal(*both)
     assert (after.fit.sigma < 0.7 * found.fit.sigma)[1]
+
+
+def test_each_log_has_its_own_force():
+    """Of three it took a third off the squares, and none was told; nor was any asked beside the first one."""
+    logs = [
+        shaken(elbow_log(seed=seed), phase=phase) for phase, seed in ((0.7, 1), (2.9, 2), (4.6, 3))
+    ]
+    declared = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
+    found = estimate(elbow(), declared, [prepare(x, BAND) for x in logs], bounded=False)
+    first = found.fit.sigma
+    for _ in logs:
+        best = passing(ask(found, "periodic_force"))[0]
+        found = refit_with(found, best)
+    forces = [t for t in found.model.terms if t.effect == "periodic_force"]
+    assert sorted(t.values["log"] for t in forces) == [0.0, 1.0, 2.0]
+    for term in forces:
+        assert term.values["hertz"] == pytest.approx(HERTZ, abs=0.003)
+        assert np.hypot(term.values["sine"], term.values["cosine"]) == pytest.approx(SIZE, rel=0.05)
+    assert found.fit.sigma[1] < 0.5 * first[1]
+    names = [name for t in forces for name in t.columns(elbow().joints)]
+    assert len(set(names)) == len(names)
+    left = [t.place for t in eligible_terms(found.model, tuple(found.motions))]
+    assert ("periodic_force", 1, None) not in left and ("periodic_force", 0, None) in left
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,11 @@ def test_a_sentence_tells_their_orders():
     )
 
 
+def test_a_sentence_counts_the_logs_that_have_one_of_their_own():
+    told = [{"effect": "periodic_force", "joint": joint} for joint in ("j1", "j1", "j2")]
+    assert grouped(told, ["j1", "j2", "j3"]) == "periodic_force on j1 in 2 logs and j2"
+
+
 @pytest.mark.parametrize(
     ("way", "order", "strays_there"),
     [(2.3, 14.05, False), (2.3, 10.4, True), (2.3, 7.2, True), (4.0, 10.4, False)],

@@ -53,9 +53,16 @@ def eligible_terms(
         if law.extends:
             held = {t.place for t in model.terms}
             terms = [t for t in terms if held & {(n, t.joint, t.other) for n in law.extends}]
-        present = [t for t in model.terms if not (t.law is law and leaves_room(t, motions))]
+        present = [t for t in model.terms if not (t.law is law and _has_room(t, model, motions))]
         eligible += [t for t in terms if again or not _is_settled(t, law, present)]
     return tuple(eligible)
+
+
+def _has_room(term: Term, model: Model, motions: tuple[Motion, ...]) -> bool:
+    """Whether beside a term there may be one like it: an order, or the tone of a log that has none."""
+    if isinstance(term.law, TorqueLaw) and term.law.tone:
+        return sum(t.place == term.place for t in model.terms) < len(motions)
+    return leaves_room(term, motions)
 
 
 def longest_rest(motions: tuple[Motion, ...], joint: int) -> float:

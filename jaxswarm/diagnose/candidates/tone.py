@@ -11,6 +11,7 @@ frequency is the one that takes most off a refitted model. One that is a sixteen
 the tone, as much as the noise is beside a force of nine times it.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -41,7 +42,7 @@ _OUT_OF_STEP = 0.15
 
 
 class _Line(NamedTuple):
-    """A line of a spectrum: its share of the power, where it is, in which log, and how far the next one is."""
+    """A line of a log's spectrum: its share of the power, where it is, the log, and how far the next one is."""
 
     share: float
     hertz: float
@@ -51,15 +52,20 @@ class _Line(NamedTuple):
 
 def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The term at the strongest line of its joint's residual, found on every fold anew; None without one."""
-    folds = lin.crossfit.folds
+    folds, held = (
+        lin.crossfit.folds,
+        {t.values.get("log", 0.0) for t in lin.found.model.terms if t.place == term.place},
+    )
+    free = [log for log in np.unique(lin.found.regression.log) if float(log) not in held]
     lines = [
-        _strongest(lin, np.where(fold.train, fold.residual[:, term.joint], 0.0)) for fold in folds
+        _strongest(lin, free, np.where(fold.train, fold.residual[:, term.joint], 0.0))
+        for fold in folds
     ]
     if lines[0].share < _IN_LINE:
         return None
     placed = [_in_tune(lin, f, term, line) for f, line in zip(folds, lines, strict=True)]
     columns = tuple(lin.law(one) for one in placed)
-    share = _taken_off(lin.crossfit.whole, columns[0], term.index)
+    share = _taken_off(lin, lin.crossfit.whole, columns[0], term.index, lines[0].log)
     hertz = placed[0].values[term.law_of(TorqueLaw).tone]
     if share < _LEAST or not _alone(lin.found.motions[lines[0].log], hertz, share):
         return None
@@ -74,23 +80,25 @@ def _in_tune(lin: Linearization, fold: Fold, term: Term, line: _Line) -> Term:
         return replace(term, values={name: hertz, "log": float(line.log)})
 
     low, here, high = (
-        _taken_off(fold, lin.law(at(line.hertz + k * line.step)), term.index) for k in (-1, 0, 1)
+        _taken_off(lin, fold, lin.law(at(line.hertz + k * line.step)), term.index, line.log)
+        for k in (-1, 0, 1)
     )
     bend = 2.0 * here - low - high
     shift = 0.5 * (high - low) / bend if bend > 0.0 else 0.0
     return at(line.hertz + line.step * min(max(shift, -1.0), 1.0))
 
 
-def _taken_off(fold: Fold, columns: np.ndarray, joint: int) -> float:
-    """Share of a joint's squared error that weighted columns (T', n, k) take off it in a refitted model."""
-    before, after = (f.residual[fold.train, joint] for f in (fold, fold.with_columns(columns)))
+def _taken_off(lin: Linearization, fold: Fold, columns: np.ndarray, joint: int, log: int) -> float:
+    """Share of a joint's squared error in a log that weighted columns (T', n, k) take off, all refitted."""
+    rows = fold.train & (lin.found.regression.log == log)
+    before, after = (f.residual[rows, joint] for f in (fold, fold.with_columns(columns)))
     return 1.0 - float(after @ after) / max(float(before @ before), 1e-300)
 
 
-def _strongest(lin: Linearization, left: np.ndarray) -> _Line:
-    """The strongest line of a residual (T',) that is zero off its rows."""
-    regression, best = lin.found.regression, _Line(0.0, 1.0, 0, 0.0)
-    for log in np.unique(regression.log):
+def _strongest(lin: Linearization, logs: Sequence[int], left: np.ndarray) -> _Line:
+    """The strongest line in logs of a residual (T',) that is zero off its rows, as a share of its log's."""
+    regression, best, most = lin.found.regression, _Line(0.0, 1.0, 0, 0.0), 0.0
+    for log in logs:
         own = left[regression.log == log]
         used = max(int((own != 0.0).sum()), 1)
         step = regression.step[log]
@@ -102,8 +110,9 @@ def _strongest(lin: Linearization, left: np.ndarray) -> _Line:
         if not inside.any():
             continue
         pick = int(np.argmax(np.where(inside, gain, 0.0)))
-        share = gain[pick] / max(float((left**2).sum()), 1e-300)
-        best = max(best, _Line(float(share), float(hertz[pick]), int(log), float(hertz[1])))
+        if gain[pick] > most:
+            most, share = float(gain[pick]), gain[pick] / max(float((own**2).sum()), 1e-300)
+            best = _Line(float(share), float(hertz[pick]), int(log), float(hertz[1]))
     return best
 
 

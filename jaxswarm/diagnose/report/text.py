@@ -1,6 +1,7 @@
 """The diagnosis in sentences, shared by the report and the terminal."""
 
 import math
+from collections import Counter
 
 from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report.error_change import error_change
@@ -34,7 +35,9 @@ def grouped(entries: list[dict], joints: list[str], between: str = ", ") -> str:
     told = []
     for effect, names in places.items():
         whole = len(joints) > 1 and sorted(names) == sorted(joints)
-        on = "every joint" if whole else " and ".join(filter(None, names))
+        times = Counter(filter(None, names))  # of what acts in one log, one for each
+        each = [f"{name} in {n} logs" if n > 1 else name for name, n in times.items()]
+        on = "every joint" if whole else " and ".join(each)
         told.append(f"{effect} on {on}" if on else effect)
     return between.join(told)
 
