@@ -78,7 +78,9 @@ def test_values_and_intervals(result):
 def test_errors_are_on_the_validation_log_and_fall(result):
     before, after = result["error"]["before"], result["error"]["after"]
     assert after["rms"][0] < 0.5 * before["rms"][0]
-    assert result["steps"][0]["before"] == before and result["steps"][-1]["after"] == after
+    assert result["steps"][0]["before"] == before
+    # After the steps all is fitted once more, with the widths of signs as they were declared.
+    assert result["steps"][-1]["after"]["rms"] == pytest.approx(after["rms"], rel=0.01)
     assert after["on"].startswith("synthetic")
     floor = result["error"]["noise_floor"]["rms"]
     assert 0.7 < after["rms"][0] / floor[0] < 1.5

@@ -52,8 +52,7 @@ class Outcome:
         smooth: Errors with the smooth terms for what no law explains; None: there are none, or no
             validation log.
         validation: Errors on every validation log.
-        steps: Errors before and after every step, then before and after every discovered law; the last of
-            them are those of the final model, whose clocks, widths and bounds are settled after all steps.
+        steps: Errors before and after every step, then before and after every discovered law.
         undecided: Rivals that the data do not tell from what was added.
         proof: On what motion the outcome is shown.
     """
@@ -88,19 +87,16 @@ def outcome_of(
     final = diagnosis.final
     errors = UnseenErrors(validation, diagnosis.declared, final)
     smooth = any(item.term is not None for item in left)
-    after = errors.of(final)
-    steps = [(errors.of(s.before), errors.of(s.after)) for s in (*diagnosis.steps, *laws)]
-    steps[-1:] = [(before, after) for before, _ in steps[-1:]]
     return Outcome(
         diagnosis,
         tuple(left),
         remainders(final),
         noise_of(final),
         errors.of(diagnosis.declared),
-        after,
+        errors.of(final),
         errors.with_model(with_smooth_terms(final, left)) if smooth else None,
         errors.validation,
-        tuple(steps),
+        tuple((errors.of(s.before), errors.of(s.after)) for s in (*diagnosis.steps, *laws)),
         tuple(one for step in diagnosis.steps for one in _undecided(step, diagnosis.rules)),
         _proof(final, validation),
     )
