@@ -146,6 +146,6 @@ def test_what_another_log_alone_shows_is_in_the_verdict_and_its_sentence():
     names = told["joints"]
     left = [{"joint": names[0], "over_noise": 10.4}, {"joint": names[2], "over_noise": 5.86}]
     told["error"]["validation"][1]["beyond"] = left
-    clause = f"n second.csv 10 times the noise is left on {names[0]}, 5.9 times on {names[2]}"
+    clause = f"n second.csv 10.4 times the noise is left on {names[0]}, 5.9 times on {names[2]}"
     assert f"more is missing that this log does not show: o{clause}." in evidence_sentence(told)
     assert any(line.startswith(f"O{clause}, in motion") for line in next_steps(told))

@@ -139,7 +139,7 @@ def left_beyond(result: dict) -> str:
     told = []
     for entry in result["error"].get("validation") or ():
         if joints := entry.get("beyond"):
-            first, *others = [(one["joint"], f"{one['over_noise']:.2g} times") for one in joints]
+            first, *others = [(one["joint"], f"{one['over_noise']:.1f} times") for one in joints]
             clauses = [f"{first[1]} the noise is left on {first[0]}"]
             clauses += [f"{times} on {joint}" for joint, times in others]
             told.append(f"on {entry['on']} {', '.join(clauses)}")
