@@ -52,24 +52,23 @@ class _Line(NamedTuple):
 
 def tonal_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The term at the strongest line of its joint's residual, found on every fold anew; None without one."""
-    folds, held = (
-        lin.crossfit.folds,
-        {t.values.get("log", 0.0) for t in lin.found.model.terms if t.place == term.place},
-    )
+    held = {t.values.get("log", 0.0) for t in lin.found.model.terms if t.place == term.place}
     free = [log for log in np.unique(lin.found.regression.log) if float(log) not in held]
-    lines = [
-        _strongest(lin, free, np.where(fold.train, fold.residual[:, term.joint], 0.0))
-        for fold in folds
-    ]
-    if lines[0].share < _IN_LINE:
+
+    def strongest(fold: Fold) -> _Line:
+        return _strongest(lin, free, np.where(fold.train, fold.residual[:, term.joint], 0.0))
+
+    whole, *others = lin.crossfit.folds
+    line = strongest(whole)
+    if line.share < _IN_LINE:
         return None
-    placed = [_in_tune(lin, f, term, line) for f, line in zip(folds, lines, strict=True)]
-    columns = tuple(lin.law(one) for one in placed)
-    share = _taken_off(lin, lin.crossfit.whole, columns[0], term.index, lines[0].log)
-    hertz = placed[0].values[term.law_of(TorqueLaw).tone]
-    if share < _LEAST or not _alone(lin.found.motions[lines[0].log], hertz, share):
+    told = _in_tune(lin, whole, term, line)
+    share = _taken_off(lin, whole, lin.law(told), term.index, line.log)
+    hertz = told.values[term.law_of(TorqueLaw).tone]
+    if share < _LEAST or not _alone(lin.found.motions[line.log], hertz, share):
         return None
-    return Candidate(placed[0], columns, len(term.law.linear) + 1)
+    placed = [told, *(_in_tune(lin, fold, term, strongest(fold)) for fold in others)]
+    return Candidate(told, tuple(lin.law(one) for one in placed), len(term.law.linear) + 1)
 
 
 def _in_tune(lin: Linearization, fold: Fold, term: Term, line: _Line) -> Term:
