@@ -7,7 +7,7 @@ from pathlib import Path
 from jaxswarm import outputs
 from jaxswarm.diagnose.asked_again import doubtful, told_again
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
-from jaxswarm.diagnose.decision.remainder import find_material
+from jaxswarm.diagnose.decision.material import find_material
 from jaxswarm.diagnose.decision.unexplained import Unexplained, with_smooth_terms
 from jaxswarm.diagnose.discovery.discover import Search, discover
 from jaxswarm.diagnose.files import Files

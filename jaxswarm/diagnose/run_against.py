@@ -9,7 +9,7 @@ import numpy as np
 from jaxswarm import cores, outputs
 from jaxswarm.diagnose.asked_again import doubtful, told_again
 from jaxswarm.diagnose.candidates.journal import Journal, fingerprint
-from jaxswarm.diagnose.decision.remainder import find_material
+from jaxswarm.diagnose.decision.material import find_material
 from jaxswarm.diagnose.files import Files
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from planted import BAND, DECLARED, blank, log_with, small_arm
 
-from jaxswarm.diagnose.decision import remainder
-from jaxswarm.diagnose.decision.remainder import Remainder, find_material, material, remainders
+from jaxswarm.diagnose.decision import material as structure
+from jaxswarm.diagnose.decision.material import find_material, material
+from jaxswarm.diagnose.decision.remainder import Remainder, remainders
 from jaxswarm.diagnose.decision.rules import MATERIAL
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import (
@@ -106,7 +107,7 @@ def test_joints_within_their_noise_are_not_looked_at(monkeypatch, clean, quiet):
     """The same as looking at all of them: the share of a joint is one at most."""
     left = [Remainder(j, 0.9 if j == quiet else 1.4, (), (0.0, 1.0)) for j in range(3)]
     looked = []
-    monkeypatch.setattr(remainder, "remainders", lambda found: left)
-    monkeypatch.setattr(remainder, "find_unexplained", lambda *a: looked.extend(a[-1]) or [])
+    monkeypatch.setattr(structure, "remainders", lambda found: left)
+    monkeypatch.setattr(structure, "find_unexplained", lambda *a: looked.extend(a[-1]) or [])
     assert find_material(clean, None) == []
     assert looked == [j for j in range(3) if j != quiet]

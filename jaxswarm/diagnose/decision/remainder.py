@@ -1,14 +1,11 @@
 """What a model leaves, against the noise: how many times it, when, and at which frequencies."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.rules import MATERIAL, NEAR
-from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.folds.noise import row_noise
-from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.identify.estimation.estimate import Estimate
 
 # Windows of time [s] in which the remainder is told, and how many at most.
@@ -54,22 +51,6 @@ def remainders(found: Estimate) -> tuple[Remainder, ...]:
 def over_noise(found: Estimate) -> np.ndarray:
     """RMS (n,) of what is left of every joint, over the noise of its row, in the rows in use."""
     return found.regression.rms(found.fit.residual / row_noise(found))
-
-
-def find_material(found: Estimate, crossfit: CrossFit, seed: int = 0) -> list[Unexplained]:
-    """Structure that no law explains and that stands out of the noise of its joint.
-
-    A joint within its noise is not looked at: of no more than all that is left there, none can stand out.
-    """
-    remains = remainders(found)
-    loud = [r.joint for r in remains if r.over_noise > MATERIAL]
-    return material(find_unexplained(found, crossfit, seed, loud), remains)
-
-
-def material(left: Sequence[Unexplained], remains: Sequence[Remainder]) -> list[Unexplained]:
-    """Structure that stands out of the noise of its joint."""
-    over = {r.joint: r.over_noise for r in remains}
-    return [item for item in left if np.sqrt(item.share) * over[item.joint] > MATERIAL]
 
 
 def _windows(found: Estimate, over: np.ndarray) -> tuple:

@@ -96,13 +96,8 @@ def score_softly(
     """
     if not asking:
         return []
-    softer = folds_of(found, row_noise)
-    # By these weights a torque counts against the noise of its rows, not against that of all.
-    softer = replace(softer, noise=row_noise(found).min(axis=0))
-    clocks = softer.weigh(clock_slopes(found))
-    softer = softer.with_columns((clocks,) * len(softer.folds), known=True)
-    counted = softer.weight > 0
-    left = np.divide(softer.whole.residual, softer.weight, out=0.0 * softer.weight, where=counted)
+    softer = soft_folds(found, folds_of)
+    left = torque_left(softer)
     least = np.minimum(np.sqrt((left**2).mean(axis=0)), found.fit.sigma)
     near = least <= NEAR * noise_of(found)
     known = crossfit.weight > 0
@@ -114,6 +109,22 @@ def score_softly(
         else None
         for s in asking
     ]
+
+
+def soft_folds(found: Estimate, folds_of: FoldsOf = refitted_folds) -> CrossFit:
+    """Folds of a model with every row counted by all its noise and the clock of each joint free."""
+    softer = folds_of(found, row_noise)
+    # By these weights a torque counts against the noise of its rows, not against that of all.
+    softer = replace(softer, noise=row_noise(found).min(axis=0))
+    clocks = softer.weigh(clock_slopes(found))
+    return softer.with_columns((clocks,) * len(softer.folds), known=True)
+
+
+def torque_left(crossfit: CrossFit) -> np.ndarray:
+    """What folds leave of the torque, (T, n) [N m or N]; zero in rows that do not count."""
+    counted = crossfit.weight > 0
+    left, weight = crossfit.whole.residual, crossfit.weight
+    return np.divide(left, weight, out=np.zeros_like(left), where=counted)
 
 
 def _is_told(law: Effect) -> bool:

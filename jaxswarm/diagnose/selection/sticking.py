@@ -15,7 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.remainder import find_material, over_noise, remainders
+from jaxswarm.diagnose.decision.material import find_material
+from jaxswarm.diagnose.decision.remainder import over_noise, remainders
 from jaxswarm.diagnose.decision.rules import LOUD, STICKS
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
