@@ -1,7 +1,11 @@
-"""Single samples far off the samples around them: no machine jumps there and back within two samples."""
+"""Single samples far off the samples around them: no machine jumps there and back within two samples.
+
+A drive may, and then the joint's speed jumps with its torque: a torque that the motion answers is no spike. Of
+a controller that met a step with 216 N m in one sample of 4 ms, which doubled a joint's speed, the torque was
+bridged, and a clean log left with 10 times its noise.
+"""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -75,28 +79,50 @@ def _beside_gaps(log: Log) -> np.ndarray:
     return beside
 
 
+def _answered(torque: np.ndarray, spikes: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Rows (T,) with spikes in which the speed of a joint jumps with its torque, as far as no usual one does.
+
+    What one joint answers is no accident of the others: a controller that decouples them moves all torques.
+
+    Args:
+        torque: (T, n).
+        spikes: Whether they are spikes, (T, n).
+        q: Positions, (T, n).
+    """
+    # Change of the speed from one side of a sample to the other, over the period, and what changes it steadily.
+    jump, height = np.zeros_like(q), np.zeros_like(q)
+    jump[2:-2] = q[4:] - q[3:-1] - (q[1:-3] - q[:-4])
+    jump[5:-5] -= 0.5 * (jump[2:-8] + jump[8:-2])
+    height[1:-1] = torque[1:-1] - 0.5 * (torque[:-2] + torque[2:])
+    usual = [
+        max(float(np.quantile(np.abs(x), _USUAL)), quantum(p))
+        for x, p in zip(jump.T, q.T, strict=True)
+    ]
+    return spikes.any(axis=1) & (jump * np.sign(height) > _FAR * np.array(usual)).any(axis=1)
+
+
 def bridged(log: Log) -> tuple[Log, list[Finding]]:
     """The log with spikes of positions and torques bridged, and what was found."""
-    apart = ~_beside_gaps(log)
     findings: list[Finding] = []
-    mended: dict[str, Any] = {}
     for quantity, name in (("q", "position"), ("tau", "torque")):
         values = getattr(log, quantity)
         if values is None:
             continue
-        for j, joint in enumerate(log.joints):
-            bad = find_spikes(values[:, j]) & apart
-            count = int(bad.sum())
-            if not count:
-                continue
-            few = count <= _MOST * len(bad)
-            where = f"{count} samples of the {name} of {joint} are spikes, the first at t = "
-            what = f"{where}{log.t[np.argmax(bad)]:.6g} s"
-            if few:
-                mended.setdefault(quantity, values.copy())
-                mended[quantity][bad, j] = np.interp(log.t[bad], log.t[~bad], values[~bad, j])
+        bad = np.column_stack([find_spikes(x) for x in values.T]) & ~_beside_gaps(log)[:, None]
+        if quantity == "tau":
+            bad &= ~_answered(values, bad, log.q)[:, None]
+        mended = values.copy()
+        for j in np.flatnonzero(bad.any(axis=0)):
+            count, rows = int(bad[:, j].sum()), bad[:, j]
+            where = (
+                f"{count} samples of the {name} of {log.joints[j]} are spikes, the first at t = "
+            )
+            what = f"{where}{log.t[np.argmax(rows)]:.6g} s"
+            if count <= _MOST * len(rows):
+                mended[rows, j] = np.interp(log.t[rows], log.t[~rows], values[~rows, j])
                 findings.append(Finding(NAME, what, "They are bridged", refused=False))
             else:
                 remedy = "Mend the wiring or the driver, and log it again"
                 findings.append(Finding(NAME, what, remedy))
-    return replace(log, **mended), findings
+        log = replace(log, **{quantity: mended})
+    return log, findings
