@@ -131,6 +131,18 @@ def test_what_is_not_told_from_nothing_in_the_end_is_taken_back(there):
     )
 
 
+@pytest.mark.parametrize("shown", [True, False])
+def test_what_no_number_tells_stays_only_where_another_log_shows_it(monkeypatch, shown):
+    """A coupling of 0.01 +- 0.03 N m s/rad survived in held-out time of a log with slow noise."""
+    search = searched(0.0)
+    monkeypatch.setattr(reasons, "is_certain", lambda term, errors: False)
+    monkeypatch.setattr(reasons, "survives", lambda *a: None)
+    search.other = tuple(search.current.motions) * shown
+    take_back_idle(search)
+    assert [s.added.effect for s in search.steps] == ["torque_offset"] * shown
+    assert ["--validation" in why for _, why in search.refused] == [True] * (not shown)
+
+
 def _position(log, joint=1):
     return log.q[:, joint]
 

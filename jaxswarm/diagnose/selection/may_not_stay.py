@@ -26,6 +26,8 @@ from jaxswarm.diagnose.selection.tenable import is_certain
 from jaxswarm.effects.alike import has
 from jaxswarm.identify.estimation.estimate import Estimate
 
+_NO_OTHER_LOG = "no other log shows it: record another motion and pass it with --validation"
+
 
 def _standing(search: Search) -> list[Step]:
     """The additions that the model has: a later one may have taken an earlier one's place, a lag a delay's."""
@@ -49,13 +51,18 @@ def _over_noise(current: Estimate) -> np.ndarray:
 
 
 def idle(search: Search) -> tuple[Step, str] | None:
-    """The first addition of no certain number that does not survive any more, and why; None if none is."""
+    """The first addition of no certain number that no other log shows, and why; None if none is.
+
+    Held-out time of the log that it was found in shows none that its numbers do not: of seven such additions
+    on several hundred logs six were false, and the true one had another log. A coupling of 0.01 +- 0.03
+    N m s/rad took half off the squares of held-out blocks, beside noise with a memory as long as these.
+    """
     current = search.current
     for step in _standing(search):
         law, known = step.added.law, with_errors(step.added, current)
         if law.in_one_log or law.everyday or known is None or is_certain(*known):
             continue
-        why = _why_not(search, step)
+        why = _why_not(search, step) if search.other else _NO_OTHER_LOG
         if why:
             return step, f"is not told from nothing any more, and {why}"
     return None
