@@ -22,17 +22,31 @@ from jaxswarm.identify.forward.written_down import clock_lag
 
 
 def event_of_nothing(search: Search) -> tuple[Step, str] | None:
-    """The first event of which no number is told from zero, and why it is none; None if none is.
+    """The first event that is told by nothing any more, and why it is none; None if none is.
 
-    A load of -5 +- 8 g, carried for 18 of 28 s, was told on a log whose torque has noise that lasts for
-    seconds; the last joint's error of other motion was 2.4 times as large with it.
+    Of one no number is told from zero: a load of -5 +- 8 g, carried for 18 of 28 s, was told on a log whose
+    torque has noise that lasts for seconds, and the last joint's error of other motion was 2.4 times as large
+    with it. The other was in rows that are left out by now: a rest between two moves, at a torque at which
+    friction held the joint, was told as a contact.
     """
     current = search.current
     for step in search.steps:
         known = with_errors(step.added, current)
-        if known is not None and _lasts(step.added) and not is_certain(*known):
+        if known is None or not _lasts(step.added):
+            continue
+        if not is_certain(*known):
             return step, "is a load of which no number is told from zero"
+        if _held_within(search, step):
+            own = current.model.robot.joints[step.score.joint]
+            return step, f"was told by a rest, in which dry friction holds {own} at any torque"
     return None
+
+
+def _held_within(search: Search, step: Step) -> bool:
+    """Whether friction was found to hold the joint of an event in most of its window."""
+    joint, current = step.score.joint, search.current
+    used = current.regression.used_rows[_within(current, step.added), joint]
+    return joint in search.sticking and 2 * int(used.sum()) < len(used)
 
 
 def event_of_state(search: Search) -> tuple[Step, str] | None:

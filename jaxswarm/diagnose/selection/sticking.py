@@ -25,12 +25,7 @@ from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import chain
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import (
-    HELD,
-    hardly_moving,
-    leave_out,
-    tells_motion,
-)
+from jaxswarm.identify.estimation.standing import hardly_moving, leave_out, tells_motion
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import Motion
 
@@ -154,10 +149,12 @@ def is_held(before: Estimate, after: Estimate) -> np.ndarray:
 def stands_out(before: Estimate, after: Estimate) -> np.ndarray:
     """Whether friction may hold each joint, (n,), where the fit after uses no row, far from the noise or not.
 
-    Those are left with more than motion, by as much as for a rest that is held, and no more than friction.
+    Those are left with more than motion. By how much, and whether that is more than friction, says only a
+    model with the law that motion lacks: of friction that fell from 2.2 to 0.4 N m as its joint warmed a model
+    without that law knew 0.95 N m, and left 1.16 N m at rest, 2.4 times as much as in motion.
     """
-    left, moving, friction = _where_left_out(before, after)
-    return (left > HELD * moving) & (left <= friction)
+    left, moving, _ = _where_left_out(before, after)
+    return left > moving
 
 
 def _where_left_out(before: Estimate, after: Estimate) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
