@@ -7,7 +7,7 @@ load torque enter as given numbers. Torque and columns then pass the same decima
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TypeVar
 
 import jax
@@ -18,6 +18,7 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.joint_series import Load, filled_series, load_series
+from jaxswarm.identify.forward.latest import Latest
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
@@ -98,7 +99,7 @@ class Rigid:
     swayed: dict = field(default_factory=dict, repr=False, compare=False)
     loads: dict = field(default_factory=dict, repr=False, compare=False)
     moved: dict = field(default_factory=dict, repr=False, compare=False)
-    laws: dict = field(default_factory=dict, repr=False, compare=False)
+    laws: Latest = field(default_factory=partial(Latest, _OF_LAWS), repr=False, compare=False)
     reported: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -155,12 +156,7 @@ class Rigid:
             return make()
         bent = tuple(term.values[p.name] for p in law.nonlinear)
         place = (term.place, term.formula, bent, width[term.index] if law.uses_direction else None)
-        if place not in self.laws:
-            own = make()
-            while self.laws and own.size + sum(x.size for x in self.laws.values()) > _OF_LAWS:
-                self.laws.pop(next(iter(self.laws)))
-            self.laws[place] = own
-        return self.laws[place]
+        return self.laws.of(place, make)
 
 
 def last_of(kept: dict, place: Hashable, make: Callable[[], Kept]) -> Kept:
