@@ -24,15 +24,21 @@ def motion():
 
 @pytest.fixture
 def made(monkeypatch):
-    """Joints whose series were made."""
-    joints, plain = [], joint_series.joint_series
+    """Joints whose series were made, and the widths of signs that were."""
+    joints, widths = [], []
+    plain, signs = joint_series._of_motion, joint_series._signs
 
-    def counted(motion, width, load, joint, other=None):
+    def counted(motion, joint, other):
         joints.append(joint)
-        return plain(motion, width, load, joint, other)
+        return plain(motion, joint, other)
 
-    monkeypatch.setattr(joint_series, "joint_series", counted)
-    return joints
+    def signed(motion, width, joint, other):
+        widths.append(width[joint])
+        return signs(motion, width, joint, other)
+
+    monkeypatch.setattr(joint_series, "_of_motion", counted)
+    monkeypatch.setattr(joint_series, "_signs", signed)
+    return joints, widths
 
 
 def columns(name, motion, width=WIDTH, load=None, values=None):
@@ -43,14 +49,15 @@ def test_laws_of_a_joint_see_what_was_made_for_the_first(motion, made):
     for name in ("viscous_friction", "coulomb_friction", "rotor_inertia"):
         columns(name, motion)
     columns("coulomb_friction", replace(motion, torque_noise=np.ones(2)))
-    assert made == [0]
+    assert made == ([0], [0.01])
 
 
 def test_another_width_or_motion_is_seen_as_it_is(motion, made):
     sharp = columns("coulomb_friction", motion)
     wide = columns("coulomb_friction", motion, (0.5, 0.5))
     back = columns("coulomb_friction", replace(motion, dq=-motion.dq))
-    assert made == [0, 0, 0]
+    # A width more is a sign more: a fit tries thousands.
+    assert made == ([0, 0], [0.01, 0.5, 0.01])
     np.testing.assert_allclose(wide[:, 0], np.tanh(motion.dq[:, 0] / 0.5), atol=1e-12)
     np.testing.assert_array_equal(back, -sharp)
 
@@ -61,7 +68,7 @@ def test_a_load_is_that_of_the_model_that_asks(motion, made):
         load = Load(*(np.full(motion.q.shape, size),) * 2)
         told.append(columns("load_dependent_friction", motion, load=load, values={"inertial": 1.0}))
     np.testing.assert_allclose(told[1], 3.0 * told[0])
-    assert made == [0]
+    assert made == ([0], [0.01])
 
 
 def test_what_is_kept_is_bounded(motion, monkeypatch):

@@ -11,6 +11,7 @@ from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.forward import compliance
+from jaxswarm.identify.forward import load_slopes as load_slopes_module
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.load_slopes import load_slopes
 from jaxswarm.identify.forward.measuring_chain import assemble
@@ -85,6 +86,26 @@ def test_columns_and_slopes_are_the_derivative_of_the_torque(terms):
     step = 1e-6
     told = (torque(theta + step * way) - torque(theta - step * way)) / (2.0 * step)
     np.testing.assert_allclose(whole @ way, told, atol=1e-4 * np.abs(told).max())
+
+
+def test_columns_of_links_that_a_joint_does_not_feel_are_not_asked_for(monkeypatch):
+    """They are zeros: half of all numbers of six joints, which were multiplied and decimated all the same."""
+    arm, _ = case()
+    motion = prepare(log_with(FRICTION), Filtering(20.0, 10.0))
+    rigid, pi = rigid_of(arm, motion), np.asarray(arm.parameters).ravel()
+    told = load_slopes(arm, (FRICTION,), motion, WIDTH, pi, rigid)
+    columns = load_slopes_module._columns
+
+    def unknown(*of):
+        made = [x.copy() for x in columns(*of)]
+        for x in made:
+            assert not x[:, 1, :10].any()
+            x[:, 1, :10] = np.nan
+        return made
+
+    monkeypatch.setattr(load_slopes_module, "_columns", unknown)
+    made = load_slopes(arm, (FRICTION,), motion, WIDTH, pi, rigid)
+    np.testing.assert_array_equal(made, told)
 
 
 def test_what_a_soft_base_keeps_of_a_motion_serves_all_parameters(monkeypatch):

@@ -5,7 +5,7 @@ diagnosis 36,000 times: of 0.2 ms each the law itself took 0.03, signs of veloci
 """
 
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import NamedTuple
 
@@ -48,6 +48,12 @@ def joint_series(
 
     ``width`` is that of every joint's smooth sign, (n,); a sum of velocities takes the joint's own.
     """
+    own = _of_motion(motion, joint, other)._replace(**_signs(motion, width, joint, other))
+    return own if load is None else own._replace(**load_series(load, joint))
+
+
+def _of_motion(motion: Motion, joint: int, other: int | None) -> Sample[np.ndarray]:
+    """What of :func:`joint_series` follows from the motion alone, all else zero."""
     zero = np.zeros(len(motion.t))
     temperature = motion.channels.get("temperature")
     own = Sample(
@@ -55,7 +61,7 @@ def joint_series(
         q=motion.q[:, joint],
         dq=motion.dq[:, joint],
         ddq=motion.ddq[:, joint],
-        direction=direction(motion.dq[:, joint], width[joint], motion.driven),
+        direction=zero,
         load=zero,
         static_load=zero,
         temperature=zero + np.nan if temperature is None else temperature[:, joint],
@@ -65,17 +71,27 @@ def joint_series(
         state=zero,
         q_other=zero,
     )
-    if load is not None:
-        own = own._replace(**load_series(load, joint))
-    return own if other is None else own._replace(**partner_series(motion, width, joint, other))
+    return own if other is None else own._replace(**_of_partner(motion, other))
+
+
+def _of_partner(motion: Motion, other: int) -> dict:
+    """The fields (T,) of :func:`joint_series` that follow from a partner's motion, by name."""
+    x = {"dq_other": motion.dq, "ddq_other": motion.ddq, "q_other": motion.q}
+    return {name: column[:, other] for name, column in x.items()}
+
+
+def _signs(motion: Motion, width: Sequence[float], joint: int, other: int | None) -> dict:
+    """The smooth signs (T,) of :func:`joint_series` by name, that of a sum where there is a partner."""
+    velocities = {"direction": motion.dq[:, joint]}
+    if other is not None:
+        velocities["direction_sum"] = motion.dq[:, joint] + motion.dq[:, other]
+    return {n: direction(dq, width[joint], motion.driven) for n, dq in velocities.items()}
 
 
 def partner_series(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
     """The fields (T,) of :func:`joint_series` that a partner fills, by name."""
-    x = {"dq_other": motion.dq, "ddq_other": motion.ddq, "q_other": motion.q}
-    both = motion.dq[:, joint] + motion.dq[:, other]
-    sum_of = direction(both, width[joint], motion.driven)
-    return {**{name: column[:, other] for name, column in x.items()}, "direction_sum": sum_of}
+    sum_of = _signs(motion, width, joint, other)["direction_sum"]
+    return {**_of_partner(motion, other), "direction_sum": sum_of}
 
 
 def load_series(load: Load, joint: int) -> dict:
@@ -88,15 +104,31 @@ def filled_series(
 ) -> Sample[np.ndarray]:
     """:func:`joint_series` without a load, of a length that has a program; what was asked for last is kept.
 
-    A log that is given another noise or other rows is the same motion, and finds what is kept of it.
+    A log that is given another noise or other rows is the same motion, and finds what is kept of it. Of the
+    many widths that a fit tries each finds what was made for the first, but for the sign.
     """
     made_of = (motion.t, motion.q, motion.dq, motion.ddq, motion.channels.get("temperature"))
-    place = (*map(id, made_of), motion.driven, joint, other, float(width[joint]))
+    place = (*map(id, made_of), motion.driven, joint, other)
+
+    def plain() -> Sample[np.ndarray]:
+        return filled(_of_motion(motion, joint, other))
+
+    def signed() -> Sample[np.ndarray]:
+        signs = filled(_signs(motion, width, joint, other))
+        return _last((*place, None), made_of, plain)._replace(**signs)
+
+    return _last((*place, float(width[joint])), made_of, signed)
+
+
+def _last(
+    place: tuple, made_of: tuple, make: Callable[[], Sample[np.ndarray]]
+) -> Sample[np.ndarray]:
+    """The series that is kept of a place, or is made of arrays and kept with these."""
     with _keeping:
         if place in _kept:
             _kept.move_to_end(place)
             return _kept[place][1]
-    series = filled(joint_series(motion, width, None, joint, other))
+    series = make()
     with _keeping:
         _kept[place] = made_of, series
         most = _MOST // (len(Sample._fields) * len(series.t))

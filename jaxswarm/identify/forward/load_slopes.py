@@ -84,16 +84,14 @@ def load_slopes(
     total, row = np.zeros((len(low.kept(len(motion.t))), joints, ends[-1])), 0
     for part in low.blocks(len(motion.t), _BLOCK) if by else ():
         full, still = _columns(body, part)
-        parts = [
-            seen(
-                by_full[part, None] * full[:, t.index] + by_still[part, None] * still[:, t.index],
-                t.index,
-            )
-            for t, by_full, by_still in by
-        ]
-        made = np.sum(parts, axis=0)
-        total[row : row + len(made), :, : len(pi)] = made
-        row += len(made)
+        rows = slice(row, row + len(low.kept(len(full))))
+        for t, by_full, by_still in by:
+            first = 10 * t.index  # a joint feels no link before it
+            own = by_full[part, None] * full[:, t.index, first:]
+            if by_still.any():
+                own += by_still[part, None] * still[:, t.index, first:]
+            total[rows, :, first : len(pi)] += seen(own, t.index)
+        row = rows.stop
     # Where the links do as the log says, a fit asks for the same moments at every step.
     kept = body.rigid.swayed if body.rigid is not None and is_kept(motion) else None
     for t in (t for t in acting if t.joint is None):
