@@ -315,6 +315,7 @@ def test_rest_asks_for_what_takes_more_off_it_than_laws_without_torque_there(
         rules=Rules(),
     )
     monkeypatch.setattr(with_rest_module, "held", lambda left, rest, mixed: np.ones(1, bool))
+    monkeypatch.setattr(with_rest_module, "_too_many", lambda search, passed: False)
     monkeypatch.setattr(
         with_rest_module, "_left_at_rest", lambda one, folds, rows: np.array([told[one]]).T
     )
@@ -495,3 +496,28 @@ def test_what_motion_foretells_is_found_a_joint_at_a_time(monkeypatch):
         monkeypatch.setattr(held_rest, "_TOLD", most + 1e-9)
         assert held_rest._foretold(columns, left, resting).sum() == expected
     assert told.all()
+
+
+@pytest.mark.parametrize(
+    ("joints", "left", "whole_arm", "goes_on"),
+    [
+        ((0, 1), 1, False, True),
+        ((0, 1, 2), 1, False, False),
+        ((0, 0, 1), 1, False, True),
+        ((0, 1, 2), 1, True, True),
+    ],
+)
+def test_rest_is_not_searched_on_where_more_joints_lack_a_law_than_rounds_are_left(
+    monkeypatch, joints, left, whole_arm, goes_on
+):
+    """Four joints of a measured arm had one in the last round, and all laws were asked again for nothing."""
+    term = SimpleNamespace(law=SimpleNamespace(mutual=False))
+    passed = [
+        SimpleNamespace(joint=j, own=np.ones(1), candidate=SimpleNamespace(term=term))
+        for j in joints
+    ]
+    if whole_arm:
+        passed[0].own = None
+    search = SimpleNamespace(left=left, current=SimpleNamespace(fit=SimpleNamespace(residual=None)))
+    monkeypatch.setattr(with_rest_module, "held", lambda residual, rest, mixed: np.zeros(3, bool))
+    assert with_rest_module._may_explain([], [], search, passed) == goes_on

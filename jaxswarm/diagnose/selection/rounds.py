@@ -60,6 +60,7 @@ def run_rounds(search: Search, question: Question, most: int) -> None:
     looked, asked = None, frozenset[Term]()
     for number in range(1, most + 2):
         memory.give_back()
+        search.left = most - number
         search.progress(f"round {number}: {question.told(search)}")
         same = search.current is looked
         if not same:

@@ -31,6 +31,7 @@ class Search:
         crossfit: The current model on all folds.
         scores: Of all candidates in the latest round.
         spent: The budget that ended the search; None: none has.
+        left: Rounds that may come after the present one.
         ended: Whether it ended by its number of rounds, and more might be added.
         given_up: Whether it was left since it cannot lead to what it was made for.
         skews: Clock skews that were allowed for.
@@ -58,6 +59,7 @@ class Search:
     crossfit: CrossFit | None = None
     scores: list[Score] = field(default_factory=list)
     spent: Spent | None = None
+    left: int = 0
     ended: bool = False
     given_up: bool = False
     skews: list[float] = field(default_factory=list)
