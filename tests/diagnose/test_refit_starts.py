@@ -69,6 +69,20 @@ def test_without_a_new_law_a_fit_begins_again_where_other_widths_leave_less(monk
     assert fits == [width, best]
 
 
+@pytest.mark.parametrize(("kept", "fits"), [(True, 2), (False, 3)], ids=["short", "long"])
+def test_what_a_model_is_without_an_addition_is_fitted_once(monkeypatch, kept, fits):
+    """Of 42 fits of a slide ten had been made before; of a long log none is held."""
+    before, _ = declared_fit(log_with(DRAG))
+    terms, made, refit = before.model.terms[1:], [], refit_module.refit
+    monkeypatch.setattr(refit_module, "is_kept", lambda motion: kept)
+    monkeypatch.setattr(refit_module, "refit", lambda *of: made.append(of) or refit(*of))
+    other = tuple(replace(t, values={n: 2.0 * x for n, x in t.values.items()}) for t in terms)
+    found = [refit_module.refit_once(before, asked).model for asked in (terms, other, terms)]
+    assert len(made) == fits
+    assert found[0].terms == found[2].terms
+    assert not replace(before, motions=before.motions).refits
+
+
 @pytest.mark.parametrize(("way", "fits"), [(0.0, 1), (1e-3, 2)])
 def test_a_bristle_that_became_dry_friction_is_not_fitted_once_more(monkeypatch, way, fits):
     """Of seven bristles beside a filter five ran to the least way, and did so once more, in 11 s each."""

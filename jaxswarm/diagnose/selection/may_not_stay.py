@@ -18,7 +18,7 @@ from jaxswarm.diagnose.decision.rules import (
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.refit import refit, share_left
+from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, terms_before, with_errors
 from jaxswarm.diagnose.selection.survives import survives
@@ -36,7 +36,7 @@ def _standing(search: Search) -> list[Step]:
 
 def _without(current: Estimate, step: Step) -> Estimate:
     """The model without an addition, and with what it took the place of."""
-    return refit(current, terms_before(step, current.model.terms))
+    return refit_once(current, terms_before(step, current.model.terms))
 
 
 def _why_not(search: Search, step: Step) -> str | None:

@@ -24,7 +24,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.instead import leaves_less, replacement, simpler, surer
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.plainer import plainer
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import refit_once
 from jaxswarm.diagnose.selection.step import Step, chain, competitors, find_term, with_errors
 from jaxswarm.diagnose.selection.tenable import goes_beyond, is_certain
 from jaxswarm.effects.alike import has, without
@@ -131,7 +131,7 @@ def reconsider(
         if not rivals and certain:
             continue
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
-        rest = refit(current, (*without(step.added, current.model.terms), *step.removed))
+        rest = refit_once(current, (*without(step.added, current.model.terms), *step.removed))
         crossfit = cross_fit(rest)
         terms = [replace(t, values={}) for t in (step.added, *rivals)]
         scores = score_terms(Linearization(rest, crossfit), terms, seed)

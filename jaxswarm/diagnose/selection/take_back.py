@@ -6,7 +6,7 @@ from dataclasses import replace
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.may_not_stay import idle, outdone, poor, shadow, stand_in
-from jaxswarm.diagnose.selection.refit import refit
+from jaxswarm.diagnose.selection.refit import refit_once
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, terms_before
@@ -112,7 +112,7 @@ def _take_back(
                 terms = terms_before(one, terms) if has(one.added, terms) else terms
             else:
                 kept.append(one)
-        search.current = with_motion_noise(refit(search.current, terms), search.seed)
+        search.current = with_motion_noise(refit_once(search.current, terms), search.seed)
         search.steps = chain(kept) if kept else []
         search.crossfit = cross_fit(search.current)
 

@@ -1,7 +1,7 @@
 """From a robot, declared terms and logs to an identified model: rigid body, laws, width of the sign."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import jax.numpy as jnp
@@ -57,6 +57,7 @@ class Estimate:
         rigids: Rigid-body columns of every log in nominal gravity and motion.
         std_errors: Standard error of every term parameter, one dictionary per term; NaN where a
             parameter cannot be told from others.
+        refits: What :mod:`jaxswarm.diagnose.selection.refit` fitted from it, by terms with their values.
     """
 
     model: Model
@@ -65,6 +66,7 @@ class Estimate:
     motions: tuple[Motion, ...]
     rigids: tuple[Rigid, ...]
     std_errors: tuple[dict[str, float], ...]
+    refits: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
 
 def estimate(
