@@ -3,14 +3,17 @@
 from dataclasses import replace
 
 import pytest
-from elbow import ask, elbow_log, fitted, passing
+from elbow import ask, elbow, elbow_log, fitted, passing
+from planted import BAND
 from scipy import signal
 
 from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, parse_terms
+from jaxswarm.identify import estimate
+from jaxswarm.logs.motion import prepare
 
 LAWS = ("torque_constant_saturation", "torque_dead_band", "torque_lag", "time_delay", "drive_gain")
 DOUBLES = ("load_dependent_friction", "joint_spring", "cubic_spring", "asymmetric_friction")
@@ -59,6 +62,19 @@ def test_what_is_large_is_asked_and_fitted_with_the_torque_that_it_leaves(truth,
     assert own.coefficients[0] == pytest.approx(value, rel=0.05)
     after = refit_with(found, own)
     assert find_term(after, own.candidate.term).values[name] == pytest.approx(value, rel=0.05)
+
+
+@pytest.mark.parametrize(("seed", "joint", "d"), [(4, 2, 3.0), (1, 1, 8.0)])
+def test_a_dead_band_that_is_declared_is_fitted_where_the_torque_crosses_zero_slowly(
+    seed, joint, d
+):
+    """From a model that had none it came to -7.8 N m at 12 times the noise, and to 7.8 at ten times it."""
+    band, friction = "torque_dead_band", "viscous_friction,coulomb_friction"
+    log = elbow_log(Term(band, joint, values={"d": d}), seed=seed)
+    declared = (*parse_terms(friction, elbow().joints), Term(band, joint))
+    found = estimate(elbow(), declared, [prepare(log, BAND)])
+    assert found.model.terms[-1].values["d"] == pytest.approx(d, rel=0.01)
+    assert found.fit.sigma[joint] < 0.05
 
 
 def test_a_clean_torque_is_left_as_it_is():

@@ -20,6 +20,7 @@ from jaxswarm.identify.estimation.free_parameters import (
     write,
 )
 from jaxswarm.identify.estimation.least_squares import Solved, fit, weighted_cost, with_doubt
+from jaxswarm.identify.estimation.measured_start import measured_start
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.forward.body import moves_links
 from jaxswarm.identify.forward.measuring_chain import uses_load
@@ -59,16 +60,39 @@ class Settled:
 def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
     """Fit, and fit again where columns depend on the rigid parameters, until those stand still.
 
-    A step that makes the model itself worse, not its linearization, is shortened.
+    Where a drive distorts its torque that leads nowhere from a model whose torque crosses zero elsewhere: then
+    it is done from the measured torque too, and what leaves less stays.
     """
     rigid = 10 * problem.robot.num_joints
     regression = problem.build(place, pi)
     solution = problem.solve(place.terms, regression)
-    theta = solution.theta
     if not uses_load(place.terms) and not moves_links(place.terms):
-        return Settled(place, solution, regression, theta[:rigid], solution.residual)
+        return Settled(place, solution, regression, solution.theta[:rigid], solution.residual)
+    stand = np.concatenate([pi, solution.theta[rigid:]])
+    found = _settled(problem, Settled(place, solution, regression, pi, solution.residual), stand)
+    begin = measured_start(problem, place, pi)
+    if begin is None:
+        return found
+    sigma, told = solution.sigma, with_values(place, begin[rigid:], problem.robot.joints)
+    there = _attempt(problem.build, told, begin[:rigid])
+    if there is None:
+        return found
+    solution = problem.solve(told.terms, there)
+    other = Settled(told, solution, there, begin[:rigid], solution.residual)
+    other = _settled(problem, other, begin)
+    costs = [weighted_cost(one.residual, sigma) for one in (found, other)]
+    return other if costs[1] < costs[0] else found
+
+
+def _settled(problem: Problem, here: Settled, stand: np.ndarray) -> Settled:
+    """The fit from linear parameters (p,) with which the rows were built.
+
+    A step that makes the model itself worse, not its linearization, is shortened.
+    """
+    rigid = len(here.pi)
+    place, solution, regression = here.place, here.solution, here.regression
+    theta = solution.theta
     small = 1e-6 * np.abs(regression.torque).max()
-    stand = np.concatenate([pi, theta[rigid:]])
     for _ in range(_ROUNDS):
         sigma, step = solution.sigma, theta - stand
         if np.abs(regression.columns @ step).max() < small:

@@ -130,10 +130,11 @@ def reported_load(
 
 def distorted(terms: tuple[Term, ...]) -> bool:
     """Whether drives write down something that follows from the true torque, and is not linear in it."""
-    return any(_distorts(t) for t in terms)
+    return any(map(distorts, terms))
 
 
-def _distorts(term: Term) -> bool:
+def distorts(term: Term) -> bool:
+    """Whether a term is such a drive."""
     return isinstance(term.law, MeasurementLaw) and term.law.distortion is not None
 
 
@@ -155,7 +156,7 @@ def true_torque(
     """
     whole = body.torque(body.pi) if load is None else load.full.copy()
     for term, own in zip(terms, values, strict=True):
-        if not len(own) or _distorts(term):
+        if not len(own) or distorts(term):
             continue
         if isinstance(term.law, TorqueLaw):
             whole[:, term.joint] += term_columns(term, body.motion, width, load) @ own
