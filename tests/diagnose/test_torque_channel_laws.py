@@ -64,6 +64,17 @@ def test_what_is_large_is_asked_and_fitted_with_the_torque_that_it_leaves(truth,
     assert find_term(after, own.candidate.term).values[name] == pytest.approx(value, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("seed", "joint", "d", "share"), [(6, 2, 3.0, 0.3), (6, 2, 8.0, 0.55), (3, 1, 3.0, 0.8)]
+)
+def test_a_dead_band_is_asked_from_where_the_measured_torque_crosses_zero(seed, joint, d, share):
+    """From where the model without it does, turn by turn, they took 0.09, 0.305 and 0.652."""
+    band = Term("torque_dead_band", joint, values={"d": d})
+    scores = ask(fitted(elbow_log(band, seed=seed)), band.effect)
+    (own,) = [s for s in scores if s.candidate.term.place == band.place]
+    assert own.share > share
+
+
 @pytest.mark.parametrize(("seed", "joint", "d"), [(4, 2, 3.0), (1, 1, 8.0)])
 def test_a_dead_band_that_is_declared_is_fitted_where_the_torque_crosses_zero_slowly(
     seed, joint, d

@@ -76,6 +76,12 @@ class Linearization:
         motion, rigid = self.found.motions[k], self.found.rigids[k]
         return torque_along(own.robot, own.terms, motion, own.width, linear_values(own), rigid)
 
+    def by_measured(self) -> "Linearization":
+        """The same with the torque that was measured in the place of the model's."""
+        other = copy(self)
+        vars(other)["outputs"] = [m.tau for m in self.found.motions]
+        return other
+
     def changed_by(self, change: np.ndarray) -> "Linearization":
         """The same with the loads and the torque of a model with its linear parameters changed, by (p,)."""
         model, other = self.found.model, copy(self)

@@ -80,9 +80,10 @@ def _loaded(lin: Linearization, one: Candidate) -> Candidate:
             return found.columns[k]
         return refined(at, term, lin.crossfit.folds[k], term.values, least)[1]
 
-    pairs = enumerate(zip(lin.crossfit.folds, one.columns, strict=True))
+    begin = None if isinstance(term.law, TorqueLaw) else propose(term.law, lin.by_measured(), term)
     columns = (
-        with_own_load(lin, fold, term.index, own, partial(made, k)) for k, (fold, own) in pairs
+        with_own_load(lin, fold, term.index, own, partial(made, k), begin and begin.columns[k])
+        for k, (fold, own) in enumerate(zip(lin.crossfit.folds, one.columns, strict=True))
     )
     return replace(one, columns=tuple(columns))
 
