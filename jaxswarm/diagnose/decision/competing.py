@@ -5,11 +5,13 @@ Econometrics J. 5 (2002) for doing it under autocorrelation.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.decision.common_error import p_value_beside_fit
 from jaxswarm.diagnose.decision.level import level_of
 from jaxswarm.diagnose.decision.of_joints import told_by_joints
 from jaxswarm.diagnose.decision.rules import AS_GOOD, ASKED_AGAIN, OVERLAP, SPECIAL_CASE, Rules
@@ -114,8 +116,9 @@ def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
     """
 
     def more(new: Score, old: Score) -> bool:
-        left = score(new.candidate, crossfit.with_columns(old.candidate.columns))
-        return adds(left.judged_as(new), rules)
+        beside = crossfit.with_columns(old.candidate.columns)
+        left = score(new.candidate, beside).judged_as(new)
+        return adds(replace(left, p_value=p_value_beside_fit(left, beside)), rules)
 
     return more(one, other) and not more(other, one)
 
