@@ -7,6 +7,7 @@ of M below the cutoff of the torque (above it there is noise differentiated four
 
 import numpy as np
 
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.effects.hinged_base import TURNS, hinged
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
@@ -19,6 +20,9 @@ from jaxswarm.robot.model import Robot
 # Largest turn [rad] of the differences along a sway: errors of the third power and of rounding are alike
 # small. What its velocity and acceleration do is quadratic and linear, so that it is exact.
 _STEP = 1e-5
+# States that are drawn to see which masses a swaying base feels, and the part of the largest response below
+# which one is rounding: on the arm of the detection limits they are 1 to 0.08, or below 3e-12.
+_DRAWN, _FELT = 64, 1e-9
 
 
 def _swayed(robot: Robot, sway: np.ndarray, moved: tuple[np.ndarray, ...]) -> np.ndarray:
@@ -54,6 +58,42 @@ def compliance_columns(
     assert turns is not None
     sways = [-along * np.asarray(turns({**none, p.name: 1.0})) for p in law.linear]
     return np.stack([_felt(robot, sway, moved) for sway in sways], axis=2)
+
+
+def felt_once_swayed(arm: Robot, unfelt: np.ndarray) -> np.ndarray:
+    """Directions (10 n, r) of rigid parameters that no joint of a level arm feels and a base that sways does.
+
+    Args:
+        arm: The robot in its gravity.
+        unfelt: Directions that the joints do not feel while the base stays level, (10 n, m).
+    """
+    rng = np.random.default_rng(0)
+    drawn = rng.uniform(-1.0, 1.0, size=(3, _DRAWN, arm.num_joints + TURNS))
+    rows = rigid_columns(_on_hinges(arm, np.zeros(len(unfelt))), *drawn, first=TURNS)
+    _, size, right = thin_svd(rows.reshape(-1, len(unfelt)) @ unfelt)
+    return unfelt @ right[size > _FELT * max(size.max(initial=0.0), 1e-300)].T
+
+
+def compliance_by(
+    law: BodyChange,
+    arm: Robot,
+    moved: tuple[np.ndarray, ...],
+    pi: np.ndarray,
+    motion: Motion,
+    directions: np.ndarray,
+) -> np.ndarray:
+    """Derivatives of the columns of a compliance along rigid parameters (10 n, r): (T, n, k r).
+
+    The torque is quadratic in them, a moment that sways an arm, so that differences are exact. Other arguments
+    as for :func:`compliance_columns`.
+    """
+    parts = []
+    for along in directions.T:
+        ahead, behind = (
+            compliance_columns(law, arm, moved, pi + way * along, motion) for way in (1.0, -1.0)
+        )
+        parts.append((ahead - behind) / 2.0)
+    return np.concatenate([*parts, np.zeros((*moved[0].shape, 0))], axis=2)
 
 
 def compliance_slopes(
