@@ -82,7 +82,9 @@ def _loaded(lin: Linearization, one: Candidate) -> Candidate:
 
     begin = None if isinstance(term.law, TorqueLaw) else propose(term.law, lin.by_measured(), term)
     columns = (
-        with_own_load(lin, fold, term.index, own, partial(made, k), begin and begin.columns[k])
+        with_own_load(
+            lin, fold, term.index, own, partial(made, k), begin.columns[k] if begin else None
+        )
         for k, (fold, own) in enumerate(zip(lin.crossfit.folds, one.columns, strict=True))
     )
     return replace(one, columns=tuple(columns))
