@@ -102,7 +102,7 @@ def _score(s, joints) -> dict:
         "share": round(s.share, 3),
         "p": float(f"{s.p_value:.2g}"),
         "repeats": round(s.repeats, 2),
-        "allowed": s.allowed,
+        "allowed": bool(s.allowed),
         "values": values,
     }
 
