@@ -21,9 +21,10 @@ after that all of the 11 that were looked at. lugre_friction 7306 was told as hy
 asked what it shows at reversals with its like alone.
 
 Of the ten logs each from 50 on, at four times: torque_lag 10; cubic_spring 7, the others, on the joint that
-carries weight, undecided from a joint_spring that leaves as little once both are fitted (chi-squared -2.5 to
-1.5); torque_dead_band 6, 3 undecided from the torque_offset that they are where the torque never goes below
-zero, and 8350, whose torque does so once, missed.
+carries weight, undecided from a joint_spring that leaves as little once both are fitted (chi-squared -2.5 and
+1.5 on the two of which that was measured); torque_dead_band 6, 3 undecided from a torque_offset (it leaves as
+little on the one that was measured), and 8350, whose torque crosses zero once, missed. After the changes that
+these logs led to only those that had failed were diagnosed again.
 """
 
 import json

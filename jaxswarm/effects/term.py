@@ -184,7 +184,7 @@ def of_kind(terms: Iterable, kind: type[Effect]) -> list:
 
 def valued(terms: Iterable[Term]) -> tuple:
     """Which terms these are, and with which values: to be found again by."""
-    return tuple((t.identity, *sorted(t.values.items())) for t in terms)
+    return tuple((t, *sorted(t.values.items())) for t in terms)
 
 
 def _expand(law: Effect, where: str, joints: tuple[str, ...]) -> list[Term]:

@@ -89,26 +89,30 @@ def _answered(torque: np.ndarray, spikes: np.ndarray, q: np.ndarray) -> np.ndarr
         spikes: Whether they are spikes, (T, n).
         q: Positions, (T, n).
     """
-    # Change of the speed from one side of a sample to the other, over the period, and what changes it steadily.
-    jump, height = np.zeros_like(q), np.zeros_like(q)
-    jump[2:-2] = q[4:] - q[3:-1] - (q[1:-3] - q[:-4])
-    jump[5:-5] -= 0.5 * (jump[2:-8] + jump[8:-2])
-    height[1:-1] = torque[1:-1] - 0.5 * (torque[:-2] + torque[2:])
-    usual = [
-        max(float(np.quantile(np.abs(x), _USUAL)), quantum(p))
-        for x, p in zip(jump.T, q.T, strict=True)
-    ]
-    return spikes.any(axis=1) & (jump * np.sign(height) > _FAR * np.array(usual)).any(axis=1)
+    rows = np.flatnonzero(spikes.any(axis=1))
+    answered = np.zeros(len(q), dtype=bool)
+    for x, own in zip(q.T, torque.T, strict=True):
+        # Change of the speed from one side of a sample to the other, and what changes it steadily.
+        jump = np.zeros(len(x))
+        jump[2:-2] = x[4:] - x[3:-1] - (x[1:-3] - x[:-4])
+        jump[5:-5] -= 0.5 * (jump[2:-8] + jump[8:-2])
+        height = own[rows] - 0.5 * (own[rows - 1] + own[rows + 1])
+        usual = max(float(np.quantile(np.abs(jump), _USUAL)), quantum(x))
+        answered[rows] |= jump[rows] * np.sign(height) > _FAR * usual
+    return answered
 
 
 def bridged(log: Log) -> tuple[Log, list[Finding]]:
     """The log with spikes of positions and torques bridged, and what was found."""
     findings: list[Finding] = []
+    apart = ~_beside_gaps(log)[:, None]
     for quantity, name in (("q", "position"), ("tau", "torque")):
         values = getattr(log, quantity)
         if values is None:
             continue
-        bad = np.column_stack([find_spikes(x) for x in values.T]) & ~_beside_gaps(log)[:, None]
+        bad = np.column_stack([find_spikes(x) for x in values.T]) & apart
+        if not bad.any():
+            continue
         if quantity == "tau":
             bad &= ~_answered(values, bad, log.q)[:, None]
         mended = values.copy()

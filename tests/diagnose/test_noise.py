@@ -7,8 +7,8 @@ import pytest
 from planted import BAND, DECLARED, blank, log_with, small_arm
 
 from jaxswarm.diagnose.decision import material as structure
-from jaxswarm.diagnose.decision.material import find_material, material
-from jaxswarm.diagnose.decision.remainder import Remainder, remainders
+from jaxswarm.diagnose.decision.material import find_material, is_material
+from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import MATERIAL
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import (
@@ -96,8 +96,7 @@ def test_structure_within_the_noise_is_told_as_part_of_it():
             joint, ("q_joint1",), share, 1e-9, np.zeros(3), np.zeros((3, 1)), None, None
         )
 
-    remains = [Remainder(j, over, (), (0.0, 1.0)) for j, over in enumerate((1.3, 4.0))]
-    kept = material([item(0, 0.4), item(1, 0.4)], remains)
+    kept = [u for u in (item(0, 0.4), item(1, 0.4)) if is_material(u, (1.3, 4.0))]
     assert [u.joint for u in kept] == [1]
     assert np.sqrt(0.4) * 1.3 < MATERIAL < np.sqrt(0.4) * 4.0
 
@@ -105,9 +104,9 @@ def test_structure_within_the_noise_is_told_as_part_of_it():
 @pytest.mark.parametrize("quiet", [0, 1])
 def test_joints_within_their_noise_are_not_looked_at(monkeypatch, clean, quiet):
     """The same as looking at all of them: the share of a joint is one at most."""
-    left = [Remainder(j, 0.9 if j == quiet else 1.4, (), (0.0, 1.0)) for j in range(3)]
+    left = np.where(np.arange(3) == quiet, 0.9, 1.4)
     looked = []
-    monkeypatch.setattr(structure, "remainders", lambda found: left)
+    monkeypatch.setattr(structure, "over_noise", lambda found: left)
     monkeypatch.setattr(structure, "find_unexplained", lambda *a: looked.extend(a[-1]) or [])
     assert find_material(clean, None) == []
     assert looked == [j for j in range(3) if j != quiet]

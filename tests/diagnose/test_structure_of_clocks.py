@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 from planted import BAND, blank, log_with, small_arm
 
-from jaxswarm.diagnose.decision.material import find_material, material
-from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.decision.material import find_material, is_material
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.clocks import clock_slopes
 from jaxswarm.diagnose.folds.noise import with_motion_noise
@@ -38,10 +39,10 @@ def with_early_weight(log, joint: int):
 def seen_and_counted(log, joint: int):
     """Whether structure stands out of the noise of a joint that is near it, and whether it counts."""
     found, folds = fitted(log)
-    remains = remainders(found)
-    assert remains[joint].near
-    told = material(find_unexplained(found, folds, 0, [joint]), remains)
-    return len(told) == 1, any(u.joint == joint for u in find_material(found, folds))
+    over = over_noise(found)
+    assert over[joint] <= NEAR
+    (told,) = find_unexplained(found, folds, 0, [joint])
+    return is_material(told, over), any(u.joint == joint for u in find_material(found, folds))
 
 
 def test_what_the_clock_of_a_joint_leaves_is_no_structure():

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.diagnose.decision.remainder import Remainder, remainders
-from jaxswarm.diagnose.decision.rules import MATERIAL
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import MATERIAL, NEAR
 from jaxswarm.diagnose.decision.sharpness import soft_folds, torque_left
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import row_noise
@@ -22,20 +22,19 @@ def find_material(found: Estimate, crossfit: CrossFit, seed: int = 0) -> list[Un
     two thirds of what was left, 1.4 times the noise, followed the speed of another joint; 0.8 times is left
     where that wrist's torque is early by a part of a sample.
     """
-    remains = remainders(found)
-    loud = [r.joint for r in remains if r.over_noise > MATERIAL]
-    items = material(find_unexplained(found, crossfit, seed, loud), remains)
-    doubtful = [item.joint for item in items if remains[item.joint].near]
+    over = over_noise(found)
+    loud = [j for j, size in enumerate(over) if size > MATERIAL]
+    items = [i for i in find_unexplained(found, crossfit, seed, loud) if is_material(i, over)]
+    doubtful = [item.joint for item in items if over[item.joint] <= NEAR]
     if not doubtful:
         return items
     softer = soft_folds(found)
-    over = found.regression.rms(torque_left(softer) / row_noise(found))
+    left = found.regression.rms(torque_left(softer) / row_noise(found))
     again = find_unexplained(found, softer, seed, doubtful)
-    clear = {item.joint for item in again if np.sqrt(item.share) * over[item.joint] > MATERIAL}
+    clear = {item.joint for item in again if is_material(item, left)}
     return [item for item in items if item.joint not in doubtful or item.joint in clear]
 
 
-def material(left: Sequence[Unexplained], remains: Sequence[Remainder]) -> list[Unexplained]:
-    """Structure that stands out of the noise of its joint."""
-    over = {r.joint: r.over_noise for r in remains}
-    return [item for item in left if np.sqrt(item.share) * over[item.joint] > MATERIAL]
+def is_material(item: Unexplained, over: Sequence[float] | np.ndarray) -> bool:
+    """Whether structure stands out of the noise of its joint; ``over``: what is left of every joint over it."""
+    return bool(np.sqrt(item.share) * over[item.joint] > MATERIAL)

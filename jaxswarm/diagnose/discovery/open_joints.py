@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
+from jaxswarm.diagnose.decision.material import is_material
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import LOUD, MATERIAL
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
@@ -32,12 +31,12 @@ def unlawful(diagnosis: Diagnosis, seed: int) -> list[Open]:
     """
     final = diagnosis.final
     remains = remainders(final)
-    over = {r.joint: r.over_noise for r in remains}
+    over = [r.over_noise for r in remains]
     added = {shows_on(step) for step in diagnosis.kept}
-    asked = [j for j, x in over.items() if x > MATERIAL]
+    asked = [j for j, x in enumerate(over) if x > MATERIAL]
     told = []
     for u in find_unexplained(final, diagnosis.crossfit, seed, asked):
-        stands_out = np.sqrt(u.share) * over[u.joint] > MATERIAL
+        stands_out = is_material(u, over)
         if stands_out or u.joint in added or over[u.joint] > LOUD:
             named = u.joint in added and not stands_out
             told.append(Open(u.joint, u.depends_on, u.share, named))

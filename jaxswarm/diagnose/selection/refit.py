@@ -18,7 +18,7 @@ from jaxswarm.diagnose.selection.tenable import (
 )
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import lacking, number_of
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, valued
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.free_parameters import Place
 from jaxswarm.identify.estimation.gauss_newton import settle
@@ -157,7 +157,7 @@ def refit_once(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
     """
     if not all(map(is_kept, current.motions)):
         return refit(current, terms)
-    place = tuple((t, *sorted(t.values.items())) for t in terms)
+    place = valued(terms)
     if place not in current.refits:
         current.refits[place] = refit(current, terms)
     return current.refits[place]

@@ -82,16 +82,18 @@ def _of_partner(motion: Motion, other: int) -> dict:
 
 def _signs(motion: Motion, width: Sequence[float], joint: int, other: int | None) -> dict:
     """The smooth signs (T,) of :func:`joint_series` by name, that of a sum where there is a partner."""
-    velocities = {"direction": motion.dq[:, joint]}
-    if other is not None:
-        velocities["direction_sum"] = motion.dq[:, joint] + motion.dq[:, other]
-    return {n: direction(dq, width[joint], motion.driven) for n, dq in velocities.items()}
+    own = {"direction": direction(motion.dq[:, joint], width[joint], motion.driven)}
+    return own if other is None else own | _sign_of_sum(motion, width, joint, other)
+
+
+def _sign_of_sum(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
+    both = motion.dq[:, joint] + motion.dq[:, other]
+    return {"direction_sum": direction(both, width[joint], motion.driven)}
 
 
 def partner_series(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
     """The fields (T,) of :func:`joint_series` that a partner fills, by name."""
-    sum_of = _signs(motion, width, joint, other)["direction_sum"]
-    return {**_of_partner(motion, other), "direction_sum": sum_of}
+    return _of_partner(motion, other) | _sign_of_sum(motion, width, joint, other)
 
 
 def load_series(load: Load, joint: int) -> dict:
