@@ -126,6 +126,22 @@ def test_a_reader_is_told_which_error_the_fitted_motion_leaves_open(other):
     assert not told(fits(duration=12.0)[0])
 
 
+def test_what_the_fitted_motion_leaves_open_is_in_the_sentence_of_the_verdict():
+    told = explained()
+    names, noise = told["joints"], told["error"]["noise_floor"]["rms"]
+    entry = told["error"]["validation"][1]
+    assert "leaves open" not in evidence_sentence(told)
+    entry["after"] = entry["after"] | {"rms": [11.7 * noise[0], noise[1], 4.0 * noise[2]]}
+    entry["expected"] = [20.0 * noise[0], noise[1], 4.1 * noise[2]]
+    clause = (
+        f"On second.csv {names[0]} is off by 11.7 times the noise, {names[2]} by 4.0: no further"
+    )
+    assert clause in evidence_sentence(told)
+    assert any(f"{names[0]} (11.7 times the noise)" in line for line in next_steps(told))
+    # What it does not leave open is told as missing, with nothing beside it.
+    assert "leaves open" not in evidence_sentence(told | {"verdict": UNEXPLAINED})
+
+
 def test_what_acts_on_another_log_alone_is_left_beyond_what_the_fitted_motion_leaves_open(other):
     """A log that was fitted shows no spring, or has it in its model: the other one has a spring."""
     plain = prepare(log_with(), BAND)

@@ -11,7 +11,7 @@ from jaxswarm.diagnose.report.console import print_diagnosis
 from jaxswarm.diagnose.report.flags import parameter_remark
 from jaxswarm.diagnose.report.grids import by_joint
 from jaxswarm.diagnose.report.numbers import value_text
-from jaxswarm.diagnose.report.text import _done, evidence_sentence, next_steps, proof_sentence
+from jaxswarm.diagnose.report.text import evidence_sentence, next_steps, proof_sentence
 from jaxswarm.diagnose.selection.survives import UNSHOWN
 from jaxswarm.effects import REGISTRY
 
@@ -195,4 +195,4 @@ def test_a_candidate_that_only_more_data_can_confirm_is_offered():
 def test_no_joint_is_done_that_is_left_above_its_noise_where_it_was_fitted():
     error = {"after": {"rms": [0.1, 0.1]}, "noise_floor": {"rms": [0.2, 0.2]}}
     result = {"joints": ("a", "b"), "residual_over_noise": [0.9, 3.8], "error": error}
-    assert _done(result) == ["a: within 0.9 times the torque's noise: stop there."]
+    assert near_noise(result) == ["a: within 0.9 times the torque's noise: stop there."]

@@ -7,6 +7,8 @@ from jaxswarm.diagnose.report.numbers import percent
 _MOST_JOINTS, _MOST_WINDOWS = 3, 2
 # Two windows with a gap below this share of both with it are told as one: a reader looks there anyway.
 _HARDLY_PARTED = 0.1
+# A joint below so many times its noise is told to be left alone.
+_DONE = 2.0
 
 
 def left_of(entries: list[dict]) -> str:
@@ -111,7 +113,29 @@ def look_at(entry: dict) -> list[str]:
 
 
 def left_open(result: dict) -> list[str]:
-    """Joints whose error on another log is no more than what the fitted motion leaves open of parameters."""
+    """What to do about joints that :func:`doubted` has."""
+    return [
+        f"On {on} {', '.join(f'{joint} ({times:.3g} times the noise)' for joint, times in joints)} is off no "
+        "further than the fitted motion leaves the parameters open: fit this log too, or a motion that "
+        "excites more (jaxswarm excite)."
+        for on, joints in doubted(result)
+    ]
+
+
+def left_in_doubt(result: dict) -> str:
+    """What the fitted motion leaves open of other logs, in one sentence; nothing where it tells them."""
+    logs = []
+    for on, joints in doubted(result):
+        first, *others = sorted(joints, key=lambda one: -one[1])[:_MOST_JOINTS]
+        parts = [f"{first[0]} is off by {first[1]:.1f} times the noise"]
+        parts += [f"{joint} by {times:.1f}" for joint, times in others]
+        logs.append(f"on {on} {', '.join(parts)}")
+    told = f"{'; '.join(logs)}: no further than the fitted motion leaves open."
+    return f"{told[0].upper()}{told[1:]}" if logs else ""
+
+
+def doubted(result: dict) -> list[tuple[str, list[tuple[str, float]]]]:
+    """Logs, and errors over the noise of joints that are off there by no more than the fit leaves open."""
     told = []
     for entry in result["error"].get("validation") or ():
         rows = zip(
@@ -121,16 +145,11 @@ def left_open(result: dict) -> list[str]:
             entry.get("expected") or (),
             strict=False,
         )
-        parts = [
-            f"{joint} ({rms / noise:.3g} times the noise)"
-            for joint, rms, noise, most in rows
-            if NEAR * noise < rms <= most
+        joints = [
+            (joint, rms / noise) for joint, rms, noise, most in rows if NEAR * noise < rms <= most
         ]
-        if parts:
-            told.append(
-                f"On {entry['on']} {', '.join(parts)} is off no further than the fitted motion leaves the "
-                "parameters open: fit this log too, or a motion that excites more (jaxswarm excite)."
-            )
+        if joints:
+            told.append((entry["on"], joints))
     return told
 
 
@@ -155,3 +174,19 @@ def fit_beyond(result: dict) -> list[str]:
         f"{told[0].upper()}{told[1:]}, in motion and more than the fitted motion leaves open: something acts "
         "there that this log does not show. Diagnose both logs together, with another one for --validation."
     ]
+
+
+def near_noise(result: dict) -> list[str]:
+    """Joints whose torque has nothing more to tell, in one sentence."""
+    if result["error"]["after"] is None:
+        return []
+    floor, after = result["error"]["noise_floor"]["rms"], result["error"]["after"]["rms"]
+    fitted = result.get("residual_over_noise") or [0.0] * len(after)
+    rows = zip(after, floor, fitted, strict=True)
+    times = [max(rms / low, over) for rms, low, over in rows]  # of both: a fitted log may hold more
+    near = [joint for joint, x in zip(result["joints"], times, strict=True) if x < _DONE]
+    if not near:
+        return []
+    most = max(x for x in times if x < _DONE)
+    named = "All joints are" if len(near) == len(times) > 1 else f"{', '.join(near)}:"
+    return [f"{named} within {most:.1f} times the torque's noise: stop there."]

@@ -8,13 +8,18 @@ from jaxswarm.diagnose.report.error_change import error_change
 from jaxswarm.diagnose.report.numbers import percent, unit_text
 from jaxswarm.diagnose.report.numbers import value_text as value_text
 from jaxswarm.diagnose.report.refusal import worth_a_longer_log
-from jaxswarm.diagnose.report.remains import fit_beyond, left_beyond, left_of, left_open, look_at
+from jaxswarm.diagnose.report.remains import (
+    fit_beyond,
+    left_beyond,
+    left_in_doubt,
+    left_of,
+    left_open,
+    look_at,
+    near_noise,
+)
 from jaxswarm.diagnose.report.rivals import not_told_apart, to_tell_apart
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines, event_lines, rest_lines, unscored_lines
-
-# A joint below so many times its noise is told to be left alone.
-_DONE = 2.0
 
 
 def where(entry: dict) -> str:
@@ -84,7 +89,8 @@ def evidence_sentence(result: dict) -> str:
         "partly explained": f"{added} (error {change}), and more is missing {unknown}: {left}.",
         "unexplained": f"Something is missing {unknown}: {left} (error {change}).",
     }
-    return sentences[result["verdict"]]
+    doubt = left_in_doubt(result) if result["verdict"] in ("nothing missing", "explained") else ""
+    return f"{sentences[result['verdict']]} {doubt}".strip()
 
 
 def _unknown(result: dict) -> str:
@@ -195,7 +201,7 @@ def next_steps(result: dict) -> list[str]:
         for u in result["unexplained"]:
             steps += look_at(u) + worth_a_longer_log(result["not_added"], u["joint"])
         steps += _not_searched(result)
-    return steps + fit_beyond(result) + left_open(result) + _done(result)
+    return steps + fit_beyond(result) + left_open(result) + near_noise(result)
 
 
 def _not_searched(result: dict) -> list[str]:
@@ -218,22 +224,6 @@ def _not_searched(result: dict) -> list[str]:
             "in their place."
         )
     return told
-
-
-def _done(result: dict) -> list[str]:
-    """Joints whose torque has nothing more to tell, in one sentence."""
-    if result["error"]["after"] is None:
-        return []
-    floor, after = result["error"]["noise_floor"]["rms"], result["error"]["after"]["rms"]
-    fitted = result.get("residual_over_noise") or [0.0] * len(after)
-    rows = zip(after, floor, fitted, strict=True)
-    times = [max(rms / low, over) for rms, low, over in rows]  # of both: a fitted log may hold more
-    near = [joint for joint, x in zip(result["joints"], times, strict=True) if x < _DONE]
-    if not near:
-        return []
-    most = max(x for x in times if x < _DONE)
-    named = "All joints are" if len(near) == len(times) > 1 else f"{', '.join(near)}:"
-    return [f"{named} within {most:.1f} times the torque's noise: stop there."]
 
 
 def log_notes(result: dict) -> list[str]:
