@@ -11,6 +11,7 @@ from jaxswarm.diagnose.report.console import print_diagnosis
 from jaxswarm.diagnose.report.flags import parameter_remark
 from jaxswarm.diagnose.report.grids import by_joint
 from jaxswarm.diagnose.report.numbers import value_text
+from jaxswarm.diagnose.report.remains import near_noise
 from jaxswarm.diagnose.report.text import evidence_sentence, next_steps, proof_sentence
 from jaxswarm.diagnose.selection.survives import UNSHOWN
 from jaxswarm.effects import REGISTRY
