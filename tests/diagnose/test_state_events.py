@@ -5,16 +5,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from planted import BAND, blank, log_with, small_arm
+from planted import BAND, DECLARED, NOISE, RATE, blank, log_with, small_arm
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import state_events
 from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.event_at_rest import like_other_rests
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
@@ -24,6 +25,8 @@ from jaxswarm.effects.direction import follows_direction
 from jaxswarm.effects.kinds import TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import fourier_motion, synthetic_log
+from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
 
 LONG = 30.0
@@ -179,6 +182,57 @@ def test_strokes_that_the_joints_before_feel_stay_events(monkeypatch):
     no_function(monkeypatch)
     take_back_events(search)
     assert len(search.steps) == 3
+
+
+def with_rests() -> Log:
+    """Joint 2 goes from point to point in 1.3 s and rests for 0.2 s, joint 1 goes on."""
+    rng = np.random.default_rng(7)
+    t, *moved = fourier_motion(2, rng, LONG, RATE)
+    q, dq, ddq = (np.array(x) for x in moved)
+    points = rng.uniform(-1.0, 1.0, 1 + int(LONG / 1.5))
+    number, phase = np.divmod(t, 1.5)
+    s = np.minimum(phase / 1.3, 1.0)
+    step = np.append(np.diff(points), 0.0)[number.astype(int)]
+    q[:, 1] = points[number.astype(int)] + step * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    dq[:, 1] = step / 1.3 * 30.0 * s**2 * (1.0 - s) ** 2
+    ddq[:, 1] = step / 1.3**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
+    return synthetic_log(small_arm(), DECLARED, 1, noise=NOISE, rate=RATE, moved=(t, q, dq, ddq))
+
+
+def held(sizes):
+    """Dry friction that holds joint 2 at one of these torques [N m] in each of its rests."""
+
+    def extra(log):
+        number, phase = np.divmod(log.t, 1.5)
+        drawn = np.random.default_rng(4).permutation(np.resize(sizes, 1 + int(LONG / 1.5)))
+        return np.where(phase >= 1.3, drawn[number.astype(int)], 0.0)
+
+    return extra
+
+
+@pytest.mark.parametrize(("size", "alike"), [(1.5, True), (-9.0, False)])
+def test_a_rest_is_an_event_only_by_more_than_other_rests_have(size, alike):
+    log = with_rests()
+    torque = held((1.5, -1.0, 1.2, -1.6))(log)
+    here = (log.t >= 14.8) & (log.t < 15.0)
+    torque[here] = size
+    tau = log.tau + np.stack([0.0 * torque, torque], axis=1)
+    event = Term("contact", values={"start": 14.8, "end": 15.0, "log": 0.0})
+    motion = prepare(replace(log, tau=tau), BAND)
+    found = with_motion_noise(estimate(small_arm(), (*blank(), event), [motion], bounded=False))
+    told = find_term(found, event)
+    assert abs(told.values["tau_joint2"]) > 5.0 * noise_of(found)[1]
+    assert like_other_rests(found, told) == alike
+    # The same torque where the joint moves is no rest.
+    moving = replace(told, values=told.values | {"start": 14.0, "end": 14.2})
+    assert not like_other_rests(found, moving)
+
+
+def test_an_event_that_is_a_rest_is_taken_back(monkeypatch):
+    search = told_as_contacts(push, 1)
+    monkeypatch.setattr(state_events, "like_other_rests", lambda found, added: True)
+    take_back_events(search)
+    assert not search.steps and "told by a rest" in search.refused[0][1]
 
 
 def load(log):

@@ -103,6 +103,9 @@ BY_STATE = 0.6
 # them, where windows placed at random have as much by no more than this chance. Five contacts that
 # were a dashpot of one direction had 0.61, random ones 0.05 and 0.43 at most.
 LIKE_STATES, BY_CHANCE = 0.5, 0.01
+# Nor is one whose joints hardly move meanwhile and whose torque is within this multiple of the RMS that their
+# other rests are left with: within two standard deviations of what friction does at rest.
+LIKE_RESTS = 2.0
 # Share of what an order of few periods leaves that may follow what it is about: a magnet told as a ripple left
 # 0.2 (p = 1e-4), drags between two angles told as friction by the position 0.16 to 0.62 (p < 0.003).
 ONE_PLACE = 0.1

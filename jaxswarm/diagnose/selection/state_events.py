@@ -10,6 +10,7 @@ from jaxswarm.diagnose.decision.smooth_rows import table_of
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.event_at_rest import held_within, like_other_rests, rows_within
 from jaxswarm.diagnose.selection.refit import refit, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, with_errors
@@ -18,7 +19,6 @@ from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.kinds import ExternalTorque
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.written_down import clock_lag
 
 
 def event_of_nothing(search: Search) -> tuple[Step, str] | None:
@@ -27,7 +27,7 @@ def event_of_nothing(search: Search) -> tuple[Step, str] | None:
     Of one no number is told from zero: a load of -5 +- 8 g, carried for 18 of 28 s, was told on a log whose
     torque has noise that lasts for seconds, and the last joint's error of other motion was 2.4 times as large
     with it. The other was in rows that are left out by now: a rest between two moves, at a torque at which
-    friction held the joint, was told as a contact.
+    friction held the joint, was told as a contact. So is a rest that has no more than others have.
     """
     current = search.current
     for step in search.steps:
@@ -36,17 +36,10 @@ def event_of_nothing(search: Search) -> tuple[Step, str] | None:
             continue
         if not is_certain(*known):
             return step, "is a load of which no number is told from zero"
-        if _held_within(search, step):
+        if held_within(search, step) or like_other_rests(current, step.added):
             own = current.model.robot.joints[step.score.joint]
             return step, f"was told by a rest, in which dry friction holds {own} at any torque"
     return None
-
-
-def _held_within(search: Search, step: Step) -> bool:
-    """Whether friction was found to hold the joint of an event in most of its window."""
-    joint, current = step.score.joint, search.current
-    used = current.regression.used_rows[_within(current, step.added), joint]
-    return joint in search.sticking and 2 * int(used.sum()) < len(used)
 
 
 def event_of_state(search: Search) -> tuple[Step, str] | None:
@@ -134,7 +127,7 @@ def _of_like_states(current: Estimate, joint: int, events: Sequence[Term]) -> st
         return None
     window = np.full(len(current.regression.t), -1)
     for number, event in enumerate(events):
-        window[_within(current, event)] = number
+        window[rows_within(current, event)] = number
     name, table = current.model.robot.joints[joint], table_of(current)
     asked = [one for one in (f"q_{name}", f"dq_{name}") if one in table]
     states = np.stack([table[one].raw for one in asked], axis=1)
@@ -163,16 +156,9 @@ def _lasts(term: Term) -> bool:
 
 def _share_within(rest: Estimate, left: Unexplained, events: Sequence[Term]) -> float:
     """Share of the squared error within the windows of events that a smooth function takes off."""
-    inside = np.any([_within(rest, event) for event in events], axis=0)
+    inside = np.any([rows_within(rest, event) for event in events], axis=0)
     before, after = rest.fit.residual[:, left.joint], _left_by(rest, left)
     return 1.0 - float(np.sum(after[inside] ** 2) / max(np.sum(before[inside] ** 2), 1e-300))
-
-
-def _within(found: Estimate, event: Term) -> np.ndarray:
-    """The rows (T,) between an event's begin and end."""
-    t = found.regression.t - clock_lag(found.model.terms)
-    within = (t >= event.values["start"]) & (t <= event.values["end"])
-    return within & (found.regression.log == event.values["log"])
 
 
 def _left_by(rest: Estimate, left: Unexplained) -> np.ndarray:
