@@ -37,7 +37,7 @@ from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
 from jaxswarm.diagnose.selection.sticking import leave_out_sticks
-from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws
+from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws, put_back
 from jaxswarm.diagnose.selection.survives import one_place, stands_in
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
@@ -155,7 +155,7 @@ def _act(search: Search, passed: list[Score]) -> bool:
 
 def _sticks(search: Search) -> bool:
     """Leave out where friction holds joints for moments, alone or beside laws to come; whether it does."""
-    return leave_out_sticks(search) or leave_out_beside_laws(search)
+    return put_back(search) or leave_out_sticks(search) or leave_out_beside_laws(search)
 
 
 def _always(search: Search, passed: list[Score]) -> bool:
