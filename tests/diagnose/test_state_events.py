@@ -146,6 +146,15 @@ def test_friction_by_the_partner_is_no_friction_that_changed(extra, stays):
         assert "no time is needed" in search.refused[0][1]
 
 
+@pytest.mark.parametrize(("there", "told"), [(by_partner, True), (change, False)])
+def test_a_function_instead_of_a_law_by_the_time_holds_on_another_log(there, told):
+    """What friction lost as its joint warmed was 84 % a function of another's speed, 12 % of it elsewhere."""
+    search = told_as([Term("friction_change", 1)], by_partner, motion_seed=10)
+    log = log_with(duration=LONG, motion_seed=11)
+    search.other = (prepare(replace(log, tau=log.tau + there(log)), BAND),)
+    assert (state_events.time_of_state(search) is not None) == told
+
+
 def one_way(log):
     """A dashpot that acts in one direction beyond an angle [N m]: strokes of several sizes."""
     speed = np.gradient(log.q[:, 1], log.t)
