@@ -157,8 +157,8 @@ class Effect:
         return {p.name: p.nominal for p in self.parameters}
 
     def neutral(self) -> dict[str, float]:
-        """Return the values at which the effect does nothing."""
-        return {p.name: p.nominal if p.neutral is None else p.neutral for p in self.parameters}
+        """Return the values at which the effect does nothing: zero of what its torque is linear in."""
+        return {p.name: p.off for p in self.parameters}
 
     def free(self, values: Mapping[str, float]) -> tuple[Parameter, ...]:
         """The nonlinear parameters that a fit moves from these values."""

@@ -188,11 +188,11 @@ def check_unit(unit: str, names: list[str] | None = None) -> None:
 def _check_distortion(law, rng):
     torque = np.concatenate([[0.0], rng.normal(0.0, 20.0, 63)])
     values = draw_parameters(law, rng)
-    off = np.asarray(law.distortion({p.name: 0.0 for p in law.linear}, torque))
+    off = np.asarray(law.distortion({**values, **{p.name: 0.0 for p in law.linear}}, torque))
     _require(not off.any(), law, "distorts a torque where all its linear parameters are zero")
     along = np.asarray(law.distortion(values, torque))
     weights = np.array([values[p.name] for p in law.linear])
-    same = np.allclose(distortion_columns(law, torque) @ weights, along)
+    same = np.allclose(distortion_columns(law, values, torque) @ weights, along)
     _require(same, law, "is not linear in its linear parameters")
 
 

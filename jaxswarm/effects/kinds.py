@@ -56,10 +56,6 @@ class TorqueLaw(Effect):
         """Whether there are nonlinear parameters, and no spectrum that shows them."""
         return bool(self.nonlinear) and not self.tone
 
-    def neutral(self) -> dict[str, float]:
-        """Without its linear parameters there is no torque."""
-        return {p.name: 0.0 if p.linear else p.nominal for p in self.parameters}
-
     def check(self) -> None:
         """Refuse a law without a torque, or one of the whole arm."""
         super().check()

@@ -19,7 +19,7 @@ class MeasurementLaw(Effect):
         alike: Whether a law of the whole arm does the same to every torque by itself, of whatever shape
             (T, ...): then a joint's is written down without the others.
         distortion: ``distortion(p, x)``: what is written down beside a true torque x [N m or N] of its joint,
-            linear in the linear parameters; None: nothing.
+            linear in the linear parameters; all others are shapes with a usual value; None: nothing.
         clock: Whether its one parameter is the time [s] by which the torque's clock lags.
         late: ``late(p)``: time [s] by which a slow torque is late, where it is no clock; None: not at all.
         excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where the
@@ -79,11 +79,12 @@ class MeasurementLaw(Effect):
                 f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
                 "linear parameter"
             )
-        bent = self.scope == "joint" and self.uses_load and not self.nonlinear
+        shapes = all(p.usual or not p.fitted for p in self.nonlinear)
+        bent = self.scope == "joint" and self.uses_load and shapes
         if self.distortion is not None and not bent:
             raise ValueError(
-                f"effect {self.name!r} distorts a torque: it needs scope 'joint', uses_load=True and "
-                "linear parameters only"
+                f"effect {self.name!r} distorts a torque: it needs scope 'joint', uses_load=True, and no "
+                "nonlinear parameters but shapes that are usually the same"
             )
         if self.excess is not None and self.scope == "global":
             raise ValueError(

@@ -44,13 +44,13 @@ class Parameter:
         scale: ``"linear"`` or ``"log"``: how a search should walk between the bounds.
         description: One clause that says what it is.
         fitted: Whether a fit may move it; a choice stays what it was set to.
-        neutral: Value at which the effect does nothing; None: the nominal one.
+        neutral: Value at which the effect does nothing; None: the nominal one, zero of a linear one.
         hidden_by: Another parameter that leaves this one undetermined unless it is zero.
         shown_by: Linear parameters without each of which it does nothing: where one is not told from zero, the
             fit has put this one where noise is explained best, and no standard error tells how far that is off.
         usual: Whether nearly all arms have its nominal value: it stays at that unless a log tells another.
         lies: ``"place"`` or ``"width"`` on the way of the joint: a search looks for it among the positions
-            seen; None: anywhere between its bounds.
+            seen; ``"torque"``: a choice, the largest one of the joint; None: anywhere between its bounds.
     """
 
     name: str
@@ -67,6 +67,13 @@ class Parameter:
     shown_by: tuple[str, ...] = ()
     usual: bool = False
     lies: str | None = None
+
+    @property
+    def off(self) -> float:
+        """Value at which the effect does nothing."""
+        if self.linear:
+            return 0.0
+        return self.nominal if self.neutral is None else self.neutral
 
     def decode(self, u):
         """Value at a position u in [0, 1] between the bounds, on the parameter's scale.

@@ -174,6 +174,14 @@ def test_friction_that_grew_is_named_as_a_change_of_what_was_known(model):
     assert found.changes[0].term.values["fc"] == pytest.approx(0.75, abs=0.05)
 
 
+def test_a_dead_band_that_is_new_is_told_with_its_size(model):
+    """It came out larger by the size at which a simulation begins, half a newton meter."""
+    band = Term("torque_dead_band", 1, values={"d": 1.5})
+    named, found = changes(model, terms=(*DECLARED, band))
+    assert named == ["torque_dead_band@joint2"]
+    assert found.changes[0].term.values["d"] == pytest.approx(1.5, rel=0.1)
+
+
 def test_what_no_law_explains_is_told_against_an_earlier_model_too(model):
     log = log_of(upright_arm(), DECLARED, 9)
     tau = log.tau.copy()

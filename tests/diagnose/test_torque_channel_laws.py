@@ -64,6 +64,18 @@ def test_what_is_large_is_asked_and_fitted_with_the_torque_that_it_leaves(truth,
     assert find_term(after, own.candidate.term).values[name] == pytest.approx(value, rel=0.05)
 
 
+@pytest.mark.parametrize("c", [0.006, -0.006])
+def test_a_gain_that_falls_with_the_square_of_the_torque_is_named_and_leaves_nothing(c):
+    """A fall in proportion to the torque left 0.046 N m of a noise of 0.041, and had no exponent to tell."""
+    bent = Term("torque_constant_saturation", 1, values={"c": c, "n": 2.0, "at": 20.0})
+    _, best, after = named(elbow_log(bent), *LAWS, *DOUBLES, "contact")
+    assert best.candidate.term.place == bent.place
+    values = find_term(after, bent).values
+    assert values["n"] == pytest.approx(2.0, abs=0.1)
+    assert values["c"] * 20.0 / values["at"] == pytest.approx(c, rel=0.1)
+    assert not passing(ask(after, *LAWS, *DOUBLES, "contact"))
+
+
 @pytest.mark.parametrize(
     ("seed", "joint", "d", "share"), [(6, 2, 3.0, 0.3), (6, 2, 8.0, 0.55), (3, 1, 3.0, 0.8)]
 )

@@ -21,6 +21,12 @@ def test_every_law_keeps_the_contract(name):
     check_effect(REGISTRY[name])
 
 
+@pytest.mark.parametrize("name", LAWS)
+def test_what_a_law_is_linear_in_is_zero_where_it_does_nothing(name):
+    law = REGISTRY[name]
+    assert not any(law.neutral()[p.name] for p in law.linear)
+
+
 def broken(**changes) -> Law:
     fields = {
         "name": "trial",

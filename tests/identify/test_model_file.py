@@ -53,6 +53,19 @@ def test_round_trip_gives_the_same_torque(model, content, tmp_path):
     assert json.loads((tmp_path / "again.json").read_text()) == content
 
 
+def test_a_file_from_before_a_law_had_a_shape_has_the_usual_one(content, tmp_path):
+    older, law = copy.deepcopy(content), "torque_constant_saturation"
+    bent = {"effect": law, "joint": "joint1", "other": None, "values": {"c": 0.02}}
+    older["terms"].append(bent)
+    again = load_model(write(tmp_path / "model.json", older))
+    assert again.terms[-1].values == {"c": 0.02, "n": 1.0, "at": 1.0}
+    motion = make_motion(again.robot, length=50)
+    plain = load_model(write(tmp_path / "plain.json", content))
+    torque = np.asarray(model_torque(plain, motion))
+    torque[:, 0] *= 1.0 - 0.02 * np.abs(torque[:, 0])
+    np.testing.assert_allclose(model_torque(again, motion), torque, atol=1e-9)
+
+
 def test_missing_and_unreadable_files(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         load_model(tmp_path / "model.json")

@@ -1,6 +1,7 @@
-"""The exponent of Stribeck's curve stays at the usual one unless a log tells another."""
+"""Exponents stay at the usual ones unless a log tells others."""
 
 import importlib
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -75,3 +76,35 @@ def test_a_width_that_made_up_for_the_usual_exponent_is_asked_again_beside_the_t
     assert abs(values["delta"] - 1.0) < 0.05
     assert abs(values["df"] - 2.0) < 0.1
     assert np.allclose(found.model.width, WIDTH, rtol=0.02)
+
+
+def bent(n: float, c: float, noise: float):
+    """The law of a drive whose gain falls with a power of the torque, as fitted to a log of two joints."""
+
+    motion = make_motion(planar_arm(), length=1500)
+    largest = np.abs(motion.tau[:, 0]).max()
+    size = np.abs(motion.tau[:, 0]) / largest
+    rng, tau = np.random.default_rng(4), motion.tau.copy()
+    tau[:, 0] *= 1.0 - c * size**n
+    tau += noise * rng.standard_normal(tau.shape)
+    law = Term("torque_constant_saturation", 0)
+    found = estimate(planar_arm(), (law,), [replace(motion, tau=tau)], width=WIDTH)
+    return found.model.terms[0].values, found.std_errors[0], largest
+
+
+@pytest.mark.parametrize("c", [0.2, -0.2])
+def test_how_a_gain_falls_is_told_where_the_log_tells_it(c):
+    """With a fall in proportion alone a drive that saturates by the square was told beside false contacts."""
+    values, errors, largest = bent(2.0, c, 1e-3)
+    assert abs(values["n"] - 2.0) < 4.0 * errors["n"] < 0.2
+    # What is lost of the largest torque, told at about that.
+    lost = values["c"] * largest * (largest / values["at"]) ** (values["n"] - 1.0)
+    assert lost == pytest.approx(c, rel=0.03)
+    assert values["at"] == pytest.approx(largest, rel=0.3)
+    assert errors["c"] < 0.1 * abs(values["c"])
+
+
+def test_a_gain_that_falls_in_proportion_has_no_exponent_of_its_own():
+    values, errors, largest = bent(1.0, 0.2, 0.02)
+    assert values["n"] == 1.0 and np.isnan(errors["n"])
+    assert abs(values["c"] * largest - 0.2) < 4.0 * errors["c"] * largest

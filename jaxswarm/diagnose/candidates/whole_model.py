@@ -89,7 +89,9 @@ def _numbers(values: dict[str, float]) -> dict[str, np.float64]:
 def _distorted(lin: Linearization, term: Term, k: int) -> np.ndarray:
     """What a joint's drive would write down of a log beside the model's torque, (T, p)."""
     torque = lin.output_of(k, term.index)
-    own = distortion_columns(term.law_of(MeasurementLaw), filled(torque))[: len(torque)]
+    own = distortion_columns(term.law_of(MeasurementLaw), term.values, filled(torque))[
+        : len(torque)
+    ]
     terms = lin.found.model.terms
     return report_own(terms, lin.found.motions[k], own, term.index)
 

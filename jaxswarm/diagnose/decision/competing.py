@@ -124,8 +124,13 @@ def beats(one: Score, other: Score, rules: Rules, crossfit: CrossFit) -> bool:
 
 
 def plainness(s: Score) -> tuple[int, int]:
-    """Numbers that a candidate spends, and those of them that bend its shape: the fewer the plainer."""
-    return s.candidate.size, len(s.candidate.term.law.nonlinear)
+    """Numbers that a candidate spends, and those of them that bend its shape: the fewer the plainer.
+
+    The candidate of a drive that distorts its torque has the usual shape, for which nobody searches.
+    """
+    law = s.candidate.term.law
+    usual = isinstance(law, MeasurementLaw) and law.distortion is not None
+    return s.candidate.size, 0 if usual else len(law.nonlinear)
 
 
 def _as_good(one: Score, best: Score) -> bool:

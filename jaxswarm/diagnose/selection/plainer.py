@@ -28,7 +28,7 @@ def plainer(
     the signs and the chance of the candidates are not asked.
     """
     rest = refit(current, without(added, current.model.terms))
-    size = len(added.law.parameters)
+    size = _spent(added)
     terms = [
         t
         for t in eligible_terms(rest.model, rest.motions)
@@ -47,6 +47,16 @@ def plainer(
         if no_worse(after, current, score.joint, other):
             return score, after
     return None
+
+
+def _spent(term: Term) -> int:
+    """How many numbers a fitted term spends: no choice is one, and no shape that is as usual.
+
+    >>> _spent(Term("torque_constant_saturation", 0, values={"c": 0.1, "n": 1.0, "at": 5.0}))
+    1
+    """
+    usual = {p.name for p in term.law.parameters if p.usual and term.values[p.name] == p.nominal}
+    return sum(p.fitted and p.name not in usual for p in term.law.parameters)
 
 
 def does_as_well(simple: Estimate, full: Estimate, saved: int) -> bool:

@@ -54,7 +54,7 @@ def starts(term: Term, coefficients: np.ndarray) -> list[Term]:
     if isinstance(law, TransmissionLaw) and law.gap is not None:
         names, parts = ["gap"], (_NARROW,)
     elif any(p.usual for p in law.parameters):
-        names, parts = [p.name for p in law.nonlinear if p.scale == "log"], _LOWER
+        names, parts = [p.name for p in law.free(term.values) if p.scale == "log"], _LOWER
     if isinstance(law, TransmissionLaw) and law.softer and coefficients[0] > _MANY_TIMES:
         limits = {p.name: (p.lower, p.upper) for p in law.parameters}
         softer = law.softer(term.values, float(coefficients[0]))

@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.chosen import with_values_to_begin
 from jaxswarm.identify.estimation.events import window_errors, with_event_torques
 from jaxswarm.identify.estimation.fitted import fitted, fitted_at_width, with_shapes
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
@@ -102,10 +103,7 @@ def estimate(
         Diverged: If the model's torque is not finite along a log, as where a link runs away.
     """
     check_usable(terms, motions)
-    terms = tuple(
-        replace(t, values={**{p.name: p.nominal for p in t.law.nonlinear}, **t.values})
-        for t in terms
-    )
+    terms = with_values_to_begin(terms, motions)
     if rigids is None:
         rigids = [rigid_of(robot, m) for m in motions]
     if refine_width is None:

@@ -58,5 +58,7 @@ def _by_measured(terms: tuple[Term, ...], term: Term, motion: Motion) -> np.ndar
     """Decimated columns (T', k) of a distortion by the torque that was measured."""
     assert motion.tau is not None  # what is fitted has a torque
     torque = motion.tau[:, term.index]
-    own = distortion_columns(term.law_of(MeasurementLaw), filled(torque))[: len(torque)]
+    own = distortion_columns(term.law_of(MeasurementLaw), term.values, filled(torque))[
+        : len(torque)
+    ]
     return motion.decimator.apply(report_own(terms, motion, own, term.index))

@@ -217,8 +217,8 @@ def _from_json(content: dict) -> Model:
         other = None if entry["other"] is None else joints.index(entry["other"])
         own = formula.from_json(entry["formula"]) if "formula" in entry else None
         term = Term(entry["effect"], joint, other, formula=own)
-        # Files written before a choice was one of the parameters lack it.
-        chosen = {p.name: p.nominal for p in term.law.parameters if not p.fitted}
+        # Files written before a choice or a shape was one of the parameters lack it.
+        chosen = {p.name: p.nominal for p in term.law.parameters if not p.fitted or p.usual}
         terms.append(replace(term, values={**chosen, **entry["values"]}))
     return Model(
         robot,

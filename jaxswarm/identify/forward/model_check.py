@@ -71,7 +71,7 @@ def _check_term(term, joints: list[str], place: str) -> None:
     if law.scope == "pair" and term["joint"] == term["other"]:
         raise InputError(f"{place}: {law.name} couples {term['joint']} with itself")
     given = _get(term, "values", dict, f"{place}.")
-    values = {**{p.name: p.nominal for p in law.parameters if not p.fitted}, **given}
+    values = {**{p.name: p.nominal for p in law.parameters if not p.fitted or p.usual}, **given}
     names = [p.name for p in law.parameters]
     for name in dict.fromkeys([*names, *law.linear_names(tuple(joints))]):
         if not _is_number(values.get(name)):

@@ -53,7 +53,7 @@ def _(law, term, motion, width, load):
 def _(law: MeasurementLaw, term, motion, width, load):
     block = np.zeros((*motion.q.shape, len(law.linear)))
     if law.distortion is not None:
-        told = distortion_columns(law, filled(load.whole[:, term.joint]))
+        told = distortion_columns(law, term.values, filled(load.whole[:, term.joint]))
         block[:, term.joint] = told[: len(block)]
     return block
 
