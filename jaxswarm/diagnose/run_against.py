@@ -13,7 +13,8 @@ from jaxswarm.diagnose.decision.material import find_material
 from jaxswarm.diagnose.files import Files
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.orders import order_pictures
-from jaxswarm.diagnose.report.result import place, to_result
+from jaxswarm.diagnose.report.place import place
+from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.run import write_report
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.change_apply import Change, with_changes

@@ -32,6 +32,15 @@ def is_unseen(term: Term, motions: Sequence[Motion]) -> bool:
     return term.law.several and _periods(term, motions) < 1.0
 
 
+def period(term: Term) -> float:
+    """Way of its joint on which waves repeat [rad or m].
+
+    >>> round(period(Term("torque_ripple", 0, values={"n": 5.0})), 3)
+    1.257
+    """
+    return 2.0 * np.pi / _order(term)
+
+
 def leaves_room(term: Term, motions: Sequence[Motion]) -> bool:
     """Whether a term is one of several orders, and its joint goes through enough of its periods for more."""
     return term.law.several and _periods(term, motions) > _MULTIPLES

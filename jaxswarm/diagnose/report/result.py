@@ -17,13 +17,13 @@ from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.discovery.discover import Search
 from jaxswarm.diagnose.report import discovered
 from jaxswarm.diagnose.report.error_change import grown
-from jaxswarm.diagnose.report.experiment import NO_MOTION, best_experiment, separating_command
+from jaxswarm.diagnose.report.place import place
 from jaxswarm.diagnose.report.refusal import refusal
+from jaxswarm.diagnose.report.undecided import undecided
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
-from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
+from jaxswarm.diagnose.selection.outcome import Outcome
 from jaxswarm.diagnose.selection.step import Addition, Step, with_errors
 from jaxswarm.diagnose.selection.survives import UNSHOWN
-from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
     base_parameter_table,
@@ -41,14 +41,6 @@ NOISE = (
 )
 # Candidates told among those that were not added.
 _MOST_TOLD = 12
-
-
-def place(term: Term, joints: tuple[str, ...]) -> dict:
-    """Effect and joint (null for a global effect, partner where there is one)."""
-    entry = {"effect": term.effect, "joint": None if term.joint is None else joints[term.joint]}
-    if term.other is not None:
-        entry["other"] = joints[term.other]
-    return entry
 
 
 def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | None = None) -> dict:
@@ -74,7 +66,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
         "declared": [place(t, joints) for t in diagnosis.declared.model.terms],
         **_choices(outcome, laws, joints),
         "unexplained": _unexplained(outcome.left, outcome.remains, joints),
-        "undecided": [_undecided(one, joints) for one in outcome.undecided],
+        "undecided": undecided(outcome, joints),
         "error": _error(outcome),
         "torque_units": list(units(robot)),
         "verdict": CANNOT if why else verdict(added, outcome.left, outcome.remains, beyond),
@@ -217,19 +209,3 @@ def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], join
         }
         for joint, entry in told
     ]
-
-
-def _undecided(one: Undecided, joints: tuple[str, ...]) -> dict:
-    """A rival of an added effect, with the motion on which the two would differ most."""
-    step, other = one.step, one.rival.candidate.term
-    names = [step.added.effect, other.effect]
-    if names[0] == names[1]:
-        names = [step.added.label(joints), other.label(joints)]
-    trial = best_experiment(step.after.model, one.model, step.after.motions[0], step.added.joint)
-    command = separating_command(step.added, other, joints) if trial.ratio >= NO_MOTION else ""
-    return {
-        "joint": place(step.added, joints)["joint"],
-        "effects": names,
-        "rival": place(other, joints),
-        "experiment": trial.words(joints) + command,
-    }

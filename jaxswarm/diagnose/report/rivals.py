@@ -13,6 +13,12 @@ def not_told_apart(result: dict) -> list[str]:
     ]
 
 
+def either_of(result: dict) -> list[str]:
+    """Pairs of which neither was named, as they stand in a sentence: ``a ripple or a spring on joint3``."""
+    named = (_names(pair) for pair in result["undecided"])
+    return [f"{one} or {other}{place}" for one, other, place in named]
+
+
 def to_tell_apart(result: dict) -> list[str]:
     """The motions that would tell them apart, in sentences."""
     told = []

@@ -17,7 +17,7 @@ from jaxswarm.diagnose.report.remains import (
     look_at,
     near_noise,
 )
-from jaxswarm.diagnose.report.rivals import not_told_apart, to_tell_apart
+from jaxswarm.diagnose.report.rivals import either_of, not_told_apart, to_tell_apart
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.report.console import clock_lines, event_lines, rest_lines, unscored_lines
 
@@ -100,6 +100,8 @@ def _unknown(result: dict) -> str:
     if unshown := _unshown(result):
         names = " or ".join(unshown)
         return f"that this log cannot show ({names} would help, but no part of it predicts another)"
+    if result["undecided"] and not result["effects"]:
+        return f"that this log does not tell ({' or '.join(either_of(result))})"
     return "that no known law explains"
 
 

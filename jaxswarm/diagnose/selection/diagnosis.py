@@ -1,6 +1,7 @@
 """The outcome of the selection."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import Score
@@ -11,6 +12,19 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 _ENDED = "the search ended by its number of rounds: more would be added; declare what is known and ask again"
+
+
+class Outdone(NamedTuple):
+    """A law, and waves of its joint that leave clearly less though no whole period of them is seen.
+
+    Attributes:
+        law, waves: Both as fitted.
+        period: Way on which the waves repeat [rad or m].
+    """
+
+    law: Term
+    waves: Term
+    period: float
 
 
 @dataclass(frozen=True)
@@ -28,6 +42,7 @@ class Diagnosis:
         ended: Whether the search ended by its number of rounds, and more might be added.
         rules: Thresholds that decided.
         refused: What was found and not kept, and why.
+        outdone: What was refused for such waves.
         spent: The budget that ended the search; None: it came to its own end.
     """
 
@@ -39,6 +54,7 @@ class Diagnosis:
     asked: int
     withdrawn: tuple[Term, ...] = ()
     refused: tuple[tuple[Term, str], ...] = ()
+    outdone: tuple[Outdone, ...] = ()
     ended: bool = False
     rules: Rules = Rules()
     spent: Spent | None = None

@@ -8,6 +8,7 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
+from jaxswarm.diagnose.selection.diagnosis import Outdone
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -26,6 +27,8 @@ class Search:
         unproven: Those of them that were refused by what every joint tells: on other motion, or by noisy rows.
         barred: Identities of terms that were taken back for another law's, and are not asked any more.
         kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
+        unseen: By joint, waves that were refused beside its model as no whole period of them is seen.
+        outdone: Laws that were refused for them.
         pairs: Places of two laws that were added at once, and are not once more.
         asked: Candidates scored in the first round.
         crossfit: The current model on all folds.
@@ -56,6 +59,8 @@ class Search:
     unproven: set = field(default_factory=set)
     barred: set = field(default_factory=set)
     kept_out: set = field(default_factory=set)
+    unseen: dict[int | None, Score] = field(default_factory=dict)
+    outdone: list[Outdone] = field(default_factory=list)
     pairs: set[frozenset] = field(default_factory=set)
     asked: int = 0
     crossfit: CrossFit | None = None
@@ -113,6 +118,7 @@ class Search:
         the Stribeck friction that was added next, and both ended as unexplained.
         """
         if joint is None:
-            self.banned = set()
+            self.banned, self.unseen = set(), {}
+        self.unseen.pop(joint, None)
         again = self.unproven | {key for key in self.banned if key[1] in (None, joint)}
         self.banned, self.unproven = self.banned - again, set()

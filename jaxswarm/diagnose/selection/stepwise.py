@@ -1,7 +1,7 @@
 """Forward stepwise selection: score every candidate, add the best that passes, refit, score again.
 
 When nobody passes, one law of the whole arm is tried in the place of all that was added; then every choice is
-made once more with the others in place; when that changes nothing, the search is over.
+made once more; when that changes nothing, the search is over.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,6 +41,7 @@ from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws, p
 from jaxswarm.diagnose.selection.survives import one_place, stands_in
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
+from jaxswarm.diagnose.selection.unseen_order import outdone
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import has
@@ -113,6 +114,7 @@ def diagnose(
         search.asked,
         search.withdrawn,
         tuple((t, why) for t, why in search.refused if not has(t, search.current.model.terms)),
+        tuple(search.outdone),
         search.ended,
         rules,
         search.spent,
@@ -202,13 +204,12 @@ def _choose_again(search: Search) -> bool:
 def _add_best(search: Search, best: list[Score]) -> bool:
     """Add the best candidate if it proves itself; always another round."""
     current, crossfit = search.current, search.folds
-    joints = current.model.robot.joints
     chosen, rivals = choose(best, search.rules, crossfit)
     term = chosen.candidate.term
     if stands_in(chosen, current, crossfit, search.seed):
         search.refuse(term)
         return True
-    search.progress(f"adding {term.label(joints)}")
+    search.progress(f"adding {term.label(current.model.robot.joints)}")
     after = refit_with(current, chosen) or told_elsewhere(
         current, chosen, search.other, search.rules.share
     )
@@ -224,7 +225,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term, why, by_all=bool(search.other))
         return True
     added = find_term(after, term)
-    why = one_place(after, added, search.rules, search.seed)
+    why = one_place(after, added, search.rules, search.seed) or outdone(search, chosen, after)
     if why:
         search.refuse(term, why)
         return True
