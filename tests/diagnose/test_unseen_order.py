@@ -1,5 +1,7 @@
 """What fits clearly worse than waves of which no whole period is seen is no name; what shows it is told."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planted import BAND, added, declared_fit, diagnose_log, log_with
@@ -80,3 +82,6 @@ def test_neither_is_added_and_how_far_to_move_is_told():
     named = "torque_ripple or gravity_compensator on joint2"
     assert named in verdict_sentence(result)
     assert any("move joint2 over more than" in step for step in next_steps(result))
+    # A law that was refused so and stands beside what came later is one that was added.
+    kept = (found.outdone[0]._replace(law=Term("coulomb_friction", 1)),)
+    assert to_result(outcome_of(replace(found, outdone=kept)))["undecided"] == []

@@ -5,6 +5,7 @@ import numpy as np
 from jaxswarm.diagnose.report.experiment import NO_MOTION, best_experiment, separating_command
 from jaxswarm.diagnose.report.place import place
 from jaxswarm.diagnose.selection.outcome import Outcome, Undecided
+from jaxswarm.effects.alike import has
 from jaxswarm.effects.term import Term
 
 
@@ -37,11 +38,13 @@ def _of_addition(one: Undecided, joints: tuple[str, ...]) -> dict:
 def _of_waves(outcome: Outcome, joints: tuple[str, ...]) -> list[dict]:
     """For each joint that is far from its noise, the first law that waves did better than."""
     told: dict[int, dict] = {}
+    final = outcome.diagnosis.final
     for law, waves, period in outcome.diagnosis.outdone:
         joint = waves.index
-        if outcome.remains[joint].near or joint in told:
+        stands = any(has(t, final.model.terms) for t in (law, waves))  # beside what came later
+        if stands or outcome.remains[joint].near or joint in told:
             continue
-        way = max(float(np.ptp(m.q[:, joint])) for m in outcome.diagnosis.final.motions)
+        way = max(float(np.ptp(m.q[:, joint])) for m in final.motions)
         experiment = (
             f"move {joints[joint]} over more than {max(way, period):.2g}, a whole period of "
             f"{waves.effect}, where this log has {way:.2g}"

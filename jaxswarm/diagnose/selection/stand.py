@@ -39,7 +39,7 @@ def that_may_stand(search: Search, passed: Sequence[Score]) -> list[Score]:
         for one in found:
             search.refuse(one.candidate.term, why)
     for one in sorted(unseen, key=lambda s: s.worth):
-        search.unseen[one.joint] = one
+        search.unseen[one.candidate.term.joint] = one
     # Should the law that is there be none, these are asked again.
     search.kept_out |= {one.candidate.term.joint for one in bent}
     return [s for s in standing if s not in (*stray, *bent, *unseen, *motion)]

@@ -39,7 +39,6 @@ def outdone(search: Search, chosen: Score, after: Estimate) -> str | None:
     saved = waves.candidate.size - chosen.candidate.size
     if fitted is None or does_as_well(after, fitted, saved):
         return None
-    pair = (find_term(one, s.candidate.term) for one, s in ((after, chosen), (fitted, waves)))
-    law, better = pair
+    law, better = find_term(after, chosen.candidate.term), find_term(fitted, waves.candidate.term)
     search.outdone.append(Outdone(law, better, period(better)))
     return _WORSE.format(waves.candidate.term.effect)
