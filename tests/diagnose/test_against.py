@@ -174,12 +174,18 @@ def test_friction_that_grew_is_named_as_a_change_of_what_was_known(model):
     assert found.changes[0].term.values["fc"] == pytest.approx(0.75, abs=0.05)
 
 
-def test_a_dead_band_that_is_new_is_told_with_its_size(model):
-    """It came out larger by the size at which a simulation begins, half a newton meter."""
-    band = Term("torque_dead_band", 1, values={"d": 1.5})
-    named, found = changes(model, terms=(*DECLARED, band))
-    assert named == ["torque_dead_band@joint2"]
-    assert found.changes[0].term.values["d"] == pytest.approx(1.5, rel=0.1)
+@pytest.mark.parametrize(
+    ("effect", "name", "size"),
+    [("torque_dead_band", "d", 1.5), ("torque_constant_saturation", "c", -0.02)],
+)
+def test_a_drive_that_distorts_now_is_told_with_its_size(model, effect, name, size):
+    """A dead band came out larger by the size at which a simulation begins, half a newton meter."""
+    named, found = changes(model, terms=(*DECLARED, Term(effect, 1, values={name: size})))
+    assert named == [f"{effect}@joint2"]
+    values = found.changes[0].term.values
+    assert values[name] == pytest.approx(size, rel=0.1)
+    assert set(values) == {p.name for p in found.changes[0].term.law.parameters}
+    assert conclude_comparison(found, [], 0)[0]["verdict"] == "explained"
 
 
 def test_what_no_law_explains_is_told_against_an_earlier_model_too(model):

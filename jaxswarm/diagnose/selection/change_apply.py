@@ -130,7 +130,10 @@ def _values(term: Term, own: slice, found: Coefficients, joints) -> tuple[dict, 
     neutral, names = term.law.neutral(), term.law.candidate_names(joints)
     doubt = np.sqrt(np.diag(found.covariance)[own])
     pairs = zip(names, found.values[own], strict=False)
-    table = {**term.values, **{n: float(neutral.get(n, 0.0) + x) for n, x in pairs}}
+    # Its choices and its shape are those that its columns were made with.
+    shape = {p.name: p.nominal for p in term.law.nonlinear if p.usual or not p.fitted}
+    told = {n: float(neutral.get(n, 0.0) + x) for n, x in pairs}
+    table = {**shape, **term.values, **told}
     return table, {n: float(x) for n, x in zip(names, doubt, strict=False)} if names else {}
 
 
