@@ -7,6 +7,8 @@ be traced and loaded; where derivatives, batches or devices are wanted use :func
 and :func:`jaxswarm.robot.inverse_dynamics`.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from jaxswarm.robot import spatial as sp
@@ -67,9 +69,49 @@ def rigid_torque(robot: Robot, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -
     return torque
 
 
+def rigid_torques(
+    robot: Robot,
+    q: np.ndarray,
+    dq: np.ndarray,
+    ddq: np.ndarray,
+    parameters: np.ndarray,
+    *,
+    first: int = 0,
+) -> np.ndarray:
+    """Return the torques of every sample for many sets of parameters at once, a signal in one piece each.
+
+    Args:
+        robot: The robot; its own parameters do not matter.
+        q, dq, ddq: (T, n), motion in rad or m and s.
+        parameters: (10 (n - first), m), a set a column.
+        first: Links before this one have no mass.
+
+    Returns:
+        (n, m, T), in N m or N.
+
+    >>> from jaxswarm.robot.builtin import emps
+    >>> rigid_torques(emps(), *np.ones((3, 5, 1)), np.ones((10, 2))).shape
+    (1, 2, 5)
+    """
+    torque = np.zeros((robot.num_joints, parameters.shape[1], len(q)))
+    for start in range(0, len(q), BLOCK):
+        part = slice(start, start + BLOCK)
+        moved = links_along(robot, q[part], dq[part], ddq[part])
+        for link, joint, entries in _rows(robot, *moved, first):
+            told = [place for place, entry in enumerate(entries) if not sp.is_zero(entry)]
+            rows = np.empty((len(told), len(q[part])))
+            for row, place in zip(rows, told, strict=True):
+                row[:] = entries[place]
+            own = parameters[10 * (link - first) :][told]
+            torque[joint, :, part] += own.T @ rows
+    return torque
+
+
 def links_along(robot: Robot, q, dq, ddq) -> tuple[list[Transform], list[LinkMotion]]:
     """Poses and motions of all links, an entry for all samples of a motion (T, n)."""
-    columns = [np.ascontiguousarray(np.asarray(x, float).T) for x in (q, dq, ddq)]
+    columns = [
+        [_entry(own) for own in np.ascontiguousarray(np.asarray(x, float).T)] for x in (q, dq, ddq)
+    ]
     known = {
         name: np.asarray(getattr(robot, name), float)
         for name in ("rotation", "translation", "axis", "gravity")
@@ -77,6 +119,11 @@ def links_along(robot: Robot, q, dq, ddq) -> tuple[list[Transform], list[LinkMot
     robot = robot.replace(**known)
     transforms = joint_transforms(robot, columns[0], lambda angle: (np.sin(angle), np.cos(angle)))
     return transforms, link_motions(robot, transforms, *columns[1:])
+
+
+def _entry(own: np.ndarray) -> sp.Entry:
+    """What a joint does, (T,); a known number where that is the same in all samples: it is folded away."""
+    return float(own[0]) if len(own) and (own == own[0]).all() else own
 
 
 def _fill(
@@ -87,6 +134,16 @@ def _fill(
     columns: np.ndarray,
 ) -> None:
     """Write the columns (T, n, 10 (n - first)) of links; those of joints that do not move one stay zero."""
+    for link, joint, row in _rows(robot, transforms, motions, first):
+        for place, entry in enumerate(row):
+            if not sp.is_zero(entry):
+                columns[:, joint, 10 * (link - first) + place] = entry
+
+
+def _rows(
+    robot: Robot, transforms: list[Transform], motions: list[LinkMotion], first: int
+) -> Iterator[tuple[int, int, list[sp.Entry]]]:
+    """Of every link from one on, and of every joint that moves it: both, and ten columns as entries."""
     axes = sp.entries(np.asarray(robot.axis, float), 2)
     # Of every link the axes that move it, in its own frame: joint, angular and linear part.
     carried: list[list[tuple[int, sp.Vector, sp.Vector]]] = []
@@ -104,6 +161,4 @@ def _fill(
         if link < first:
             continue
         for joint, angular, linear in moved:
-            for place, entry in enumerate(link_row(motions[link], angular, linear)):
-                if not sp.is_zero(entry):
-                    columns[:, joint, 10 * (link - first) + place] = entry
+            yield link, joint, link_row(motions[link], angular, linear)

@@ -15,15 +15,13 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects import get_law
-from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.compliance import (
-    compliance_by,
-    compliance_columns,
-    compliance_slopes,
-)
+from jaxswarm.identify.forward import sway_response
+from jaxswarm.identify.forward.compliance import compliance_columns, compliance_slopes
+from jaxswarm.identify.forward.sway_response import compliance_along
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
+from jaxswarm.robot import logged
 
 RIVALS = ("joint_elasticity", "base_tilt", "encoder_offset", "link_geometry", "backlash")
 
@@ -57,14 +55,36 @@ def test_a_soft_base_is_asked_with_the_masses_that_no_joint_of_a_level_arm_feels
     assert after.fit.sigma[0] < 0.65 * found.fit.sigma[0]
 
 
-def test_differences_by_masses_are_the_slopes_of_the_torque():
+def test_what_a_base_does_along_masses_is_the_slope_of_its_torque():
     motion, arm = fitted(elbow_log()).motions[0], elbow()
     moved, pi = (motion.q, motion.dq, motion.ddq), np.asarray(arm.parameters).ravel()
     along = np.random.default_rng(0).normal(size=(len(pi), 2))
+    law = get_law("base_compliance")
+    own, by = np.split(compliance_along(law, arm, moved, pi, motion, along), [2], axis=2)
+    columns = compliance_columns(law, arm, moved, pi, motion)
+    np.testing.assert_allclose(own, columns, atol=1e-9 * np.abs(columns).max())
+    # The torque is quadratic in the masses: half of the difference between both ways is exact.
+    for k, one in enumerate(along.T):
+        ahead, behind = (
+            compliance_columns(law, arm, moved, pi + way * one, motion) for way in (1.0, -1.0)
+        )
+        slope = (ahead - behind) / 2.0
+        np.testing.assert_allclose(
+            by[:, :, 2 * k : 2 * k + 2], slope, atol=1e-9 * np.abs(slope).max()
+        )
     term = Term("base_compliance", values={"cx": 1.0, "cy": 0.0})
     slopes = compliance_slopes(term, arm, moved, pi, motion) @ along
-    by = compliance_by(term.law_of(BodyChange), arm, moved, pi, motion, along)
     np.testing.assert_allclose(by[:, :, ::2], slopes, atol=1e-4 * np.abs(slopes).max())
+
+
+def test_what_a_base_does_is_the_same_however_long_the_log(monkeypatch):
+    motion, arm = fitted(elbow_log()).motions[0], elbow()
+    moved, pi = (motion.q, motion.dq, motion.ddq), np.asarray(arm.parameters).ravel()
+    given = get_law("base_compliance"), arm, moved, pi, motion, np.eye(len(pi))[:, :1]
+    whole = compliance_along(*given)
+    for module in (sway_response, logged):
+        monkeypatch.setattr(module, "BLOCK", 700)
+    np.testing.assert_allclose(compliance_along(*given), whole, atol=1e-12 * np.abs(whole).max())
 
 
 def test_a_soft_second_joint_is_not_taken_for_its_base():

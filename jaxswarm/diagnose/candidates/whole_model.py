@@ -16,14 +16,11 @@ from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
 from jaxswarm.identify.forward.columns import is_kept, low_columns
-from jaxswarm.identify.forward.compliance import (
-    compliance_by,
-    compliance_columns,
-    felt_once_swayed,
-)
+from jaxswarm.identify.forward.compliance import felt_once_swayed
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.placement import placement_columns
+from jaxswarm.identify.forward.sway_response import compliance_along
 from jaxswarm.identify.forward.written_down import report_own
 from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns
@@ -158,8 +155,7 @@ def _compliant_base(lin: Linearization, term: Term) -> Candidate:
 
     def swayed(k):
         at = lin.arm, lin.moved[k], lin.pi, lin.found.motions[k]
-        parts = compliance_columns(law, *at), compliance_by(law, *at, fresh)
-        return lin.reported(k, np.concatenate(parts, axis=2))
+        return lin.reported(k, compliance_along(law, *at, fresh))
 
     own, further = np.split(lin.stack(swayed), [len(law.linear)], axis=2)
     beside = _beside(lin, own, further, fresh.shape[1])

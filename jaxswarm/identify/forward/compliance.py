@@ -52,7 +52,7 @@ def compliance_columns(
     """
     robot = _on_hinges(arm, pi)
     moment = _swayed(robot, _still(moved), moved)[:, :TURNS]
-    along = _along(moment, motion)
+    along = moment_along(moment, motion)
     none = {p.name: 0.0 for p in law.linear}
     turns = law.compliance
     assert turns is not None
@@ -72,28 +72,6 @@ def felt_once_swayed(arm: Robot, unfelt: np.ndarray) -> np.ndarray:
     rows = rigid_columns(_on_hinges(arm, np.zeros(len(unfelt))), *drawn, first=TURNS)
     _, size, right = thin_svd(rows.reshape(-1, len(unfelt)) @ unfelt)
     return unfelt @ right[size > _FELT * max(size.max(initial=0.0), 1e-300)].T
-
-
-def compliance_by(
-    law: BodyChange,
-    arm: Robot,
-    moved: tuple[np.ndarray, ...],
-    pi: np.ndarray,
-    motion: Motion,
-    directions: np.ndarray,
-) -> np.ndarray:
-    """Derivatives of the columns of a compliance along rigid parameters (10 n, r): (T, n, k r).
-
-    The torque is quadratic in them, a moment that sways an arm, so that differences are exact. Other arguments
-    as for :func:`compliance_columns`.
-    """
-    parts = []
-    for along in directions.T:
-        ahead, behind = (
-            compliance_columns(law, arm, moved, pi + way * along, motion) for way in (1.0, -1.0)
-        )
-        parts.append((ahead - behind) / 2.0)
-    return np.concatenate([*parts, np.zeros((*moved[0].shape, 0))], axis=2)
 
 
 def compliance_slopes(
@@ -137,7 +115,7 @@ def compliance_slopes(
 def _moments_along(robot: Robot, at: list[np.ndarray], motion: Motion) -> np.ndarray:
     """Moments of a base at rest and two derivatives of each by the rigid parameters, (T, 6, 10 n)."""
     moments = rigid_columns(robot, *at, first=TURNS)[:, :TURNS]
-    along = _along(moments.reshape(len(moments), -1), motion)
+    along = moment_along(moments.reshape(len(moments), -1), motion)
     return along.reshape(len(moments), 3 * TURNS, -1)
 
 
@@ -155,7 +133,7 @@ def _padded(sway: np.ndarray, like: np.ndarray) -> np.ndarray:
     return np.pad(sway, ((0, 0), (0, like.shape[1] - TURNS)))
 
 
-def _along(moment: np.ndarray, motion: Motion) -> np.ndarray:
+def moment_along(moment: np.ndarray, motion: Motion) -> np.ndarray:
     """Moments (T, m) below the torque's cutoff with two derivatives, (T, 3, m)."""
     low = smooth(moment, motion.rate, motion.torque_cutoff)
     return np.stack([low, *derivatives(low, motion.rate, 2)], axis=1)
