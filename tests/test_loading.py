@@ -39,6 +39,27 @@ def test_a_diagnosis_loads_no_library_for_pictures():
     assert loaded("import jaxswarm.diagnose.run", "jax", "matplotlib") == {"jax"}
 
 
+def test_a_diagnosis_loads_no_library_of_distributions():
+    """Not even where it asks for quantiles of some, which are those that the library tells."""
+    code = (
+        "from jaxswarm.runtime import start; start()\n"
+        "import jaxswarm.diagnose.run\n"
+        "from jaxswarm.diagnose.folds.sharp import times_by_chance\n"
+        "times_by_chance(7.5, 2), times_by_chance(7.5, 0)"
+    )
+    assert loaded(code, "jax", "scipy.stats") == {"jax"}
+
+
+@pytest.mark.parametrize("freedom", [1.3, 7.5, 20.0, 133.0])
+def test_quantiles_are_those_of_the_library_of_distributions(freedom):
+    from scipy import stats
+
+    from jaxswarm.diagnose.folds.sharp import times_by_chance
+
+    assert times_by_chance(freedom, 2) == stats.f.isf(0.01, freedom, 2 * freedom)
+    assert times_by_chance(freedom, 0) == stats.chi2.isf(0.01, freedom) / freedom
+
+
 def test_a_diagnosis_loads_swarms_when_their_programs_are_made():
     assert loaded("import jaxswarm.diagnose.run", "jax", "jaxswarm.swarm") == {"jax"}
 

@@ -1,5 +1,6 @@
 """Where the model stands when the candidates are proposed."""
 
+from collections.abc import Collection
 from copy import copy
 from functools import cached_property
 
@@ -49,8 +50,8 @@ class Linearization:
         self.moved = [body.moved for body in bodies]
         self.true = [body.motion for body in bodies]
 
-    def _see(self, model: Model) -> list[Body]:
-        """Take the loads of a model on every log; its bodies there."""
+    def _see(self, model: Model, joints: Collection[int] | None = None) -> list[Body]:
+        """Take the loads of a model on every log, of some joints or all; its bodies there."""
         pi = np.asarray(model.robot.parameters).ravel()
         self.seen = model
         self.series: dict[tuple, Sample] = {}
@@ -58,7 +59,7 @@ class Linearization:
         for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True):
             body = body_along(model.robot, model.terms, motion, pi, rigid)
             bodies.append(body)
-            self.loads.append(body.load())
+            self.loads.append(body.load(joints))
         return bodies
 
     @cached_property
@@ -82,11 +83,15 @@ class Linearization:
         vars(other)["outputs"] = [m.tau for m in self.found.motions]
         return other
 
-    def changed_by(self, change: np.ndarray) -> "Linearization":
-        """The same with the loads and the torque of a model with its linear parameters changed, by (p,)."""
+    def changed_by(self, change: np.ndarray, joint: int | None = None) -> "Linearization":
+        """The same with the loads and the torque of a model with its linear parameters changed, by (p,).
+
+        ``joint``: the one whose laws are asked with it alone, if any.
+        """
         model, other = self.found.model, copy(self)
         vars(other).pop("outputs", None)
-        other._see(with_linear_values(model, linear_values(model) + change))
+        asked = None if joint is None else {joint}
+        other._see(with_linear_values(model, linear_values(model) + change), asked)
         return other
 
     def carried(self, k: int) -> np.ndarray:

@@ -48,7 +48,8 @@ def with_own_load(
     left, found = _settled(lin, fold, joint, columns, build)
     if measured is None:
         return found
-    begin = build(_without_taken_up(lin, fold, measured @ left_by(fold, measured, joint)[1]))
+    taken = measured @ left_by(fold, measured, joint)[1]
+    begin = build(_without_taken_up(lin, fold, joint, taken))
     other, again = _settled(lin, fold, joint, begin, build)
     return again if other < (1.0 - _SETTLED) * left else found
 
@@ -66,7 +67,7 @@ def _settled(
         return left, columns
     for _ in range(_TURNS):
         for part in _PARTS:
-            again = build(_without_taken_up(lin, fold, columns @ a, part))
+            again = build(_without_taken_up(lin, fold, joint, columns @ a, part))
             found, b = left_by(fold, again, joint)
             if found < (1.0 - _SETTLED) * left:
                 break
@@ -77,7 +78,7 @@ def _settled(
 
 
 def _without_taken_up(
-    lin: Linearization, fold: Fold, torque: np.ndarray, part: float = 1.0
+    lin: Linearization, fold: Fold, joint: int, torque: np.ndarray, part: float = 1.0
 ) -> Linearization:
-    """The model without a part of what it takes up of a weighted torque (T', n) on a fold."""
-    return lin.changed_by(-part * lin.found.fit.base.expand(fold.absorbed(torque)))
+    """The model, for laws on a joint, without a part of what it takes up of a weighted torque (T', n)."""
+    return lin.changed_by(-part * lin.found.fit.base.expand(fold.absorbed(torque)), joint)

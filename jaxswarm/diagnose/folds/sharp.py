@@ -60,10 +60,25 @@ def _by_chance(motion: Motion, band: tuple[float, float], draws: int) -> float:
 
     Known from so many draws of the same window, or else from all of the log.
     """
-    freedom = 2.0 * (band[1] - band[0]) * _span(motion)
+    return times_by_chance(2.0 * (band[1] - band[0]) * _span(motion), draws)
+
+
+def times_by_chance(freedom: float, draws: int) -> float:
+    """How many times a known power one of so many degrees of freedom is itself, but for a chance.
+
+    Quantiles of F and chi-squared by their inverses alone: the library of distributions takes a third of a
+    second to load, a twentieth of a diagnosis.
+
+    Args:
+        freedom: Degrees of freedom.
+        draws: Independent powers of as many that it is known from; zero: it is known.
+
+    >>> round(times_by_chance(10.0, 2), 2), round(times_by_chance(10.0, 0), 2)
+    (3.37, 2.32)
+    """
     if draws:
-        return float(scipy.stats.f.isf(_CHANCE, freedom, draws * freedom))
-    return float(scipy.stats.chi2.isf(_CHANCE, freedom) / freedom)
+        return float(scipy.special.fdtri(freedom, draws * freedom, 1.0 - _CHANCE))
+    return float(scipy.special.chdtri(freedom, _CHANCE) / freedom)
 
 
 def _powers(

@@ -98,7 +98,7 @@ def find_base(
     """
     norms = np.linalg.norm(factor, axis=0)
     scale = norms.max(initial=0.0)
-    basis = np.zeros((factor.shape[0], 0))
+    every = np.zeros(factor.shape, order="F")
     independent: list[int] = []
     dependent: list[int] = []
     dead: list[int] = []
@@ -108,13 +108,14 @@ def find_base(
             continue
         rest = factor[:, k] / norms[k]
         for _ in range(2):  # twice is enough for orthogonality (Kahan)
+            basis = every[:, : len(independent)]
             rest = rest - basis @ (basis.T @ rest)
         size = np.linalg.norm(rest)
         if size <= tolerance:
             dependent.append(k)
         else:
+            every[:, len(independent)] = rest / size
             independent.append(k)
-            basis = np.column_stack([basis, rest / size])
     kept, dropped = np.array(independent, dtype=int), np.array(dependent, dtype=int)
     scaled = factor[:, kept] / norms[kept]
     merge = lstsq(scaled, factor[:, dropped]) / norms[kept][:, None]

@@ -1,5 +1,6 @@
 """The rigid body of a model along a log: in which gravity its links move, and how."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -102,10 +103,10 @@ class Body:
             return self.rigid.torque(pi)
         return torque_of(self.arm, *self.moved, pi)
 
-    def load(self) -> Load:
-        """Load torque of its own parameters."""
+    def load(self, joints: Collection[int] | None = None) -> Load:
+        """Load torque of its own parameters; those of other joints than some may be NaN."""
         if self.rigid is not None:
-            return self.rigid.load(self.pi)
+            return self.rigid.load(self.pi, joints)
         return load_along(self.arm, self.moved, self.pi)
 
 

@@ -5,7 +5,7 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import TypeVar
@@ -133,15 +133,24 @@ class Rigid:
             return _times(self.full, pi)
         return torque_of(self.robot, self.motion.q, self.motion.dq, self.motion.ddq, pi)
 
-    def load(self, pi: np.ndarray) -> Load:
-        """Load torque for rigid parameters (10 n,)."""
-        return last_of(self.loads, np.asarray(pi).tobytes(), lambda: self._load(pi))
-
-    def _load(self, pi: np.ndarray) -> Load:
-        # A fit asks for dozens: the recursion takes ten times as long as the product.
-        if is_kept(self.motion):
-            return Load(_times(self.full, pi), _times(self.still, pi))
-        return load_along(self.robot, (self.motion.q, self.motion.dq, self.motion.ddq), pi)
+    def load(self, pi: np.ndarray, joints: Collection[int] | None = None) -> Load:
+        """Load torque for rigid parameters (10 n,); of some joints alone, NaN where nobody asked for it."""
+        if not is_kept(self.motion):
+            moved = (self.motion.q, self.motion.dq, self.motion.ddq)
+            place = np.asarray(pi).tobytes()
+            return last_of(self.loads, place, lambda: load_along(self.robot, moved, pi))
+        # A fit asks for dozens: the recursion takes ten times as long as the product, and that of all joints
+        # six times as long as that of one.
+        load, known = last_of(
+            self.loads, np.asarray(pi).tobytes(), lambda: _nothing_of(self.motion)
+        )
+        every = range(self.motion.q.shape[1])
+        for j in every if joints is None else joints:
+            if j not in known:  # a joint feels no link before it
+                load.full[:, j] = self.full[:, j, 10 * j :] @ pi[10 * j :]
+                load.static[:, j] = self.still[:, j, 10 * j :] @ pi[10 * j :]
+                known.add(j)
+        return load
 
     def law(self, term: Term, width: Sequence[float], make: Callable[[], np.ndarray]) -> np.ndarray:
         """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.
@@ -167,6 +176,12 @@ def last_of(kept: dict, place: Hashable, make: Callable[[], Kept]) -> Kept:
         kept.clear()
         kept[place] = known
     return known
+
+
+def _nothing_of(motion: Motion) -> tuple[Load, set[int]]:
+    """Loads that nobody asked for yet, a joint in one piece, and the joints of which they are known."""
+    full, static = np.full((2, *motion.q.shape[::-1]), np.nan)
+    return Load(full.T, static.T), set()
 
 
 def _times(columns: np.ndarray, pi: np.ndarray) -> np.ndarray:

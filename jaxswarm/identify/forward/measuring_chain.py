@@ -120,12 +120,15 @@ def low_torque_along(
 def reported_load(
     terms: tuple[Term, ...], body: Body, width: Sequence[float], joints: tuple[str, ...]
 ) -> Load:
-    """The load along a log, with the torque that drives report where a term distorts it."""
+    """The load along a log, with the torque that drives report where a term distorts it.
+
+    Where none does, that of joints whose laws go by it alone.
+    """
+    if not distorted(terms):
+        return body.load({t.index for t in terms if t.law.uses_load and t.joint is not None})
     load = body.load()
-    if distorted(terms):
-        values = [np.array([t.values.get(n, 0.0) for n in t.linear_names(joints)]) for t in terms]
-        load = load._replace(whole=true_torque(terms, values, body, width, load))
-    return load
+    values = [np.array([t.values.get(n, 0.0) for n in t.linear_names(joints)]) for t in terms]
+    return load._replace(whole=true_torque(terms, values, body, width, load))
 
 
 def distorted(terms: tuple[Term, ...]) -> bool:
@@ -212,5 +215,5 @@ def term_block(
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
     body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
-    load = body.load() if term.law.uses_load else None
+    load = body.load({term.index}) if term.law.uses_load else None
     return _block(terms, term, body, width, load, motion.decimator.apply)
