@@ -3,6 +3,7 @@
 import numpy as np
 
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward import columns as columns_of
 from jaxswarm.identify.forward import load_slopes as slopes
 from jaxswarm.identify.forward.columns import load_along, rigid_of
 from jaxswarm.identify.forward.measuring_chain import assemble
@@ -51,3 +52,14 @@ def test_columns_times_slopes_are_added_up_as_they_are():
     np.testing.assert_array_equal(told, by[:, None] * full + still[:, None] * rest)
     told = slopes._by_columns((by, 0.0 * still), (full, rest))
     np.testing.assert_array_equal(told, by[:, None] * full)
+
+
+def test_loads_of_a_log_that_became_too_long_to_keep_are_the_same(monkeypatch):
+    """What was asked for before it did is told on."""
+    rigid, pi, _ = rigid_and_pi()
+    own = rigid.load(pi, {1}).full[:, 1]
+    monkeypatch.setattr(columns_of, "is_kept", lambda motion: False)
+    np.testing.assert_array_equal(rigid.load(pi).full[:, 1], own)
+    rigid.loads.clear()
+    every = rigid.load(pi, {0})
+    np.testing.assert_allclose(every.full[:, 1], own, atol=1e-10 * np.abs(own).max())

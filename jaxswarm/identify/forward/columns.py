@@ -135,15 +135,7 @@ class Rigid:
 
     def load(self, pi: np.ndarray, joints: Collection[int] | None = None) -> Load:
         """Load torque for rigid parameters (10 n,); of some joints alone, NaN where nobody asked for it."""
-        if not is_kept(self.motion):
-            moved = (self.motion.q, self.motion.dq, self.motion.ddq)
-            place = np.asarray(pi).tobytes()
-            return last_of(self.loads, place, lambda: load_along(self.robot, moved, pi))
-        # A fit asks for dozens: the recursion takes ten times as long as the product, and that of all joints
-        # six times as long as that of one.
-        load, known = last_of(
-            self.loads, np.asarray(pi).tobytes(), lambda: _nothing_of(self.motion)
-        )
+        load, known = last_of(self.loads, np.asarray(pi).tobytes(), lambda: self._loads(pi))
         every = range(self.motion.q.shape[1])
         for j in every if joints is None else joints:
             if j not in known:  # a joint feels no link before it
@@ -151,6 +143,18 @@ class Rigid:
                 load.static[:, j] = self.still[:, j, 10 * j :] @ pi[10 * j :]
                 known.add(j)
         return load
+
+    def _loads(self, pi: np.ndarray) -> tuple[Load, set[int]]:
+        """The loads that are told at once, a joint in one piece, and the joints of which they are known.
+
+        A fit asks for dozens: the recursion takes ten times as long as the product of all joints' columns, and
+        that six times as long as the one of a joint.
+        """
+        q, dq, ddq = self.motion.q, self.motion.dq, self.motion.ddq
+        if not is_kept(self.motion):
+            return load_along(self.robot, (q, dq, ddq), pi), set(range(q.shape[1]))
+        full, static = np.full((2, *q.shape[::-1]), np.nan)
+        return Load(full.T, static.T), set()
 
     def law(self, term: Term, width: Sequence[float], make: Callable[[], np.ndarray]) -> np.ndarray:
         """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.
@@ -176,12 +180,6 @@ def last_of(kept: dict, place: Hashable, make: Callable[[], Kept]) -> Kept:
         kept.clear()
         kept[place] = known
     return known
-
-
-def _nothing_of(motion: Motion) -> tuple[Load, set[int]]:
-    """Loads that nobody asked for yet, a joint in one piece, and the joints of which they are known."""
-    full, static = np.full((2, *motion.q.shape[::-1]), np.nan)
-    return Load(full.T, static.T), set()
 
 
 def _times(columns: np.ndarray, pi: np.ndarray) -> np.ndarray:
