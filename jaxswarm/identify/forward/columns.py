@@ -138,9 +138,11 @@ class Rigid:
         load, known = last_of(self.loads, np.asarray(pi).tobytes(), lambda: self._loads(pi))
         every = range(self.motion.q.shape[1])
         for j in every if joints is None else joints:
-            if j not in known:  # a joint feels no link before it
-                load.full[:, j] = self.full[:, j, 10 * j :] @ pi[10 * j :]
-                load.static[:, j] = self.still[:, j, 10 * j :] @ pi[10 * j :]
+            if (
+                j not in known
+            ):  # by all columns, zeros too: sums are rounded as those of all joints are
+                load.full[:, j] = self.full[:, j] @ pi
+                load.static[:, j] = self.still[:, j] @ pi
                 known.add(j)
         return load
 
