@@ -17,7 +17,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.unseen_order import outdone
+from jaxswarm.diagnose.selection.unseen_order import worse_than_waves
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import prepare
 
@@ -46,13 +46,13 @@ def asked_beside_waves(log, law: Term):
 def test_a_law_that_leaves_clearly_more_than_waves_is_refused_with_them():
     search, score, after = asked_beside_waves(ripple_log(), COMPENSATOR)
     assert is_unseen(search.unseen[1].candidate.term, search.current.motions)
-    assert "no whole period" in outdone(search, score, after)
+    assert "no whole period" in worse_than_waves(search, score, after)
     ((law, waves, period),) = search.outdone
     assert law.effect == "gravity_compensator" and "a" in law.values
     assert waves.values["n"] == pytest.approx(3.3, rel=0.05)
     assert period == pytest.approx(1.9, rel=0.05)
     search.ask_again(1)  # beside another model they are other waves
-    assert outdone(search, score, after) is None
+    assert worse_than_waves(search, score, after) is None
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_law_that_leaves_clearly_more_than_waves_is_refused_with_them():
 def test_the_law_that_the_joint_has_stands_beside_waves_that_imitate_it(true):
     search, score, after = asked_beside_waves(log_with(true), Term(true.effect, 1))
     assert search.unseen[1].share > 0.3
-    assert outdone(search, score, after) is None
+    assert worse_than_waves(search, score, after) is None
 
 
 def test_neither_is_added_and_how_far_to_move_is_told():

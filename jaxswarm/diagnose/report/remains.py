@@ -130,8 +130,10 @@ def left_in_doubt(result: dict) -> str:
         parts = [f"{first[0]} is off by {first[1]:.1f} times the noise"]
         parts += [f"{joint} by {times:.1f}" for joint, times in others]
         logs.append(f"on {on} {', '.join(parts)}")
+    if not logs:
+        return ""
     told = f"{'; '.join(logs)}: no further than the fitted motion leaves open."
-    return f"{told[0].upper()}{told[1:]}" if logs else ""
+    return f"{told[0].upper()}{told[1:]}"
 
 
 def doubted(result: dict) -> list[tuple[str, list[tuple[str, float]]]]:

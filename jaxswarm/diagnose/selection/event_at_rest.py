@@ -12,6 +12,7 @@ from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import hardly_moving
 from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.identify.forward.written_down import clock_lag
+from jaxswarm.logs.motion import Motion
 
 
 def rows_within(found: Estimate, event: Term) -> np.ndarray:
@@ -48,6 +49,7 @@ def like_other_rests(current: Estimate, event: Term) -> bool:
     return bool(loud.any() and alike[loud].all())
 
 
-def _left(found: Estimate, motion) -> np.ndarray:
+def _left(found: Estimate, motion: Motion) -> np.ndarray:
     """What a model leaves on all rows of a log, used or not, (T', n)."""
+    assert motion.tau is not None  # it was fitted
     return motion.decimator.apply(motion.tau - model_torque(found.model, motion))

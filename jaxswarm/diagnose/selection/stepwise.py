@@ -41,7 +41,7 @@ from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws, p
 from jaxswarm.diagnose.selection.survives import one_place, stands_in
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
-from jaxswarm.diagnose.selection.unseen_order import outdone
+from jaxswarm.diagnose.selection.unseen_order import worse_than_waves
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import has
@@ -225,8 +225,8 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term, why, by_all=bool(search.other))
         return True
     added = find_term(after, term)
-    why = one_place(after, added, search.rules, search.seed) or outdone(search, chosen, after)
-    if why:
+    seen = one_place(after, added, search.rules, search.seed)
+    if why := seen or worse_than_waves(search, chosen, after):
         search.refuse(term, why)
         return True
     others = runners_up(chosen, search.scores, search.banned)

@@ -21,7 +21,7 @@ _WORSE = (
 )
 
 
-def outdone(search: Search, chosen: Score, after: Estimate) -> str | None:
+def worse_than_waves(search: Search, chosen: Score, after: Estimate) -> str | None:
     """Why a law is no name for what waves explain that were refused as they are hardly seen; None if it may be.
 
     The waves have to explain what the law leaves, and the law nothing of what they leave; and where they spend
