@@ -42,7 +42,8 @@ def test_an_event_told_by_a_rest_that_is_left_out_by_now_is_none(found, monkeypa
     rows = np.flatnonzero(held)
     end = rows[np.argmax(np.diff(rows) > 1)]
     begin, last = (float(final.regression.t[k]) for k in (rows[0], end))
-    event = Term("contact", values={"start": begin, "end": last, "log": 0.0})
+    pushed = {"tau_joint1": 1e3, "tau_joint2": 0.0}  # more than any rest is left with
+    event = Term("contact", values={"start": begin, "end": last, "log": 0.0, **pushed})
     step = SimpleNamespace(added=event, score=SimpleNamespace(joint=0))
     search = SimpleNamespace(current=final, steps=[step], sticking=sticks)
     monkeypatch.setattr(module, "with_errors", lambda added, current: (added, {}))

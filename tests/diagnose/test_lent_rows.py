@@ -72,3 +72,12 @@ def test_rows_that_the_law_does_not_explain_stay(monkeypatch):
     search = search_of(declared)
     assert not leave_out_beside_laws(search)
     assert search.current is declared
+
+
+def test_rows_are_not_lent_for_a_law_that_was_refused_on_all_of_them(monkeypatch):
+    """What another log had refused was asked once more, and six laws like it after that."""
+    declared, told = late()
+    told_beside(monkeypatch, told)
+    search = search_of(declared)
+    search.refuse(Term("time_delay"))
+    assert not leave_out_beside_laws(search)

@@ -11,6 +11,8 @@ rests between sudden stops a filter of 11 ms bent the signs of four joints, and 
 of the other one: "unexplained", seven times the noise, and 1.4 times with that delay.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
@@ -61,12 +63,17 @@ def leave_out_beside_laws(search: Search) -> bool:
     every = fit_of_rows(search, told, current.motions)
     if asked <= set(np.flatnonzero(is_held(every, told))):
         search.sticking |= asked
-    elif (over_noise(every) <= NEAR).all() and not search.has_lent:
+    elif (over_noise(every) <= NEAR).all() and not search.has_lent and not _refused(told, search):
         search.lent, search.has_lent = current.motions, True
     else:
         return False
     go_on_from(search, moving, asked)
     return True
+
+
+def _refused(told: Estimate, search: Search) -> bool:
+    """Whether a law of a fit was found on all rows already, and refused there."""
+    return any(replace(t, values={}).identity in search.banned for t in told.model.terms)
 
 
 def put_back(search: Search) -> bool:
