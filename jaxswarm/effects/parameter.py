@@ -1,5 +1,6 @@
 """A named number of an effect, with its unit, its bounds, and how a search walks between them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,3 +97,13 @@ class Parameter:
         if self.scale == "log":
             return float(value * np.log(self.upper / self.lower))
         return float(self.upper - self.lower)
+
+
+def assumed(parameters: Iterable[Parameter]) -> dict[str, float]:
+    """What a model that does not name them has: choices, and shapes that are usually the same.
+
+    >>> c = Parameter("c", "1", 0.0, 1.0, True, 0.1, "fall")
+    >>> assumed([c, Parameter("n", "1", 0.5, 4.0, False, 1.0, "exponent", usual=True)])
+    {'n': 1.0}
+    """
+    return {p.name: p.nominal for p in parameters if p.usual or not p.fitted}

@@ -7,9 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.diagnose import Diagnosis, diagnose
+from jaxswarm.diagnose.candidates.cache import Memory
+from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.budget import Budget
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, prepare
@@ -66,6 +71,11 @@ def declared_fit(log: Log):
     """Estimate and background of the declared model."""
     found = estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False)
     return found, cross_fit(found)
+
+
+def search_of(found: Estimate, **more) -> Search:
+    """A selection that has added nothing to a fit so far."""
+    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget(), **more)
 
 
 def added(found: Diagnosis) -> list[tuple]:

@@ -5,14 +5,10 @@ from functools import partial
 
 import numpy as np
 import pytest
-from planted import BAND, blank, log_with, small_arm
+from planted import BAND, blank, log_with, search_of, small_arm
 
-from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection import from_declared
-from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.from_declared import fit_from_declared
-from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
@@ -25,10 +21,6 @@ WITH_SPRING = (*blank(), Term("joint_spring", 0))
 @pytest.fixture(scope="module")
 def motion():
     return prepare(log_with(SPRING), BAND)
-
-
-def search_of(found) -> Search:
-    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
 
 
 def test_a_fit_that_is_stuck_begins_where_the_declared_model_stands(motion):

@@ -4,15 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from planted import BAND, blank, log_with, small_arm
+from planted import BAND, blank, log_with, search_of, small_arm
 
-from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.selection import sticking_beside
-from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit
-from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws, put_back
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
@@ -28,10 +24,6 @@ def late():
     declared = with_motion_noise(estimate(small_arm(), blank(), [log], bounded=False))
     told = refit(declared, (*declared.model.terms, Term("time_delay")))
     return declared, with_motion_noise(told)
-
-
-def search_of(found):
-    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
 
 
 @pytest.mark.parametrize("joint", [0, 1])

@@ -4,15 +4,12 @@ import importlib
 from dataclasses import replace
 
 import pytest
-from planted import BAND, blank, declared_fit, log_with, small_arm
+from planted import BAND, blank, declared_fit, log_with, search_of, small_arm
 
-from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.run_against import conclude_comparison
-from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
-from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.sticking import go_on_from
 from jaxswarm.effects.term import Term
@@ -34,10 +31,6 @@ def changing(search, passed):
     """Act on what passed: the model is another one."""
     search.current = replace(search.current)
     return True
-
-
-def search_of(found, **more):
-    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget(), **more)
 
 
 def test_the_last_look_is_at_the_model_as_it_is_told(fitted):

@@ -5,13 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import BAND, blank, log_with, small_arm
+from planted import BAND, blank, log_with, search_of, small_arm
 
 from jaxswarm.diagnose import diagnose
-from jaxswarm.diagnose.candidates.cache import Memory
-from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.selection.budget import Budget
-from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import give_up_if_it_sticks
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.standing import leave_out
@@ -21,10 +17,6 @@ SELECTION = "jaxswarm.diagnose.selection"
 stepwise, sticking, with_rest = (
     importlib.import_module(f"{SELECTION}.{name}") for name in ("stepwise", "sticking", "with_rest")
 )
-
-
-def search_of(found):
-    return Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
 
 
 @pytest.fixture(scope="module")

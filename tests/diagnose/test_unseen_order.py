@@ -4,19 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planted import BAND, added, declared_fit, diagnose_log, log_with
+from planted import BAND, added, declared_fit, diagnose_log, log_with, search_of
 
-from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import is_unseen
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
-from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.unseen_order import worse_than_waves
 from jaxswarm.effects.term import Term
 from jaxswarm.logs.motion import prepare
@@ -37,7 +33,7 @@ def asked_beside_waves(log, law: Term):
     """The selection with the waves refused, the law's score beside them, and its fit."""
     found, folds = declared_fit(log)
     waves, score = score_terms(Linearization(found, folds), [WAVES, law], 0)
-    search = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search = search_of(found)
     search.crossfit = folds
     search.unseen[1] = waves
     return search, score, refit_with(found, score)

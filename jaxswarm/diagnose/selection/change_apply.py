@@ -12,6 +12,7 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
+from jaxswarm.effects.parameter import assumed
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.events import window_errors
@@ -131,9 +132,8 @@ def _values(term: Term, own: slice, found: Coefficients, joints) -> tuple[dict, 
     doubt = np.sqrt(np.diag(found.covariance)[own])
     pairs = zip(names, found.values[own], strict=False)
     # Its choices and its shape are those that its columns were made with.
-    shape = {p.name: p.nominal for p in term.law.nonlinear if p.usual or not p.fitted}
     told = {n: float(neutral.get(n, 0.0) + x) for n, x in pairs}
-    table = {**shape, **term.values, **told}
+    table = {**assumed(term.law.parameters), **term.values, **told}
     return table, {n: float(x) for n, x in zip(names, doubt, strict=False)} if names else {}
 
 

@@ -100,12 +100,16 @@ class Search:
 
         ``by_all``: by what all joints tell, so until any joint's model changes.
         """
-        key = replace(term, values={}).identity
+        key = kind_of(term)
         self.banned.add(key)
         if by_all:
             self.unproven.add(key)
         if why and (term.identity, why) not in {(t.identity, w) for t, w in self.refused}:
             self.refused.append((term, why))
+
+    def is_refused(self, term: Term) -> bool:
+        """Whether a term of this kind was refused on the model as it is."""
+        return kind_of(term) in self.banned
 
     def ask_again(self, joint: int | None) -> None:
         """Ask again what was refused beside less: on this joint and of the whole arm, anywhere if None.
@@ -122,3 +126,8 @@ class Search:
         self.unseen.pop(joint, None)
         again = self.unproven | {key for key in self.banned if key[1] in (None, joint)}
         self.banned, self.unproven = self.banned - again, set()
+
+
+def kind_of(term: Term) -> tuple:
+    """What a term is whatever its values: of events, all of a kind."""
+    return replace(term, values={}).identity

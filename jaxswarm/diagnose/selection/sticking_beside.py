@@ -11,8 +11,6 @@ rests between sudden stops a filter of 11 ms bent the signs of four joints, and 
 of the other one: "unexplained", seven times the noise, and 1.4 times with that delay.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
@@ -63,7 +61,7 @@ def leave_out_beside_laws(search: Search) -> bool:
     every = fit_of_rows(search, told, current.motions)
     if asked <= set(np.flatnonzero(is_held(every, told))):
         search.sticking |= asked
-    elif (over_noise(every) <= NEAR).all() and not search.has_lent and not _refused(told, search):
+    elif _may_lend(search, told, every):
         search.lent, search.has_lent = current.motions, True
     else:
         return False
@@ -71,9 +69,10 @@ def leave_out_beside_laws(search: Search) -> bool:
     return True
 
 
-def _refused(told: Estimate, search: Search) -> bool:
-    """Whether a law of a fit was found on all rows already, and refused there."""
-    return any(replace(t, values={}).identity in search.banned for t in told.model.terms)
+def _may_lend(search: Search, told: Estimate, every: Estimate) -> bool:
+    """Whether laws explain all rows, none of which was found on these already, and refused there."""
+    refused = any(map(search.is_refused, told.model.terms))
+    return not (search.has_lent or refused) and bool((over_noise(every) <= NEAR).all())
 
 
 def put_back(search: Search) -> bool:

@@ -1,13 +1,12 @@
 """What is taken back once nothing more is added: what does harm, and what stands for something else."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.may_not_stay import idle, outdone, poor, shadow, stand_in
 from jaxswarm.diagnose.selection.refit import refit_once
-from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.state import Search, kind_of
 from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
 from jaxswarm.diagnose.selection.step import Step, chain, terms_before
 from jaxswarm.diagnose.selection.survives import harmful
@@ -31,7 +30,7 @@ def take_back(search: Search) -> bool:
     gone = [s.added for s in before if s.added.identity not in held]
     again = {t.joint for t in gone} & search.kept_out
     search.kept_out -= again
-    search.barred |= {replace(t, values={}).identity for t in gone if t.joint in again}
+    search.barred |= {kind_of(t) for t in gone if t.joint in again}
     search.banned = {key for key in search.banned if key[1] not in again}
     search.settled = search.settled and not again
     return bool(again)

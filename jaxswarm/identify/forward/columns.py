@@ -138,9 +138,8 @@ class Rigid:
         load, known = last_of(self.loads, np.asarray(pi).tobytes(), lambda: self._loads(pi))
         every = range(self.motion.q.shape[1])
         for j in every if joints is None else joints:
-            if (
-                j not in known
-            ):  # by all columns, zeros too: sums are rounded as those of all joints are
+            if j not in known:
+                # By all columns, zeros too: sums are rounded as those of all joints are.
                 load.full[:, j] = self.full[:, j] @ pi
                 load.static[:, j] = self.still[:, j] @ pi
                 known.add(j)

@@ -53,11 +53,15 @@ def compliance_columns(
     robot = _on_hinges(arm, pi)
     moment = _swayed(robot, _still(moved), moved)[:, :TURNS]
     along = moment_along(moment, motion)
-    none = {p.name: 0.0 for p in law.linear}
-    turns = law.compliance
-    assert turns is not None
-    sways = [-along * np.asarray(turns({**none, p.name: 1.0})) for p in law.linear]
+    sways = [-along * soft for soft in softness_by(law)]
     return np.stack([_felt(robot, sway, moved) for sway in sways], axis=2)
+
+
+def softness_by(law: BodyChange) -> list[np.ndarray]:
+    """What a compliance makes of a moment, (2,) about both axes, by each of its linear parameters."""
+    none, turns = {p.name: 0.0 for p in law.linear}, law.compliance
+    assert turns is not None
+    return [np.asarray(turns({**none, p.name: 1.0})) for p in law.linear]
 
 
 def felt_once_swayed(arm: Robot, unfelt: np.ndarray) -> np.ndarray:

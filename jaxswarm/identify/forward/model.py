@@ -11,6 +11,7 @@ import numpy as np
 from jaxswarm.documents import read_document
 from jaxswarm.effects import formula
 from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.parameter import assumed
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward import uncertainty
@@ -218,8 +219,7 @@ def _from_json(content: dict) -> Model:
         own = formula.from_json(entry["formula"]) if "formula" in entry else None
         term = Term(entry["effect"], joint, other, formula=own)
         # Files written before a choice or a shape was one of the parameters lack it.
-        chosen = {p.name: p.nominal for p in term.law.parameters if not p.fitted or p.usual}
-        terms.append(replace(term, values={**chosen, **entry["values"]}))
+        terms.append(replace(term, values={**assumed(term.law.parameters), **entry["values"]}))
     return Model(
         robot,
         tuple(terms),

@@ -6,6 +6,7 @@ import numpy as np
 
 from jaxswarm.effects.base import REGISTRY, Effect, get_law
 from jaxswarm.effects.formula import formula_law, from_json
+from jaxswarm.effects.parameter import assumed
 from jaxswarm.errors import InputError, nearest
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.robot.checks import LARGEST, shown
@@ -71,7 +72,7 @@ def _check_term(term, joints: list[str], place: str) -> None:
     if law.scope == "pair" and term["joint"] == term["other"]:
         raise InputError(f"{place}: {law.name} couples {term['joint']} with itself")
     given = _get(term, "values", dict, f"{place}.")
-    values = {**{p.name: p.nominal for p in law.parameters if not p.fitted or p.usual}, **given}
+    values = {**assumed(law.parameters), **given}
     names = [p.name for p in law.parameters]
     for name in dict.fromkeys([*names, *law.linear_names(tuple(joints))]):
         if not _is_number(values.get(name)):

@@ -17,7 +17,7 @@ import numpy as np
 from jaxswarm.effects.hinged_base import TURNS, hinged
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.identify.forward.columns import Moved
-from jaxswarm.identify.forward.compliance import moment_along
+from jaxswarm.identify.forward.compliance import moment_along, softness_by
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import BLOCK, rigid_torques
 from jaxswarm.robot.model import Robot
@@ -36,20 +36,13 @@ def compliance_along(
     """Torque by the linear parameters of a compliance, and its derivatives along rigid parameters.
 
     Args:
-        law: A law with a compliance.
-        arm: The robot in its gravity.
-        moved: Motion of the links, q, dq, ddq, each (T, n).
-        pi: Rigid parameters, (10 n,).
-        motion: The log, for its rate and the cutoff of its torque.
+        law, arm, moved, pi, motion: As for :func:`~jaxswarm.identify.forward.compliance.compliance_columns`.
         directions: Of rigid parameters, (10 n, r).
 
     Returns:
         (T, n, k + r k): the torque by each of the k parameters, then its derivatives direction by direction.
     """
-    turns = law.compliance
-    assert turns is not None
-    none = {p.name: 0.0 for p in law.linear}
-    softness = [np.asarray(turns({**none, p.name: 1.0})) for p in law.linear]
+    softness = softness_by(law)
     every = np.column_stack([pi, directions])
     robot, count = hinged(arm), len(moved[0])
     # Of a long log some samples at a time: the torques of all masses are many times the motion.
