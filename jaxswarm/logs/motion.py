@@ -68,8 +68,8 @@ class Motion:
         steady_noise: Below the torque cutoff, what is as strong at all times there or just above and not
             made by the doubt of the motion [N m or N], (n,); NaN: too short to tell; None: not known yet.
         bounded_noise: ``torque_noise`` or, where clearly less, what a model leaves beside the cutoff, (n,).
-        step_noise: What the times of jumps, unknown between samples, and joints that stick make of the
-            residual, likewise.
+        jump_noise: What the times of jumps of the torque, unknown between samples, make of it, likewise.
+        event_noise: What joints that stick and samples that are missing make of it beyond that, likewise.
         bridged: Whether a sample of the working clock lies where the log has none, (T,); None: nowhere.
         lost: Whether a sample of the working clock lies in a gap that is short against the motion: what stands
             there is put in, (T,); None: nowhere.
@@ -101,7 +101,8 @@ class Motion:
     sharp_noise: np.ndarray | None = None
     steady_noise: np.ndarray | None = None
     bounded_noise: np.ndarray | None = None
-    step_noise: np.ndarray | None = None
+    jump_noise: np.ndarray | None = None
+    event_noise: np.ndarray | None = None
     bridged: np.ndarray | None = None
     lost: np.ndarray | None = None
     held: np.ndarray | None = None

@@ -110,3 +110,18 @@ def test_joints_within_their_noise_are_not_looked_at(monkeypatch, clean, quiet):
     monkeypatch.setattr(structure, "find_unexplained", lambda *a: looked.extend(a[-1]) or [])
     assert find_material(clean, None) == []
     assert looked == [j for j in range(3) if j != quiet]
+
+
+def test_rows_beside_a_jump_between_two_samples_are_known_to_a_part_of_it(clean):
+    """A clean log of 50 Hz with moves of constant acceleration was left with four times its noise."""
+    motion = replace(clean.motions[0], steady_noise=np.zeros(2))
+    jump, sharp = np.zeros((2, *motion.sharp_noise.shape))
+    jump[50:53, 0], sharp[52:60, 0] = 0.4, 0.3
+
+    def noise(**more):
+        return row_noise(replace(clean, motions=(replace(motion, **more),)))
+
+    quiet = noise(jump_noise=0.0 * jump, sharp_noise=0.0 * sharp)
+    known = noise(jump_noise=jump, sharp_noise=sharp)
+    told = np.maximum(jump, sharp)  # a jump is sharp, and counts once
+    np.testing.assert_allclose(known, np.hypot(quiet, told), rtol=1e-9)

@@ -7,10 +7,9 @@ differences are those of a drive that jitters near half the rate, by what they c
 known only as well as its encoders tell: its noise goes through smoothing and derivatives into
 :math:`M(q)\,\delta\ddot q`, and, where a joint hardly moves, through the steep sign of its friction; what comes
 out of the model is found by drawing that noise and sending it the same way. When a torque jumped between two
-samples is not known either, a doubt of events alone (:mod:`jaxswarm.logs.steps`). And where a joint starts,
-stops or sticks, motion and torque are sharper than any smoothing or sampling shows: such errors are short, so
-that they have as much power per hertz above the compared band as in it, and are read off there
-(:mod:`jaxswarm.diagnose.folds.sharp`).
+samples is not known either (:mod:`jaxswarm.logs.steps`). And where a joint starts, stops or sticks, motion and
+torque are sharper than any smoothing or sampling shows: such errors are short, so that they have as much power
+per hertz above the compared band as in it, and are read off there (:mod:`jaxswarm.diagnose.folds.sharp`).
 
 On clean logs of another simulator (11 worlds, some with 15-bit encoders, stick-slip or 50 Hz sampling) the
 residual is 0.4 to 1.4 times this noise on 44 of 47 joints, and up to 15 times one that is the same in all rows.
@@ -60,6 +59,8 @@ def row_noise(found: Estimate) -> np.ndarray:
         slow = np.sqrt(np.maximum(steady**2 - _sensor(found) ** 2, 0.0))
         # What is steady is seen above the band once more, where what is sharp is read off.
         sharp = np.sqrt(np.maximum(_known(motion.sharp_noise) ** 2 - slow**2, 0.0))
+        # A jump is sharp, too: a window of time that is told as that has it already.
+        sharp = np.maximum(sharp, _known(motion.jump_noise))
         return np.hypot(slow, np.hypot(_known(motion.model_noise), sharp))
 
     return _with_sensor(found, part)
@@ -79,9 +80,13 @@ def event_doubt(found: Estimate) -> np.ndarray:
     An event is a matter of few rows. A law shows on all of them, and an impact is what it has to explain.
     """
     doubt = row_doubt(found)
-    if any(m.step_noise is None for m in found.motions):
+    if any(m.jump_noise is None for m in found.motions):
         return doubt
-    return np.hypot(doubt, np.concatenate([_known(m.step_noise) for m in found.motions]))
+    jumps, more = (
+        np.concatenate([_known(noise) for noise in noises])
+        for noises in zip(*((m.jump_noise, m.event_noise) for m in found.motions), strict=True)
+    )
+    return np.hypot(doubt, np.hypot(jumps, more))
 
 
 def _with_sensor(found: Estimate, part: Callable[[Motion], np.ndarray]) -> np.ndarray:
@@ -121,7 +126,8 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
             with_steady_noise(m, left, drawn),
             model_noise=np.sqrt(_drawn_power(m, drawn)),
             sharp_noise=sharp_noise(m, left, drawn),
-            step_noise=np.hypot(_step_noise(m, left), _stick_noise(found.model, m)),
+            jump_noise=_jump_noise(m, left),
+            event_noise=np.maximum(_stick_noise(found.model, m), _missing(m, left)),
         )
         for m in found.motions
         for left, drawn in [(_left(found.model, m), _drawn(found, m, seed))]
@@ -140,18 +146,22 @@ def _left(model: Model, motion: Motion) -> np.ndarray:
     return left
 
 
-def _step_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
+def _jump_noise(motion: Motion, left: np.ndarray) -> np.ndarray:
     """Standard deviation (T', n) of the residual from when in its interval a torque jumped.
 
     Of what the model leaves on the working clock (T, n): where it jumps along, as at a reversal that positions
     tell to a part of a sample, nothing is in doubt.
     """
     lasting = max(3, round(motion.rate / motion.torque_cutoff))
-    doubt = step_noise(left, motion.interval * motion.rate, motion.decimator, lasting)
+    return step_noise(left, motion.interval * motion.rate, motion.decimator, lasting)
+
+
+def _missing(motion: Motion, left: np.ndarray) -> np.ndarray:
+    """So much of what is left (T, n) that no row across missing samples counts, (T', n); zero elsewhere."""
     if motion.bridged is None:
-        return doubt
-    across = motion.decimator.apply(motion.bridged.astype(float)[:, None])[:, 0] > _ACROSS
-    return np.where(across[:, None], _UNKNOWN * np.abs(left).max(axis=0), doubt)
+        return np.zeros((1, left.shape[1]))
+    across = motion.decimator.apply(motion.bridged.astype(float)[:, None]) > _ACROSS
+    return across * _UNKNOWN * np.abs(left).max(axis=0)
 
 
 def _stick_noise(model: Model, motion: Motion) -> np.ndarray:

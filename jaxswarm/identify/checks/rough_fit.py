@@ -22,6 +22,9 @@ DEPENDENT = 1e-7
 # Friction below this many of its standard errors is none: what is left is no white noise, and a joint whose
 # torque is mostly noise had "friction" of a tenth of it at two.
 _CHANCE = 6.0
+# Rounds of weights at most, and the gain of a round, as a sum of logarithms, at which they have settled: less
+# than half the least gain of a guess that anything is made of.
+_ROUNDS, _SETTLED = 30, 0.02
 # Columns of a joint: viscous and dry friction, then offset and spring, which many arms have undeclared, and the
 # rotor behind its gear, which no link feels: a rigid arm alone bends its links to make up for it.
 VISCOUS, DRY = 0, 1
@@ -121,13 +124,19 @@ class RoughFit:
         """The fit to the torques as logged, and the weights it settled on."""
         return self.settled(np.eye(len(self._factors)))
 
-    def settled(self, mixture: np.ndarray, rounds: int = 3) -> tuple[Tried, np.ndarray]:
-        """The fit to a mixture (n, n) of the torques, and the weights it settled on."""
+    def settled(self, mixture: np.ndarray) -> tuple[Tried, np.ndarray]:
+        """The fit to a mixture (n, n) of the torques, and the weights it settled on.
+
+        What joints leave is traded slowly where one lacks a law: a fit that has not settled would credit the
+        next guess with what one more round gains.
+        """
         spread = np.abs(mixture) @ self.spread
-        sigma = spread
-        for _ in range(rounds):
+        sigma, before = spread, np.inf
+        for _ in range(_ROUNDS):
             (found,) = self.fit([mixture], sigma)
-            sigma = np.maximum(found.left, 1e-6) * spread
+            if found.power > before - _SETTLED:
+                break
+            before, sigma = found.power, np.maximum(found.left, 1e-6) * spread
         return found, sigma
 
 
