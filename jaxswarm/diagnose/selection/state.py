@@ -41,8 +41,8 @@ class Search:
         everyday, everyday_again: Whether what every drive has was asked already, and beside what was added.
         settled: Whether every choice was made again already.
         sticking: Joints whose rows are left out where friction holds them for a moment.
-        lent: The logs as they were before a law was asked for without some of their rows, which come back.
-        has_lent: Whether that was done already.
+        lent: The logs as they were before a law was asked for without some of their rows, which come back;
+            None: that was not done yet; none: they came back.
         withdrawn, refused: As :class:`Diagnosis` tells them.
     """
 
@@ -75,7 +75,6 @@ class Search:
     settled: bool = False
     sticking: set[int] = field(default_factory=set)
     lent: Sequence[Motion] | None = None
-    has_lent: bool = False
     withdrawn: tuple[Term, ...] = ()
     refused: list[tuple[Term, str]] = field(default_factory=list)
 

@@ -62,7 +62,7 @@ def leave_out_beside_laws(search: Search) -> bool:
     if asked <= set(np.flatnonzero(is_held(every, told))):
         search.sticking |= asked
     elif _may_lend(search, told, every):
-        search.lent, search.has_lent = current.motions, True
+        search.lent = current.motions
     else:
         return False
     go_on_from(search, moving, asked)
@@ -72,15 +72,15 @@ def leave_out_beside_laws(search: Search) -> bool:
 def _may_lend(search: Search, told: Estimate, every: Estimate) -> bool:
     """Whether laws explain all rows, none of which was found on these already, and refused there."""
     refused = any(map(search.is_refused, told.model.terms))
-    return not (search.has_lent or refused) and bool((over_noise(every) <= NEAR).all())
+    return search.lent is None and not refused and bool((over_noise(every) <= NEAR).all())
 
 
 def put_back(search: Search) -> bool:
     """Go on with all rows again where some were left out to find a law that explains them; whether any were."""
-    if search.lent is None:
+    if not search.lent:
         return False
     every = fit_of_rows(search, search.current, search.lent)
-    search.lent = None
+    search.lent = ()
     go_on_from(search, every, ())
     return True
 
