@@ -54,6 +54,7 @@ def print_diagnosis(result: dict, out: Path | None) -> None:
 def _errors(console: Console, result: dict) -> None:
     on = result["error"]["after"]["on"]
     _table(console, grids.by_joint(result), f"RMS error of the torque on {on}")
+    console.print(f"[dim]{grids.OVER_NOISE}[/dim]")
     if result["steps"] or "with_smooth_terms" in result["error"]:
         _table(console, grids.by_step(result), "by step")
     logs = grids.by_validation_log(result)

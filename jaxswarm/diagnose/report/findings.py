@@ -34,8 +34,8 @@ def errors(result: dict, images: dict[str, bytes]) -> str:
         return ""
     legend = (
         "RMS error of the torque; share: of the joint's own torque; noise: of torque and motion, below "
-        f"{error['noise_floor']['torque_cutoff_hz']:.3g} Hz; x noise: what the final model leaves on the "
-        f"fitted log, in multiples of the noise. Beyond {NEAR:g} a joint is marked as far."
+        f"{error['noise_floor']['torque_cutoff_hz']:.3g} Hz; {grids.OVER_NOISE}. "
+        f"Beyond {NEAR:g} a joint is marked as far."
     )
     parts = [
         text("h2", f"Error on {error['after']['on']}"),

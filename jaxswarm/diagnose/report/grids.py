@@ -17,6 +17,12 @@ _NOTHING = 1e-9
 FAR = "far"
 
 
+# Rows differ in their noise, and those that say nothing are not fitted: it is no quotient of its neighbors.
+OVER_NOISE = (
+    "x noise: what the final model leaves on the rows that were fitted, each over its own noise"
+)
+
+
 class Grid(NamedTuple):
     """A table of text.
 
