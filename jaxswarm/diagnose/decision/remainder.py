@@ -1,10 +1,12 @@
-"""What a model leaves, against the noise: how many times it, when, and at which frequencies."""
+"""What a model leaves, against the noise: how many times it, when, at which frequencies, whether it repeats."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.folds.blocks import period_of_path
 from jaxswarm.diagnose.folds.noise import row_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -23,12 +25,15 @@ class Remainder:
         over_noise: RMS of what is left over the noise of its row, in the compared band.
         windows: Where it is beyond the noise: log, begin and end [s].
         band: Frequencies [Hz] between which four fifths of its power lie.
+        again: Of a log whose motion goes the same path again, after which time [s], and the correlation of
+            what is left with what is left then; None: no log does.
     """
 
     joint: int
     over_noise: float
     windows: tuple[tuple[int, float, float], ...]
     band: tuple[float, float]
+    again: tuple[float, float] | None = None
 
     @property
     def near(self) -> bool:
@@ -40,12 +45,34 @@ def remainders(found: Estimate) -> tuple[Remainder, ...]:
     """What a model leaves on every joint of the logs it was fitted to; rows it does not use left out."""
     used = found.regression.used_rows
     left = np.where(used, found.fit.residual, 0.0)
+    again = _again(found, used, left)
     return tuple(
-        Remainder(j, float(size), _windows(found, over), _band(found, own))
-        for j, (size, over, own) in enumerate(
-            zip(over_noise(found), (left / row_noise(found)).T, left.T, strict=True)
+        Remainder(j, float(size), _windows(found, over), _band(found, own), alike)
+        for j, (size, over, own, alike) in enumerate(
+            zip(over_noise(found), (left / row_noise(found)).T, left.T, again, strict=True)
         )
     )
+
+
+def _again(
+    found: Estimate, used: np.ndarray, left: np.ndarray
+) -> Sequence[tuple[float, float] | None]:
+    """For each joint the period of the first log that has one, and how alike what is left (T, n) is then.
+
+    A law of the motion comes back with it; a push, what drifts, and noise that lasts for seconds do not.
+    """
+    for log, motion in enumerate(found.motions):
+        period = period_of_path(motion)
+        if period is None:
+            continue
+        rows = found.regression.log == log
+        both, own, shift = used[rows], left[rows], round(period / found.regression.step[log])
+        pairs = both[shift:] & both[:-shift]
+        one, two = (np.where(pairs, x, 0.0) for x in (own[shift:], own[:-shift]))
+        size = np.sqrt((one**2).sum(axis=0) * (two**2).sum(axis=0))
+        same = (one * two).sum(axis=0) / np.maximum(size, 1e-300)
+        return [(period, float(x)) for x in same]
+    return [None] * left.shape[1]
 
 
 def over_noise(found: Estimate) -> np.ndarray:

@@ -26,7 +26,7 @@ def blocks_of(found: Estimate) -> np.ndarray:
     per_log = max(4, min(_BLOCKS, int(np.bincount(log).min()) // _LEAST_ROWS))
     block = time_blocks(log, per_log)
     for k, motion in enumerate(found.motions):
-        period = _period(motion)
+        period = period_of_path(motion)
         rows = log == k
         if period is None or not rows.any():
             continue
@@ -38,7 +38,7 @@ def blocks_of(found: Estimate) -> np.ndarray:
     return np.unique(block, return_inverse=True)[1]
 
 
-def _period(motion: Motion) -> float | None:
+def period_of_path(motion: Motion) -> float | None:
     """Time [s] after which a log goes the same path again, not only one much like it; None if it does not."""
     period = repeats_after(motion.t, motion.q)
     if period is None:

@@ -7,6 +7,9 @@ from jaxswarm.diagnose.report.numbers import percent
 _MOST_JOINTS, _MOST_WINDOWS = 3, 2
 # Two windows with a gap below this share of both with it are told as one: a reader looks there anyway.
 _HARDLY_PARTED = 0.1
+# Shares of what is beyond the noise of which hardly any, and most of it, comes back with the motion. Noise that
+# lasts for a second has a correlation of 0 +- 0.3 over five periods of four: between them nothing is told.
+_HARDLY, _MOSTLY = 0.2, 0.7
 # A joint below so many times its noise is told to be left alone.
 _DONE = 2.0
 
@@ -33,7 +36,24 @@ def remaining(entry: dict, most: int | None = None) -> str:
             f"{percent(entry['share'], 0)} of the remaining error of {entry['joint']} ({times}) "
             f"follows {names}{_or_states(entry)}{_elsewhere(entry)}"
         )
-    return f"{entry['joint']} is left with {times}"
+    return f"{entry['joint']} is left with {times}{_again(entry)}"
+
+
+def _comes_back(entry: dict) -> float | None:
+    """Share of what is beyond the noise that comes back with the motion; None where no motion comes back."""
+    if not entry.get("again"):
+        return None
+    beyond = 1.0 - 1.0 / entry["over_noise"] ** 2  # what is as noise should be never does
+    return min(max(entry["again"]["correlation"] / beyond, 0.0), 1.0)
+
+
+def _again(entry: dict) -> str:
+    """How much of it comes back with the motion, and when."""
+    share = _comes_back(entry)
+    if share is None or _HARDLY < share < _MOSTLY:
+        return ""
+    much = f"{percent(share, 0)} of which" if share >= _MOSTLY else "hardly any of which"
+    return f", {much} comes back when the motion repeats, after {entry['again']['period_s']:.3g} s"
 
 
 def _or_states(entry: dict) -> str:
@@ -90,9 +110,12 @@ def look_at(entry: dict) -> list[str]:
     """What to do about structure that no law explains."""
     joint = entry["joint"]
     if not entry["depends_on"]:
+        share = _comes_back(entry)
+        causes = "a push, cables, the controller, dropped samples"
+        if share is not None and share <= _HARDLY:
+            causes = "not one of the motion: a push, what drifts, dropped samples, noise that lasts"
         return [
-            f"Look at {joint} at {when(entry)}: what happens there happens in no known law "
-            "(a push, cables, the controller, dropped samples)."
+            f"Look at {joint} at {when(entry)}: what happens there happens in no known law ({causes})."
         ]
     names = " and ".join(entry["depends_on"])
     steps = [

@@ -179,6 +179,11 @@ def _effect(step: Step, final: Estimate, joints: tuple[str, ...]) -> dict:
     }
 
 
+def _again(left: Remainder) -> dict | None:
+    """After which time the motion of a fitted log comes back, and how far what is left comes with it."""
+    return left.again and {"period_s": left.again[0], "correlation": left.again[1]}
+
+
 def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], joints) -> list[dict]:
     """Structure that was found, and joints that are far from the noise without any."""
     told: list[tuple[int, dict[str, Any]]] = []
@@ -206,6 +211,7 @@ def _unexplained(left: Sequence[Unexplained], remains: Sequence[Remainder], join
                 for log, start, end in remains[joint].windows
             ],
             "band_hz": list(remains[joint].band),
+            "again": _again(remains[joint]),
         }
         for joint, entry in told
     ]
