@@ -8,10 +8,11 @@ import pytest
 
 from jaxswarm.identify.checks.channels import _believed, wrong_channels
 from jaxswarm.identify.checks.check_log import against_robot
+from jaxswarm.identify.checks.faint import brakes
 from jaxswarm.identify.checks.guess import Guess
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, samples_of
-from jaxswarm.identify.checks.sound import Tried, is_sound
+from jaxswarm.identify.checks.sound import NONE, Tried, is_sound
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -77,3 +78,16 @@ def test_a_position_of_the_wrong_sign_that_leaves_little_is_asked_for():
     assert logged.size < 0.1 and logged.left.max() < 0.2
     (found,) = against_robot(arm, motions)
     assert "the torque or the position of joint1 has the wrong sign" in found.what
+
+
+def test_a_sign_is_right_whose_friction_brakes_in_a_fine_model(monkeypatch):
+    """Of a drive that jitters a rough model has friction that drives, a fine one friction that brakes."""
+    one = samples(0.3, 0.5, 0)
+    wrong = replace(one, tau=one.tau * [-1.0, 1.0, 1.0], tau_rate=one.tau_rate * [-1.0, 1.0, 1.0])
+    rough, right = Rough(rx60(), wrong), Rough(rx60(), one)
+    assert right.as_logged()[0].braking[0] > NONE > rough.as_logged()[0].braking[0]
+    assert wrong_channels(rx60(), rough, lambda: rough).check == "torque_sign"
+    assert wrong_channels(rx60(), rough, lambda: right) is None
+    # Of too few rows a fine model says nothing.
+    monkeypatch.setattr(Rough, "strictness", 4.0)
+    assert not brakes(right, Guess("torque_sign", "", (0,)))

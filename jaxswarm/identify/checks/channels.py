@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.identify.checks.every_guess import every_guess
-from jaxswarm.identify.checks.faint import clear_gain, is_a_gain, is_denied, is_worth
+from jaxswarm.identify.checks.faint import brakes, clear_gain, is_a_gain, is_denied, is_worth
 from jaxswarm.identify.checks.guess import Guess, OtherRobot
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.rough import Rough
@@ -84,7 +84,10 @@ def wrong_channels(
         if is_sound(g, t) and _believed(g, t, logged, much) and _is_valley(g, t, tried, much)
     ]
     believed = [
-        (g, t) for g, t in believed if not is_denied(robot, fine(), g, logged.power - t.power)
+        (g, t)
+        for g, t in believed
+        if not is_denied(robot, fine(), g, logged.power - t.power)
+        and not (g.check in _SIGNS and brakes(fine(), g))
     ]
     faint = [one for one in tried if is_worth(one[0], logged.power - one[1].power)]
     gains = [clear_gain(robot, fine(), g) for g, _ in faint]

@@ -1,4 +1,4 @@
-"""A wrong scale or zero that gains little in a rough model, asked of a fine one.
+"""A wrong scale, zero or sign that shows faintly in a rough model, asked of a fine one.
 
 What a rough model leaves is mostly its own: it has one width of the smooth sign, and its columns are not
 low-passed as the torque is. A fine one leaves of a clean log what the sensors make, so that a guess that is
@@ -13,7 +13,7 @@ import numpy as np
 from jaxswarm.identify.checks.guess import Guess, Scale, Zero
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_fit import STRICTEST
-from jaxswarm.identify.checks.sound import Tried, is_sound
+from jaxswarm.identify.checks.sound import NONE, Tried, is_sound
 from jaxswarm.robot.model import Robot
 
 # Gain in a rough model, as a sum of logarithms, below which nothing shows.
@@ -65,6 +65,18 @@ def is_denied(robot: Robot, fine: Rough, guess: Guess, gain: float) -> bool:
         return False
     logged, sigma = fine.as_logged()
     return logged.power - _tried(robot, fine, sigma, guess).power < _CONFIRMED * gain
+
+
+def brakes(fine: Rough, guess: Guess) -> bool:
+    """Whether friction brakes every joint of a guess as logged, by a fine model that has the rows.
+
+    A drive that jitters above the band bends the dry friction of a rough model, whose columns are not
+    low-passed: on two right logs of slow motion it drove a joint by 0.8 of its torque, and braked it by 0.25
+    and 0.5 in a fine model, which left a third and less of what the rough one did.
+    """
+    if fine.strictness >= STRICTEST:
+        return False
+    return bool(fine.as_logged()[0].braking[list(guess.joints)].min() > NONE)
 
 
 def is_a_gain(robot: Robot, fine: Rough, guess: Guess) -> bool:
