@@ -273,6 +273,19 @@ def test_what_a_law_of_another_form_kept_out_is_asked_again_without_it(kept_out)
     assert search.kept_out == kept_out - {1}
 
 
+def test_what_other_motion_refused_hides_nothing_any_more(monkeypatch):
+    """Beside a rotor that other motion refused a spring was too small, and was not asked without it."""
+    log = log_with(duration=LONG)
+    search = told_as(SPRING, log, 20.0 * _position(log))
+    search.settled = True
+    told = iter([(search.steps[0], "raises the error"), None])
+    monkeypatch.setattr(module, "harmful", lambda *a: next(told))
+    monkeypatch.setattr(module, "unpredicted", lambda *a: None)
+    assert take_back(search) and not search.steps
+    assert not search.settled and search.barred == {SPRING.identity}
+    assert not search.banned, "laws that are refused beside what harms are asked without it"
+
+
 def test_what_imitates_any_law_beside_another_one_keeps_its_place_in_mind():
     log = log_with(duration=LONG)
     search = told_as(SPRING, log, 2.0 * np.exp(_position(log) / 0.4))

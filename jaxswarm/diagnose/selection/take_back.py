@@ -1,6 +1,6 @@
 """What is taken back once nothing more is added: what does harm, and what stands for something else."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -12,6 +12,7 @@ from jaxswarm.diagnose.selection.step import Step, chain, terms_before
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.diagnose.selection.unpredicted import unpredicted
 from jaxswarm.effects.alike import has
+from jaxswarm.effects.term import Term
 
 
 def take_back(search: Search) -> bool:
@@ -19,21 +20,29 @@ def take_back(search: Search) -> bool:
 
     A stop was told as a cubic spring, beside which no spring with a dead zone may stand, and the cubic spring
     was taken back as a law of another form: a residual of 59 times the noise, which the other one explains.
+    What harms other motion may hide any law of its joint: beside a rotor that was refused there a spring of a
+    slide was too small to matter, and without it the slide was unexplained.
     """
     before = list(search.steps)
     take_back_harm(search)
+    hid = {t.joint for t in _gone(search, before)}
     _take_back(search, lambda: outdone(search))
     take_back_events(search)
     take_back_shadows(search)
     take_back_stand_ins(search)
-    held = {s.added.identity for s in search.steps}
-    gone = [s.added for s in before if s.added.identity not in held]
-    again = {t.joint for t in gone} & search.kept_out
+    gone = _gone(search, before)
+    again = {t.joint for t in gone} & (search.kept_out | hid)
     search.kept_out -= again
     search.barred |= {kind_of(t) for t in gone if t.joint in again}
     search.banned = {key for key in search.banned if key[1] not in again}
     search.settled = search.settled and not again
     return bool(again)
+
+
+def _gone(search: Search, before: Sequence[Step]) -> list[Term]:
+    """What was added before and is not any more."""
+    held = {s.added.identity for s in search.steps}
+    return [s.added for s in before if s.added.identity not in held]
 
 
 def take_back_harm(search: Search) -> None:
