@@ -30,11 +30,13 @@ from jaxswarm.effects.term import Term
         ("base_tilt", {"gx": 0.03, "gy": -0.06}, True),
         ("joint_spring", {"k": 0.03, "tau0": 0.0}, False),
         ("joint_elasticity", {"k": 0.0, "d": 0.0}, True),
+        ("contact", {"start": 0.4, "end": 0.6, "tau_joint1": -0.01, "tau_joint2": 0.03}, False),
+        ("contact", {"start": 0.4, "end": 0.6, "tau_joint1": -0.01, "tau_joint2": 0.06}, True),
     ],
 )
 def test_what_has_no_linear_coefficient_is_certain_by_what_does_nothing(effect, values, certain):
     """An encoder's zero of 0.021 +- 0.017 rad was told, for only linear coefficients had to be certain."""
-    term = Term(effect, None if effect == "base_tilt" else 1, values=values)
+    term = Term(effect, None if effect in ("base_tilt", "contact") else 1, values=values)
     assert is_certain(term, dict.fromkeys(values, 0.017)) == certain
     assert is_certain(term, dict.fromkeys(values, np.nan))
 

@@ -36,7 +36,7 @@ def event_of_nothing(search: Search) -> tuple[Step, str] | None:
         if known is None or not _lasts(step.added):
             continue
         if not is_certain(*known):
-            return step, "is a load of which no number is told from zero"
+            return step, "is an event of which no number is told from zero"
         if held_within(search, step) or like_other_rests(current, step.added):
             own = current.model.robot.joints[step.score.joint]
             return step, f"was told by a rest, in which dry friction holds {own} at any torque"

@@ -8,7 +8,13 @@ import scipy
 from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE, CERTAIN, MOST_DAMPING
 from jaxswarm.effects import get_law
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw, TransmissionLaw
+from jaxswarm.effects.kinds import (
+    BodyChange,
+    ExternalTorque,
+    MeasurementLaw,
+    TorqueLaw,
+    TransmissionLaw,
+)
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -46,8 +52,12 @@ def _beyond(term: Term, parameter: Parameter) -> float:
 
 
 def is_certain(term: Term, errors: dict[str, float]) -> bool:
-    """Whether a coefficient is certain: else it stands for another one. Transmissions and events have none."""
+    """Whether a coefficient is certain: else it stands for another one. Transmissions have none."""
     law = term.law
+    if isinstance(law, ExternalTorque):
+        held = {p.name for p in law.parameters}
+        torques = [name for name in term.values if name not in held]
+        return _one_is_certain(term, errors, dict.fromkeys(torques, 0.0))
     if law.linear:
         return _one_is_certain(term, errors, dict.fromkeys((p.name for p in law.linear), 0.0))
     if isinstance(law, MeasurementLaw | BodyChange):
