@@ -142,6 +142,19 @@ def test_what_the_fitted_motion_leaves_open_is_in_the_sentence_of_the_verdict():
     assert "leaves open" not in evidence_sentence(told | {"verdict": UNEXPLAINED})
 
 
+def test_what_is_off_further_than_that_is_in_the_sentence_before_it_is_far_beyond():
+    """A joint that left a tenth of its torque elsewhere, at 4.3 times its noise, was said to lack nothing."""
+    told = explained()
+    names, noise = told["joints"], told["error"]["noise_floor"]["rms"]
+    entry = told["error"]["validation"][1]
+    entry["expected"] = [1.6 * noise[0], noise[1], noise[2]]
+    entry["after"] = entry["after"] | {"rms_moving": [4.3 * noise[0], 1.9 * noise[1], None]}
+    clause = f"On second.csv {names[0]} is off by 4.3 times the noise in motion, further than"
+    assert clause in evidence_sentence(told)
+    entry["expected"][0] = 5.0 * noise[0]
+    assert "in motion, further than" not in evidence_sentence(told)
+
+
 def test_what_acts_on_another_log_alone_is_left_beyond_what_the_fitted_motion_leaves_open(other):
     """A log that was fitted shows no spring, or has it in its model: the other one has a spring."""
     plain = prepare(log_with(), BAND)

@@ -1,5 +1,7 @@
 """What is left on a joint without a law, in words: how much, when, at which frequencies, what it follows."""
 
+from collections.abc import Iterable
+
 from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.report.numbers import percent
 
@@ -147,16 +149,43 @@ def left_open(result: dict) -> list[str]:
 
 def left_in_doubt(result: dict) -> str:
     """What the fitted motion leaves open of other logs, in one sentence; nothing where it tells them."""
+    told = _off(doubted(result))
+    return f"{told}: no further than the fitted motion leaves open." if told else ""
+
+
+def left_undecided(result: dict) -> str:
+    """What other logs are off by in motion that is neither left open nor far beyond, in one sentence."""
     logs = []
-    for on, joints in doubted(result):
+    for entry in result["error"].get("validation") or ():
+        rows = zip(
+            result["joints"],
+            entry["after"].get("rms_moving") or (),
+            result["error"]["noise_floor"]["rms"],
+            entry.get("expected") or (),
+            strict=False,
+        )
+        joints = [
+            (joint, rms / noise)
+            for joint, rms, noise, most in rows
+            if rms is not None and max(NEAR * noise, most) < rms
+        ]
+        if joints:
+            logs.append((entry["on"], joints))
+    told = _off(logs)
+    ending = "in motion, further than the fitted motion leaves open: something may act there"
+    return f"{told} {ending} that this log does not show." if told else ""
+
+
+def _off(logs: Iterable[tuple[str, list[tuple[str, float]]]]) -> str:
+    """By how many times the noise joints are off on other logs, the most first, as the begin of a sentence."""
+    told = []
+    for on, joints in logs:
         first, *others = sorted(joints, key=lambda one: -one[1])[:_MOST_JOINTS]
         parts = [f"{first[0]} is off by {first[1]:.1f} times the noise"]
         parts += [f"{joint} by {times:.1f}" for joint, times in others]
-        logs.append(f"on {on} {', '.join(parts)}")
-    if not logs:
-        return ""
-    told = f"{'; '.join(logs)}: no further than the fitted motion leaves open."
-    return f"{told[0].upper()}{told[1:]}"
+        told.append(f"on {on} {', '.join(parts)}")
+    text = "; ".join(told)
+    return text[:1].upper() + text[1:]
 
 
 def doubted(result: dict) -> list[tuple[str, list[tuple[str, float]]]]:

@@ -14,6 +14,7 @@ from jaxswarm.diagnose.report.remains import (
     left_in_doubt,
     left_of,
     left_open,
+    left_undecided,
     look_at,
     near_noise,
 )
@@ -89,8 +90,10 @@ def evidence_sentence(result: dict) -> str:
         "partly explained": f"{added} (error {change}), and more is missing {unknown}: {left}.",
         "unexplained": f"Something is missing {unknown}: {left} (error {change}).",
     }
-    doubt = left_in_doubt(result) if result["verdict"] in ("nothing missing", "explained") else ""
-    return f"{sentences[result['verdict']]} {doubt}".strip()
+    told = [sentences[result["verdict"]]]
+    if result["verdict"] in ("nothing missing", "explained"):
+        told += [left_in_doubt(result), left_undecided(result)]
+    return " ".join(filter(None, told))
 
 
 def _unknown(result: dict) -> str:
