@@ -58,3 +58,33 @@ def beside(function: Callable[[], Found]) -> Iterator[Callable[[], Found]]:
         yield pool.submit(copy_context().run, function).result
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def beside_each(
+    function: Callable[[Given], Found], items: Iterable[Given]
+) -> Iterator[Callable[[], list[Found]]]:
+    """What a function gives for each of some items, in their order, found by another thread meanwhile.
+
+    What that one has not begun when they are asked for is found here, from the last one on: of much to do for
+    one thread and little for the other, neither waits.
+
+    >>> with beside_each(abs, [-1, 2, -3]) as found:
+    ...     found()
+    [1, 2, 3]
+    """
+    given = list(items)
+    if count() < 2 or not given:
+        yield lambda: [function(one) for one in given]
+        return
+    pool = ThreadPoolExecutor(1)
+    begun = [pool.submit(copy_context().run, function, one) for one in given]
+
+    def found() -> list[Found]:
+        here = {k: function(given[k]) for k in reversed(range(len(given))) if begun[k].cancel()}
+        return [here[k] if k in here else one.result() for k, one in enumerate(begun)]
+
+    try:
+        yield found
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)

@@ -12,6 +12,9 @@ def test_results_come_in_the_order_of_what_was_given(monkeypatch, count):
     monkeypatch.setattr(cores, "count", lambda: count)
     assert cores.each(lambda x: x * x, range(5)) == [0, 1, 4, 9, 16]
     assert cores.each(abs, []) == []
+    for given in (range(5), []):
+        with cores.beside_each(lambda x: x * x, given) as found:
+            assert found() == [x * x for x in given]
 
 
 def test_two_cores_work_at_once(monkeypatch):
@@ -30,6 +33,16 @@ def test_what_fails_is_told(monkeypatch, count):
         cores.each(lambda x: 1 / x, [1, 0])
     with pytest.raises(ZeroDivisionError), cores.beside(lambda: 1 / 0) as found:
         found()
+    with pytest.raises(ZeroDivisionError), cores.beside_each(lambda x: 1 / x, [1, 0]) as found:
+        found()
+
+
+def test_who_asks_helps_with_what_was_not_begun(monkeypatch):
+    monkeypatch.setattr(cores, "count", lambda: 2)
+    met = threading.Barrier(2, timeout=60)
+    with cores.beside_each(lambda _: (met.wait(), threading.get_ident())[1], range(4)) as found:
+        threads = found()
+    assert len(set(threads)) == 2 and threads[-1] == threading.get_ident()
 
 
 def test_an_error_does_not_wait_for_the_other_threads(monkeypatch):

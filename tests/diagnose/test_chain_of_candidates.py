@@ -161,7 +161,7 @@ def test_a_law_with_four_nonlinear_parameters_is_searched(lin, key):
     one = fold_of(motion.decimator.apply(torque))
     stages = FoldData(*(jnp.stack([x, x]) for x in one))
     with searching([(law, 1, None)], [motion], (0.01,) * 3, lin.loads, [stages], key) as finish:
-        found = finish()[0][0]
+        found = next(finish())[0]
     assert set(found) == set(names)
     said = np.asarray(law.torque({"a": 1.0, **found}, series))
     assert abs(np.corrcoef(said, torque)[0, 1]) > 0.95

@@ -70,7 +70,7 @@ def test_planted_parameters_are_recovered(motion, load, key, effect, values, lin
     stages = stages_of(motion, residual)
     task = (get_law(effect), 1, None)
     with searching([task], [motion], WIDTHS, [load], [stages], key) as finish:
-        found = finish()
+        found = [*finish()]
     for fold, weight in zip(found[0], np.asarray(stages.train[0]), strict=True):
         placed = Term(effect, 1, values=fold)
         again = motion.decimator.apply(term_columns(placed, motion, WIDTHS, load))
@@ -101,7 +101,7 @@ def test_logs_are_searched_together(motion, load, key, effect):
         parts = [size * columns[0], 2.0 * columns[1]]
         stages = [stages_of(m, part) for m, part in zip(motions, parts, strict=True)]
         with searching([law], motions, WIDTHS, loads, stages, key) as finish:
-            return finish()[0][0]
+            return next(finish())[0]
 
     ((name, value),) = values.items()
     alike = found(2.0)[name]
@@ -154,7 +154,7 @@ def test_only_what_explains_something_is_refined(motion, load, key, size, refine
     stages = stages_of(motion, size * law)
     task = (get_law("hysteresis"), 1, None)
     with searching([task], [motion], WIDTHS, [load], [stages], key) as finish:
-        found = finish()[0]
+        found = next(finish())
     (parameter,) = ordered(get_law("hysteresis"))
     points = points_of(get_law("hysteresis"))
     lattice, _ = lattice_of(1, points, (points, 1))

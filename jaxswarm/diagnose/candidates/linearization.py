@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from copy import copy
 from functools import cached_property
+from threading import Lock
 
 import jax
 import numpy as np
@@ -41,6 +42,7 @@ class Linearization:
     def __init__(self, found: Estimate, crossfit: CrossFit, memory: Memory | None = None):
         self.found, self.crossfit, self.memory = found, crossfit, memory or Memory()
         self.memory.look_at(found.motions, found.rigids)
+        self.making = Lock()  # two threads that ask for the same fit make it once
         model = found.model
         self.pi = np.asarray(model.robot.parameters).ravel()
         self.arm = arm_of(model.robot, model.terms)
@@ -105,7 +107,7 @@ class Linearization:
             for motion, rigid in zip(self.found.motions, self.found.rigids, strict=True)
         ]
 
-    @cached_property
+    @property
     def steady(self) -> tuple[np.ndarray, np.ndarray]:
         """The model fitted to the rows that are within reach of the noise.
 
@@ -115,6 +117,11 @@ class Linearization:
         Returns:
             Rigid parameters (10 n,), and the residual of all rows over the noise (T', n).
         """
+        with self.making:
+            return self._steady
+
+    @cached_property
+    def _steady(self) -> tuple[np.ndarray, np.ndarray]:
         regression, solution = self.found.regression, self.found.fit
         columns = regression.columns[:, :, solution.base.kept]
         residual, values = solution.residual, solution.values
@@ -180,7 +187,6 @@ class Linearization:
     def law(self, term: Term) -> np.ndarray:
         """Columns of a law with its nonlinear parameters in place."""
         motions, width = self.found.motions, self.found.model.width
-
         terms = self.found.model.terms
 
         def build(k):

@@ -5,7 +5,7 @@ links, the clock or the scale is taken to first order about the current model: t
 the model's torque, or the derivative of that by its parameter. Once added, it is refitted exactly.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial, singledispatch
@@ -47,22 +47,29 @@ def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> 
     searched = [t for t in terms if t.law.searched]
     others = [t for t in terms if not t.law.searched]
     apart = [t for t in others if _goes_apart(lin, t)]
-    # The compiled searches run while the other candidates are built.
-    with _searched(lin, searched, key) as finish:
-        with cores.beside(partial(_all, lin, apart)) as told:
-            done = _all(lin, [t for t in others if t not in apart])
-            done |= told()
-        found = finish()
-    for term, values in zip(searched, found, strict=True):
-        best = [
-            refined(lin, term, fold, v, lin.memory.least)
-            for fold, v in zip(lin.crossfit.folds, values, strict=True)
-        ]
-        placed = replace(term, values=best[0][0])
-        columns = tuple(own for _, own in best)
-        done[term] = Candidate(placed, columns, len(term.law.parameters))
-    made = (one for one in (done[t] for t in terms) if one is not None)
-    return [_loaded(lin, one) if _goes_by_load(one.term) else one for one in made]
+    # The compiled searches run while the other candidates are built, and their ends are refined as they come.
+    with _searched(lin, searched, key) as found:
+        with cores.beside_each(partial(_proposed, lin), _by_joint(apart)) as told:
+            own = _by_joint(t for t in others if t not in apart)
+            done = {t: _with_load(lin, _proposed(lin, t)) for t in own}
+            done |= {t: _with_load(lin, _refined(lin, t, values)) for t, values in found()}
+            done |= zip(_by_joint(apart), told(), strict=True)
+    return [one for one in (done[t] for t in terms) if one is not None]
+
+
+def _refined(lin: Linearization, term: Term, values: list[dict[str, float]]) -> Candidate:
+    """A term whose values were searched on every fold, at the best values near them."""
+    best = [
+        refined(lin, term, fold, v, lin.memory.least)
+        for fold, v in zip(lin.crossfit.folds, values, strict=True)
+    ]
+    placed = replace(term, values=best[0][0])
+    return Candidate(placed, tuple(own for _, own in best), len(term.law.parameters))
+
+
+def _with_load(lin: Linearization, one: Candidate | None) -> Candidate | None:
+    """The candidate, with the load that it has beside it where it goes by the load."""
+    return one if one is None or not _goes_by_load(one.term) else _loaded(lin, one)
 
 
 def _goes_by_load(term: Term) -> bool:
@@ -99,11 +106,14 @@ def _goes_apart(lin: Linearization, term: Term) -> bool:
     return isinstance(term.law, TransmissionLaw) and all(map(is_kept, lin.found.motions))
 
 
-def _all(lin: Linearization, terms: Sequence[Term]) -> dict[Term, Candidate | None]:
-    # Joint by joint: of a long log what one joint's motion does is kept until the next one is asked for.
-    by_joint = sorted(terms, key=lambda t: -1 if t.joint is None else t.joint)
+def _by_joint(terms: Iterable[Term]) -> list[Term]:
+    """Joint by joint: of a long log what one joint's motion does is kept until the next one is asked for."""
+    return sorted(terms, key=lambda t: -1 if t.joint is None else t.joint)
+
+
+def _proposed(lin: Linearization, term: Term) -> Candidate | None:
     with jax.enable_x64(True):  # a thread has settings of its own
-        return {term: propose(term.law, lin, term) for term in by_joint}
+        return propose(term.law, lin, term)
 
 
 @singledispatch
@@ -145,18 +155,24 @@ def _(law: MeasurementLaw, lin, term):
 @contextmanager
 def _searched(
     lin: Linearization, terms: list[Term], key: jax.Array
-) -> Iterator[Callable[[], list[list[dict]]]]:
-    """Find nonlinear parameters of laws per fold where they are unknown, in the background."""
+) -> Iterator[Callable[[], Iterable[tuple[Term, list[dict]]]]]:
+    """Find nonlinear parameters of laws per fold where they are unknown, in the background.
+
+    Yields:
+        A function that gives every term with its values per fold, those that are known first.
+    """
     if not terms:
         yield list
         return
     memory = lin.memory
     memory.round += 1
     found = {t: memory.recall(t, lin.residuals(t.index)) for t in terms}
+    kept = [(t, values) for t, values in found.items() if values is not None]
     unknown = [t for t in terms if found[t] is None]
-    known = {t: memory.journal and memory.journal.recall(memory.round, t) for t in unknown}
-    if all(known.values()):
-        yield lambda: _keep(lin, terms, found, known)
+    recall = memory.journal.recall if memory.journal else lambda number, term: None
+    known = [(t, own) for t in unknown if (own := recall(memory.round, t))]
+    if len(known) == len(unknown):
+        yield lambda: [*kept, *_keep(lin, known)]
         return
     motions = lin.found.motions
     chosen = _comparable(motions)
@@ -170,13 +186,16 @@ def _searched(
         lateness(lin.found.model.terms),
     )
 
-    with search as finish:
+    with search as finished:
 
-        def values() -> list[list[dict]]:
-            searched = dict(zip(unknown, finish(), strict=True))
+        def values() -> Iterator[tuple[Term, list[dict]]]:
+            yield from kept
+            searched = {}
+            for term, own in _keep(lin, zip(unknown, finished(), strict=True)):
+                searched[term] = own
+                yield term, own
             if memory.journal:
                 memory.journal.keep(memory.round, searched)
-            return _keep(lin, terms, found, searched)
 
         yield values
 
@@ -193,11 +212,13 @@ def _comparable(motions: Sequence[Motion]) -> list[int]:
     ]
 
 
-def _keep(lin: Linearization, terms: list[Term], found: dict, new: dict) -> list[list[dict]]:
-    """Values per fold of all terms; those that are new are remembered."""
-    for term, per_fold in new.items():
+def _keep(
+    lin: Linearization, found: Iterable[tuple[Term, list[dict]]]
+) -> Iterator[tuple[Term, list[dict]]]:
+    """The same terms with their values per fold, each remembered as it comes."""
+    for term, per_fold in found:
         lin.memory.keep(term, lin.residuals(term.index), per_fold)
-    return [{**found, **new}[t] for t in terms]
+        yield term, per_fold
 
 
 def _folds(lin: Linearization, rows: np.ndarray) -> FoldData:

@@ -37,7 +37,7 @@ def searching(
     folds: Sequence[FoldData],
     key: jax.Array,
     delay: float = 0.0,
-) -> Iterator[Callable[[], list[list[dict[str, float]]]]]:
+) -> Iterator[Callable[[], Iterator[list[dict[str, float]]]]]:
     """Search the best nonlinear parameters of laws on joints, for every fold, in the background.
 
     The searches run in threads of their own, two at a time: programs started by one thread wait for each
@@ -55,7 +55,7 @@ def searching(
         delay: Time [s] by which the model's torque clock lags: a law's torque is reported as late.
 
     Yields:
-        A function that waits for the end: values by name, for every task and every fold.
+        A function that gives values by name of every fold, task after task, as the searches end.
     """
     taps, factor = np.asarray(motions[0].decimator.taps), motions[0].decimator.factor
     taps = np.pad(taps, (0, -len(taps) % _TAPS))
@@ -97,7 +97,7 @@ def searching(
     pool = ThreadPoolExecutor(max_workers=_WORKERS)
     try:
         found = [pool.submit(search, *task) for task in tasks]
-        yield lambda: [one.result() for one in found]
+        yield lambda: (one.result() for one in found)
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 
