@@ -1,5 +1,7 @@
 """Arrays that are kept while there is room for them."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from jaxswarm.identify.forward.latest import Latest
@@ -40,3 +42,23 @@ def test_the_oldest_go_where_there_is_no_room_and_the_newest_stays():
     ):
         assert of(place, size).size == size
     assert made == ["a", "b", "large", "a", "b"]
+
+
+def test_what_two_threads_made_at_once_is_counted_once():
+    latest = Latest(4)
+
+    def nested():
+        latest.of("a", lambda: np.ones(2))  # the other thread is done first
+        return np.zeros(2)
+
+    assert latest.of("a", nested)[0] == 1.0
+    latest.of("b", lambda: np.zeros(2))
+    assert latest.of("a", lambda: np.zeros(2))[0] == 1.0, "there was room for both"
+
+
+def test_threads_find_what_they_ask_for():
+    latest = Latest(6)
+    with ThreadPoolExecutor(4) as pool:
+        asked = [k % 7 for k in range(4000)]
+        found = pool.map(lambda k: latest.of(k, lambda: np.full(1 + k % 3, k))[0], asked)
+        assert [*found] == asked

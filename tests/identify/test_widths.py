@@ -1,5 +1,6 @@
 """Widths of the smooth sign that joints share, or have of their own."""
 
+import threading
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -7,13 +8,16 @@ import numpy as np
 import pytest
 from small_problems import make_motion, planar_arm
 
+from jaxswarm import cores
 from jaxswarm.effects.formula import DISCOVERED, Formula
 from jaxswarm.effects.parameter import Parameter
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation import choose_widths as choosing
+from jaxswarm.identify.estimation import sign_width
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
 from jaxswarm.identify.estimation.sign_width import driven_by_friction, width_groups
+from jaxswarm.identify.forward.columns import rigid_of
 
 LAWS = tuple(Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2))
 
@@ -37,6 +41,34 @@ def test_joints_of_one_width_share_it():
 def test_joints_of_clearly_different_widths_have_their_own(widths):
     """Also where the shared one is so sharp for a joint that no slope tells where its own is."""
     np.testing.assert_allclose(fitted(widths), widths, rtol=0.1)
+
+
+def test_widths_are_the_same_however_many_look_for_them(monkeypatch):
+    motion = make_motion(planar_arm(), friction((0.15, 0.5)), length=1500, noise=0.02)
+    threads = set()
+    plain = sign_width.solved
+
+    def solved(*args, **options):
+        threads.add(threading.get_ident())
+        return plain(*args, **options)
+
+    monkeypatch.setattr(sign_width, "solved", solved)
+
+    def found(count):
+        threads.clear()
+        monkeypatch.setattr(cores, "count", lambda: count)
+        widths = sign_width.best_widths(
+            planar_arm(), LAWS, [motion], [rigid_of(planar_arm(), motion)]
+        )
+        return widths, len(threads)
+
+    alone, one = found(1)
+    assert one == 1
+    shared, several = found(2)
+    assert several > 1 and shared == alone
+    # Rows of a long log do not stand in memory twice.
+    monkeypatch.setattr(sign_width, "is_kept", lambda motion: False)
+    assert found(2) == (alone, 1)
 
 
 @pytest.mark.parametrize("widths", [(0.05, 0.3), (0.03, 0.5)])

@@ -8,16 +8,19 @@ logs: own widths left 3 to 13 times the error of shared ones on unseen motion).
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+import jax
 import numpy as np
 
+from jaxswarm import cores
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.free_parameters import Place, with_values
 from jaxswarm.identify.estimation.least_squares import solved
 from jaxswarm.identify.estimation.standing import never_slow, tells_sign
-from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.columns import Rigid, is_kept
 from jaxswarm.identify.forward.measuring_chain import term_block
-from jaxswarm.identify.forward.regression import build_regression
+from jaxswarm.identify.forward.regression import Regression, build_regression
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -138,28 +141,25 @@ def best_widths(
     grid = np.concatenate([[_SHARP], np.geomspace(_FROM, _TO, _COUNT)])
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
     regression = build_regression(robot, terms, motions, usual, pi, rigids)
-    costs, sigma = [], None
-    for part in grid:
-        # All that depends on the width is written anew for each.
-        columns, k = regression.columns, 10 * robot.num_joints
-        for term in terms:
-            size = len(term.columns(robot.joints))
-            if term.law.uses_direction:
-                columns[:, :, k : k + size] = np.concatenate(
-                    [
-                        term_block(robot, terms, term, m, part * scale, pi, r)
-                        for m, r in zip(motions, rigids, strict=True)
-                    ]
-                )
-            k += size
-        if regression.used is not None:
-            columns[~regression.used] = 0.0
-        solution = solved(regression, sigma=sigma)
+    # Rows of a long log do not stand in memory twice.
+    whole = all(map(is_kept, motions))
+    precise = jax.config.jax_enable_x64  # type: ignore[attr-defined]
+
+    def costs_of(part: float, sigma: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
+        """Weights, and what a part leaves of every joint, the second time where friction does not drive it."""
+        rows = replace(regression, columns=regression.columns.copy()) if whole else regression
+        with jax.enable_x64(precise):  # a thread has settings of its own
+            _write_anew(robot, terms, motions, rigids, pi, rows, part * scale)
+        solution = solved(rows, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         cost = ((solution.residual / sigma) ** 2).sum(axis=0)
         own = cost.copy()
         own[list(driven_by_friction(robot, terms, solution.theta))] = np.inf
-        costs.append((cost, own))
+        return sigma, cost, own
+
+    sigma, *sharp = costs_of(grid[0])
+    others = (cores.each if whole else map)(lambda part: costs_of(part, sigma)[1:], grid[1:])
+    costs = [sharp, *others]
     parts, cost, own = np.divide(usual, scale), *np.swapaxes(costs, 0, 1)
     for group in groups:
         shared = (cost if len(group) > 1 else own)[:, list(group)].sum(axis=1)
@@ -170,6 +170,31 @@ def best_widths(
             if own[:, j].min() < _OF_ITS_KIND * cost[np.argmin(shared), j]:
                 parts[j] = _best(grid, own[:, j])
     return tuple(map(float, parts * scale))
+
+
+def _write_anew(
+    robot: Robot,
+    terms: tuple[Term, ...],
+    motions: Sequence[Motion],
+    rigids: Sequence[Rigid],
+    pi: np.ndarray,
+    rows: Regression,
+    width: np.ndarray,
+) -> None:
+    """Write all columns of rows that depend on the widths (n,) of the signs, in place."""
+    k = 10 * robot.num_joints
+    for term in terms:
+        size = len(term.columns(robot.joints))
+        if term.law.uses_direction:
+            rows.columns[:, :, k : k + size] = np.concatenate(
+                [
+                    term_block(robot, terms, term, m, width, pi, r)
+                    for m, r in zip(motions, rigids, strict=True)
+                ]
+            )
+        k += size
+    if rows.used is not None:
+        rows.columns[~rows.used] = 0.0
 
 
 def _best(grid: np.ndarray, costs: np.ndarray) -> float:

@@ -1,6 +1,7 @@
 """Arrays that are asked for again and again, kept while there is room for them."""
 
 from collections.abc import Callable, Hashable
+from threading import Lock
 
 import numpy as np
 
@@ -25,6 +26,7 @@ class Latest:
     def __init__(self, most: int):
         self._most, self._numbers = most, 0
         self._held: dict[Hashable, np.ndarray] = {}
+        self._keeping = Lock()
 
     def of(self, place: Hashable, make: Callable[[], np.ndarray]) -> np.ndarray:
         """What is kept of a place, or is made and kept."""
@@ -32,8 +34,11 @@ class Latest:
         if known is not None:
             return known
         made = make()
-        while self._held and made.size + self._numbers > self._most:
-            self._numbers -= self._held.pop(next(iter(self._held))).size
-        self._held[place] = made
-        self._numbers += made.size
+        with self._keeping:
+            if place in self._held:  # another thread made it meanwhile
+                return self._held[place]
+            while self._held and made.size + self._numbers > self._most:
+                self._numbers -= self._held.pop(next(iter(self._held))).size
+            self._held[place] = made
+            self._numbers += made.size
         return made
