@@ -41,7 +41,7 @@ ALLOWED = {
     "logs": {"documents"},
     "identify": {
         *(*PHYSICS, "swarm", "memory", "waiting", "documents"),
-        *("outputs", "plots", "programs", "drawing", "tables", "decomposition"),
+        *("outputs", "plots", "programs", "drawing", "tables", "cores", "decomposition"),
     },
     "diagnose": {
         *(*PHYSICS, "swarm", "identify"),

@@ -149,7 +149,7 @@ def best_widths(
         """Weights, and what a part leaves of every joint, the second time where friction does not drive it."""
         rows = replace(regression, columns=regression.columns.copy()) if whole else regression
         with jax.enable_x64(precise):  # a thread has settings of its own
-            _write_anew(robot, terms, motions, rigids, pi, rows, part * scale)
+            _write_anew(robot, terms, motions, rigids, pi, rows, (part * scale).tolist())
         solution = solved(rows, sigma=sigma)
         sigma = solution.sigma if sigma is None else sigma
         cost = ((solution.residual / sigma) ** 2).sum(axis=0)
@@ -179,7 +179,7 @@ def _write_anew(
     rigids: Sequence[Rigid],
     pi: np.ndarray,
     rows: Regression,
-    width: np.ndarray,
+    width: Sequence[float],
 ) -> None:
     """Write all columns of rows that depend on the widths (n,) of the signs, in place."""
     k = 10 * robot.num_joints
