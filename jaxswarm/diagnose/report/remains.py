@@ -159,15 +159,16 @@ def left_undecided(result: dict) -> str:
     for entry in result["error"].get("validation") or ():
         rows = zip(
             result["joints"],
+            entry["after"]["rms"],
             entry["after"].get("rms_moving") or (),
             result["error"]["noise_floor"]["rms"],
             entry.get("expected") or (),
             strict=False,
         )
         joints = [
-            (joint, rms / noise)
-            for joint, rms, noise, most in rows
-            if rms is not None and max(NEAR * noise, most) < rms
+            (joint, moving / noise)
+            for joint, rms, moving, noise, most in rows
+            if moving is not None and max(NEAR * noise, most) < min(rms, moving)
         ]
         if joints:
             logs.append((entry["on"], joints))
