@@ -98,3 +98,24 @@ def test_a_bristle_that_became_dry_friction_is_not_fitted_once_more(monkeypatch,
     monkeypatch.setattr(refit_module, "_leaves_less", lambda *a: False)
     refit_module.refit(before, found.model.terms)
     assert len(done) == fits
+
+
+@pytest.mark.parametrize(("errors", "kept"), [(2.6, True), (3.2, False)])
+def test_signs_keep_their_width_beside_a_new_law_where_the_log_hardly_tells_another(
+    monkeypatch, errors, kept
+):
+    """One of 2.6 standard errors, shared by a joint that it said nothing of, had a true bristle refused."""
+    before, _ = declared_fit(log_with(DRAG))
+    wide = tuple(5.0 * w for w in before.model.width)
+    gain = errors**2 / before.fit.effective_samples
+
+    def fit_from(current, start, terms, width, **more):
+        left = before.fit.residual * np.sqrt(1.0 - gain * (width == wide))
+        model = replace(before.model, terms=terms, width=width)
+        return replace(before, model=model, fit=replace(before.fit, residual=left))
+
+    monkeypatch.setattr(refit_module, "fit_from", fit_from)
+    monkeypatch.setattr(refit_module, "best_widths", lambda *a: wide)
+    spring = Term("joint_spring", 0, values={"k": 1.0, "tau0": 0.0})
+    found = refit_module.refit(before, (*before.model.terms, spring))
+    assert found.model.width == (before.model.width if kept else wide)

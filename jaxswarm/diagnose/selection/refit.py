@@ -31,6 +31,9 @@ from jaxswarm.identify.forward.written_down import clock_lag
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.
 _NEAR = 0.3
+# Square of the standard errors from which on other widths are told: they are the best of a dozen, one of which
+# is that far by chance in 5 % (0.4 % each).
+_TOLD = 8.2
 
 
 def refit_with(current: Estimate, chosen: Score, beyond: bool = True) -> Estimate | None:
@@ -131,6 +134,8 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
     are best of a few. Without a new law, whose values the widths of the current model may bend, that is done
     where these leave less than the fit: where they left more, 48 fits in a row came back to where they were.
     A new bristle that has run to the least way there is has become dry friction, and is no new law.
+    Widths stay where the log hardly tells others: beside a bristle of joint 2 a motion that is never slow took
+    1.7 mrad/s for the sharp sign of joint 1, of whose slow motion that left 0.15 N m instead of 0.013.
     """
     start = _rigid(current) if start is None else start
     after = fit_from(current, start, _on_their_clock(current, terms), current.model.width)
@@ -147,7 +152,8 @@ def refit(current: Estimate, terms: tuple[Term, ...], start: np.ndarray | None =
     if near or not (new or _leaves_less(after, width)):
         return after
     again = fit_from(current, _rigid(after), after.model.terms, width)
-    return again if _cost(again, after) < _cost(after, after) else after
+    told = 1.0 - _TOLD / after.fit.effective_samples
+    return again if _cost(again, after) < told * _cost(after, after) else after
 
 
 def refit_once(current: Estimate, terms: tuple[Term, ...]) -> Estimate:
