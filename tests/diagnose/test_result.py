@@ -223,3 +223,15 @@ def test_the_rules_that_decided_are_told():
     found = diagnose(small_arm(), blank(), [prepare(log_with(), BAND)], rules=strict)
     told = to_result(outcome_of(found))
     assert told["rules"]["share"] == 0.5 and found.rules == strict
+
+
+def test_a_law_that_one_joint_lacks_does_not_part_torque_and_motion(clean):
+    """Of a slow log whose fit left a few percent of every torque it was said to have wrong units."""
+    outcome = outcome_of(clean)
+    after = {**outcome.after, "relative_global": 95673.0}
+    left = clean.final.fit.residual.copy()
+    left[:, 1] *= 6.0
+    lacking = replace(clean.final, fit=replace(clean.final.fit, residual=left))
+    told = to_result(replace(outcome_of(replace(clean, final=lacking)), after=after))
+    assert told["verdict"] == "unexplained" and told["proof"] == "none"
+    assert told["residual_over_noise"][1] > NEAR

@@ -2,15 +2,20 @@
 
 import math
 
+# A share beyond this is no matter of digits: nothing told what it is a share of.
+_MUCH = 10.0
+
 
 def percent(share: float | None, digits: int = 2) -> str:
-    """A share in percent; what rounds to nothing has no sign, what is no number is a dash.
+    """A share in percent; what rounds to nothing has no sign, what is no number is a dash, and much is much.
 
-    >>> percent(0.0234), percent(-0.00001, 1)
-    ('2.34 %', '0.0 %')
+    >>> percent(0.0234), percent(-0.00001, 1), percent(95673.42)
+    ('2.34 %', '0.0 %', '>1000 %')
     """
     if share is None or not math.isfinite(share):
         return "-"
+    if share > _MUCH:
+        return f">{100.0 * _MUCH:.0f} %"
     return f"{round(100.0 * share, digits) + 0.0:.{digits}f} %"
 
 

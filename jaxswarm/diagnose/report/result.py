@@ -9,6 +9,7 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.decision.verdict import (
     CANNOT,
     NO_PROOF,
+    belongs_together,
     hopeless,
     unpredicted,
     verdict,
@@ -55,7 +56,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
     rules = rules or diagnosis.rules
     final, robot = diagnosis.final, diagnosis.final.model.robot
     joints = robot.joints
-    belongs = not outcome.validation and all(r.near for r in outcome.remains)
+    belongs = not outcome.validation and belongs_together(final, outcome.remains)
     unseen = outcome.after["relative_global"]
     why, weak = hopeless(unseen, belongs), unpredicted(unseen, belongs)
     added = len(diagnosis.kept) + len(laws.found)

@@ -78,7 +78,9 @@ def verdict_sentence(result: dict) -> str:
 def evidence_sentence(result: dict) -> str:
     """The verdict in one sentence, with the error before and after."""
     if result["error"]["before"] is None or result["verdict"] == "cannot be judged":
-        return "This log cannot be judged: " + "; ".join(result["reasons"]) + "."
+        # Where a fit was made, the first one says why; the others are about what it found.
+        why = result["reasons"][: None if result["error"]["before"] is None else 1]
+        return "This log cannot be judged: " + "; ".join(why) + "."
     change = error_change(result)
     added = _found(result)
     left = left_of(result["unexplained"]) or left_beyond(result)
