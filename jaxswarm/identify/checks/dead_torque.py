@@ -18,6 +18,8 @@ _CONTRADICTED = 0.8
 _ALONE = 0.7
 # Share left from which on nothing of a torque follows the motion, to be told where nobody contradicts it.
 _NOTHING = 0.95
+# Rounds of weights after which all that is said here was measured.
+_BEFORE = 3
 # A standard deviation so many times the largest is that of a joint that does not count.
 _OUT = 1e9
 
@@ -32,7 +34,8 @@ def dead_torque(robot: Robot, rough: Rough) -> Finding | None:
         robot: For the names.
         rough: Model of the log as it is.
     """
-    logged, sigma = rough.as_logged()
+    # Weights that have settled leave out what is noise, and it contradicts nobody.
+    logged, sigma = rough.settled(np.eye(len(rough.spread)), _BEFORE)
     if len(sigma) == 1:
         return None
     silent = [j for j in np.flatnonzero(logged.left >= UNRELATED) if rough.alone(int(j)) > _ALONE]

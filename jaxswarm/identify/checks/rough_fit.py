@@ -124,7 +124,7 @@ class RoughFit:
         """The fit to the torques as logged, and the weights it settled on."""
         return self.settled(np.eye(len(self._factors)))
 
-    def settled(self, mixture: np.ndarray) -> tuple[Tried, np.ndarray]:
+    def settled(self, mixture: np.ndarray, rounds: int = _ROUNDS) -> tuple[Tried, np.ndarray]:
         """The fit to a mixture (n, n) of the torques, and the weights it settled on.
 
         What joints leave is traded slowly where one lacks a law: a fit that has not settled would credit the
@@ -132,7 +132,7 @@ class RoughFit:
         """
         spread = np.abs(mixture) @ self.spread
         sigma, before = spread, np.inf
-        for _ in range(_ROUNDS):
+        for _ in range(rounds):
             (found,) = self.fit([mixture], sigma)
             if found.power > before - _SETTLED:
                 break
