@@ -15,6 +15,8 @@ NOTHING, EXPLAINED, PARTLY, UNEXPLAINED, CANNOT = (
     "unexplained",
     "cannot be judged",
 )
+# A share of the torque beyond which its size tells nothing more.
+_MUCH = 100
 OTHER_MOTION, REGIONS, NO_PROOF = "other motion", "held-out regions", "none"
 
 
@@ -61,7 +63,7 @@ def hopeless(unseen: float, belongs: bool) -> str | None:
 
 def _much(share: float) -> str:
     """A share in percent, of which nobody needs five digits."""
-    return "over 10000 %" if share > 100.0 else f"{100 * share:.0f} %"
+    return f"over {100 * _MUCH} %" if share > _MUCH else f"{100 * share:.0f} %"
 
 
 def unpredicted(unseen: float, belongs: bool) -> str | None:
