@@ -46,14 +46,14 @@ def propose_all(lin: Linearization, terms: tuple[Term, ...], key: jax.Array) -> 
     """All terms as candidates; nonlinear parameters are searched where memory does not know them."""
     searched = [t for t in terms if t.law.searched]
     others = [t for t in terms if not t.law.searched]
-    apart = [t for t in others if _goes_apart(lin, t)]
+    apart = _by_joint(t for t in others if _goes_apart(lin, t))
     # The compiled searches run while the other candidates are built, and their ends are refined as they come.
     with _searched(lin, searched, key) as found:
-        with cores.beside_each(partial(_proposed, lin), _by_joint(apart)) as told:
+        with cores.beside_each(partial(_proposed, lin), apart) as told:
             own = _by_joint(t for t in others if t not in apart)
             done = {t: _with_load(lin, _proposed(lin, t)) for t in own}
             done |= {t: _with_load(lin, _refined(lin, t, values)) for t, values in found()}
-            done |= zip(_by_joint(apart), told(), strict=True)
+            done |= zip(apart, told(), strict=True)
     return [one for one in (done[t] for t in terms) if one is not None]
 
 
