@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.decision.material import find_material
-from jaxswarm.diagnose.decision.remainder import over_noise, remainders
-from jaxswarm.diagnose.decision.rules import LOUD, STICKS
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import LOUD, NEAR, STICKS
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
@@ -141,8 +141,8 @@ def _known(motion: Motion) -> np.ndarray:
 def is_held(before: Estimate, after: Estimate) -> np.ndarray:
     """Whether friction may be what holds each joint, (n,), in rows that the fit after does not use any more."""
     left, _, friction = _where_left_out(before, after)
-    pairs = list(zip(remainders(before), remainders(after), strict=True))
-    near = np.array([b.near and b.over_noise**2 < STICKS * a.over_noise**2 for a, b in pairs])
+    one, two = over_noise(before), over_noise(after)
+    near = (two <= NEAR) & (two**2 < STICKS * one**2)
     return near & tells_motion(after.regression.used_rows) & (left <= friction)
 
 
