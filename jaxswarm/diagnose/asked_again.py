@@ -5,7 +5,7 @@ read 0.23 rad too small, which left 9.6 % of the torque where 12 % were left wit
 nothing is wrong with that zero.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from jaxswarm.identify.checks.samples import samples_of
 from jaxswarm.identify.estimation.validate import outside
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.identify.run import findings
+from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.log import Log, take
 from jaxswarm.logs.segments import prepare_segments
 
@@ -30,7 +31,7 @@ def doubtful(fitted: Sequence[Log], scored: Sequence[Log]) -> dict[Place, Log]:
     """Logs of which something was found that an event can look like: a zero, with which the work goes on."""
     logs = {("logs", k): log for k, log in enumerate(fitted)}
     logs |= {("validation_logs", k): log for k, log in enumerate(scored)}
-    return {place: log for place, log in logs.items() if _zeros(log)}
+    return {place: log for place, log in logs.items() if _zeros(log.findings)}
 
 
 def told_again(
@@ -88,10 +89,12 @@ def without_events(log: Log, windows: Sequence[tuple[float, float]], model: Mode
     few = not enough(model.robot, samples)
     if few or Rough(model.robot, samples).rows_per_parameter < ROWS_THAT_HOLD:
         return log  # what does not show there may be so for all that
-    found = [one.note for one in against_robot(model.robot, motions) if one.check == ENCODER_ZERO]
-    old = _zeros(log)
-    return replace(log, notes=(*(note for note in log.notes if note not in old), *found))
+    old = [one.note for one in _zeros(log.findings)]
+    found = _zeros(against_robot(model.robot, motions))
+    others = [one for one in log.findings if one.check != ENCODER_ZERO]
+    notes = [note for note in log.notes if note not in old]
+    return replace(log, notes=(*notes, *(one.note for one in found)), findings=(*others, *found))
 
 
-def _zeros(log: Log) -> list[str]:
-    return [note for note in log.notes if note.startswith(f"{ENCODER_ZERO}:")]
+def _zeros(findings: Iterable[Finding]) -> list[Finding]:
+    return [one for one in findings if one.check == ENCODER_ZERO]

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jaxswarm.logs.finding import Finding
+
 
 @dataclass(frozen=True, eq=False)
 class Log:
@@ -24,6 +26,7 @@ class Log:
         tau: Motor torques [N m or N], shape (T, n), or None if not logged.
         channels: Anything else: (T, n) with NaN where a joint has none, or (T,) if it has no joint.
         notes: Plain sentences about what was found while reading.
+        findings: What checks against the robot found wrong with it; their sentences are among the notes.
 
     Raises:
         ValueError: If a shape does not fit ``t`` and ``joints``.
@@ -42,6 +45,7 @@ class Log:
     tau: np.ndarray | None = None
     channels: dict[str, np.ndarray] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
         if self.t.ndim != 1:

@@ -1,6 +1,7 @@
 """From a log as read to the motions that may be fitted: what cannot be right is mended, told or refused."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cache
 
 from jaxswarm.errors import InputError, nearest
@@ -23,7 +24,7 @@ from jaxswarm.identify.checks.torque_unit import wrong_unit
 from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, pace, spikes
 from jaxswarm.logs.consistency import refuse_dead_torque
-from jaxswarm.logs.finding import Finding, with_findings
+from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.segments import prepare_segments
@@ -78,15 +79,41 @@ def checked(
             raise InputError(f"unknown check {name!r} to accept. {nearest(name, CHECKS)}")
     if refuse_dead:
         refuse_dead_torque(log)
-    log = with_findings(log, pace.slow_clock(log), accept)
+    log = _with_findings(log, pace.slow_clock(log), accept)
     log, found = spikes.bridged(log)
     found += lost.lost_samples(log)
     log, saturated = frozen.without_saturated(log)
     log, stuck = frozen.without_stuck(log)
     mended = [*found, *saturated, *stuck]
-    log = with_findings(log, mended, accept)
+    log = _with_findings(log, mended, accept)
     log, motions = prepare_segments(log, filtering)
-    return with_findings(log, against_robot(robot, motions), accept, mended), motions
+    return _with_findings(log, against_robot(robot, motions), accept, mended), motions
+
+
+def _with_findings(
+    log: Log, findings: Iterable[Finding], accept: Iterable[str], known: Iterable[Finding] = ()
+) -> Log:
+    """The log with its findings, and their sentences as notes, unless one of them forbids to go on.
+
+    Args:
+        log: With notes of its own.
+        findings: What is new about it.
+        accept: Names of checks whose findings are told only.
+        known: What was found before: a refusal names it too, for it may be the cause.
+
+    Raises:
+        InputError: Naming all findings that are refused and not accepted.
+    """
+    findings, accepted = tuple(findings), set(accept)
+    bad = [f for f in findings if f.refused and f.check not in accepted]
+    if bad:
+        names = " ".join(f"--accept {name}" for name in dict.fromkeys(f.check for f in bad))
+        told = " ".join(f.note for f in bad)
+        if before := " ".join(f.note for f in (*known, *findings) if f not in bad):
+            told = f"{told} Besides, {before}"
+        raise InputError(f"{log.source}: {told} To fit the log as it is, pass {names}")
+    notes = (*log.notes, *(f.note for f in findings))
+    return replace(log, notes=notes, findings=(*log.findings, *findings))
 
 
 def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
