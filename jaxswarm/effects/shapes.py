@@ -37,6 +37,7 @@ SHAPES: dict[str, tuple[Shape, ...]] = {
         Shape(("static_load", "abs", "direction", "*")),
     ),
     "thermal_drift": (Shape(("t", "s", "/", "neg", "exp", "direction", "*"), (("s", "t"),)),),
+    "offset_drift": (Shape(("t", "s", "/", "neg", "exp"), (("s", "t"),)),),
     "temperature_friction": (
         Shape(("temperature", "direction", "*")),
         Shape(("temperature", "dq", "*")),
