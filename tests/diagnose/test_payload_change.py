@@ -7,6 +7,8 @@ import pytest
 from elbow import ask, elbow_log, fitted, passing
 
 from jaxswarm.diagnose.candidates.window import _look, _untold
+from jaxswarm.diagnose.decision.carried import is_carried
+from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
@@ -80,6 +82,20 @@ def test_rows_whose_window_a_fit_to_others_cannot_tell():
     within = (np.arange(20) >= 2) & (np.arange(20) < 10)
     assert not _untold(1.0 * within, train).any()
     assert not _untold(1.0 * within, train | True).any()
+
+
+def test_a_load_follows_the_posture_as_no_constant_torques_do():
+    """A zero that wandered passed as a load of 0.1 kg, and so did noise with a memory of seconds."""
+    window = {"start": 4.3, "end": 8.1, "log": 0.0}
+    small = {k: 0.05 * v for k, v in BODY.items() if k != "log"}
+    load = Term("payload_change", values={**small, **window})
+    held = Term(
+        "contact", values={**window, "tau_joint1": 0.0, "tau_joint2": 0.2, "tau_joint3": 0.1}
+    )
+    for hidden in (load, held):
+        found = fitted(elbow_log(hidden))
+        (best,) = passing(ask(found, "payload_change"))
+        assert is_carried(best, cross_fit(found)) == (hidden is load)
 
 
 def test_a_load_kept_all_along_belongs_to_the_link():

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.position_laws import imitates, is_unseen, strays
+from jaxswarm.diagnose.decision.carried import is_carried
 from jaxswarm.diagnose.decision.level import level_of
 from jaxswarm.diagnose.decision.rules import BY_STATE, Rules
 from jaxswarm.diagnose.decision.sharpness import (
@@ -16,12 +17,14 @@ from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.effects.kinds import BodyChange
 
 _ALONE = "shows in dry friction alone, which may be early or late by itself"
 _SHARP = "shows only where the motion is sharper than its samples"
 _STRAY = "is no multiple of an order seen through too few periods"
 _UNSEEN = "is an order of which no whole period is seen: move the joint further"
 _BENT = "would be, with another law, any torque of one place"
+_NO_LOAD = "is no load: constant torques in its time tell as much, whatever the arm's posture"
 _NO_EVENT = (
     "is no event: a law of the motion, itself not proven, tells more, and tells it from other times"
 )
@@ -34,15 +37,24 @@ def that_may_stand(search: Search, passed: Sequence[Score]) -> list[Score]:
     bent = [s for s in passed if imitates(s.candidate.term, model.terms, motions)]
     unseen = [s for s in passed if is_unseen(s.candidate.term, motions)]
     motion = events_of_laws(search.scores, passed, search.folds, search.rules)
+    loads = [s for s in passed if _is_body(s) and not is_carried(s, search.folds)]
     standing = in_all_motion(search, passed)
-    for found, why in ((stray, _STRAY), (bent, _BENT), (unseen, _UNSEEN), (motion, _NO_EVENT)):
+    for found, why in (
+        *((stray, _STRAY), (bent, _BENT), (unseen, _UNSEEN)),
+        *((motion, _NO_EVENT), (loads, _NO_LOAD)),
+    ):
         for one in found:
             search.refuse(one.candidate.term, why)
     for one in sorted(unseen, key=lambda s: s.worth):
         search.unseen[one.candidate.term.joint] = one
     # Should the law that is there be none, these are asked again.
     search.kept_out |= {one.candidate.term.joint for one in bent}
-    return [s for s in standing if s not in (*stray, *bent, *unseen, *motion)]
+    return [s for s in standing if s not in (*stray, *bent, *unseen, *motion, *loads)]
+
+
+def _is_body(s: Score) -> bool:
+    law = s.candidate.term.law
+    return isinstance(law, BodyChange) and law.window
 
 
 def events_of_laws(
