@@ -78,8 +78,14 @@ LATER = {
     "base_compliance": Drawn("cx", {"cy": _zero}, 1e-5, 5e-3),
     "offset_drift": Drawn("tau", {"tc": _log(5.0, 20.0)}),
     "maxwell_slip": Drawn("fc1", {"fc2": _zero, "x1": _log(0.06, 0.3), "part": _log(0.08, 0.4)}),
+    "torque_crosstalk": Drawn("c", {}, 1e-3, 0.4),
 }
 KNOWN = DRAWN | LATER
 # Effects of the whole arm, and those between a joint and the next one.
 WHOLE_ARM = ("time_delay", "base_tilt", "torque_lag", "base_compliance")
-BETWEEN_TWO = ("transmission_coupling", "cable_coupling", "gear_coupling_error")
+BETWEEN_TWO = (
+    "transmission_coupling",
+    "cable_coupling",
+    "gear_coupling_error",
+    "torque_crosstalk",
+)

@@ -20,7 +20,7 @@ SCOPES = ("joint", "pair", "global")
 # What the picture of an effect can have as its horizontal axis.
 AXES = (
     *("position", "velocity", "acceleration", "time", "partner position", "partner velocity"),
-    *("load", "model torque", "torque rate"),
+    *("load", "model torque", "partner torque", "torque rate"),
 )
 
 

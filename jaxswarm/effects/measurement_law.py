@@ -15,7 +15,8 @@ class MeasurementLaw(Effect):
     Attributes:
         report: ``report(p, x, step)``: a torque x as it is written down, along the first axis, linear in
             x, unchanged for neutral parameters; ``step`` is the sampling interval [s]. A law of the whole
-            arm sees (T, n, ...), one of a joint that joint's (T, ...).
+            arm sees (T, n, ...), one of a joint that joint's (T, ...), one that ``crosses`` its joint's and
+            its partner's (T, 2, ...) and gives the first, (T, ...).
         alike: Whether a law of the whole arm does the same to every torque by itself, of whatever shape
             (T, ...): then a joint's is written down without the others.
         distortion: ``distortion(p, x)``: what is written down beside a true torque x [N m or N] of its joint,
@@ -40,6 +41,16 @@ class MeasurementLaw(Effect):
     def changes_rigid_columns(self) -> bool:
         """The links stand otherwise than their encoders say."""
         return self.excess is not None
+
+    @property
+    def crosses(self) -> bool:
+        """Whether a torque is written down with that of a partner."""
+        return self.scope == "pair" and self.excess is None
+
+    @property
+    def turn(self) -> int:
+        """When it acts: what sensors pick up of other joints first, then each drive, then all of the arm."""
+        return 0 if self.crosses else {"joint": 1, "pair": 1, "global": 2}[self.scope]
 
     @property
     def shows_on_own_joint(self) -> bool:
@@ -74,10 +85,13 @@ class MeasurementLaw(Effect):
     def check(self) -> None:
         """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""
         super().check()
-        if (self.scope == "pair" and self.excess is None) or (self.linear and not self.distortion):
+        if self.linear and not self.distortion:
             raise ValueError(
-                f"effect {self.name!r} is a measurement: it needs scope 'joint' or 'global', and no "
-                "linear parameter"
+                f"effect {self.name!r} is a measurement: it needs a distortion, or no linear parameter"
+            )
+        if self.crosses and self.report is MeasurementLaw.report:
+            raise ValueError(
+                f"effect {self.name!r} is of a pair: it needs an excess, or a report of both torques"
             )
         shapes = all(p.usual or not p.fitted for p in self.nonlinear)
         bent = self.scope == "joint" and self.uses_load and shapes

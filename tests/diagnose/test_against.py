@@ -188,6 +188,13 @@ def test_a_drive_that_distorts_now_is_told_with_its_size(model, effect, name, si
     assert conclude_comparison(found, [], 0)[0]["verdict"] == "explained"
 
 
+def test_a_share_of_the_other_torque_is_told_with_its_size(model):
+    seen = Term("torque_crosstalk", 1, 0, values={"c": 0.1})
+    named, found = changes(model, terms=(*DECLARED, seen))
+    assert named == ["torque_crosstalk@joint2:joint1"]
+    assert found.changes[0].term.values["c"] == pytest.approx(0.1, rel=0.05)
+
+
 def test_what_no_law_explains_is_told_against_an_earlier_model_too(model):
     log = log_of(upright_arm(), DECLARED, 9)
     tau = log.tau.copy()

@@ -34,6 +34,7 @@ def drawn(term, motion):
         (Term("torque_lag", values={"tc": 0.01, "seconds": 0.005}), -0.015),
         (Term("rotor_inertia", 0, values={"ia": 0.5}), 0.5),
         (Term("drive_gain", 0, values={"gain": 1.25}), 0.2),
+        (Term("torque_crosstalk", 0, 1, values={"c": 0.3}), 0.3),
         (Term("transmission_coupling", 0, 1, values={"b": 3.0, "fc": 0.0, "ia": 0.0}), 3.0),
     ],
 )

@@ -1,6 +1,7 @@
 """What a torque's filter does to the rigid body is made once; a law of one joint stays with its joint."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import jax.numpy as jnp
 import numpy as np
@@ -94,6 +95,31 @@ def test_a_law_that_mixes_joints_sees_all_of_them(motion, monkeypatch):
     assert not plain.on_joint(0).terms
     mixed = replace(plain, terms=(*plain.terms, mixing))
     assert mixed.on_joint(0) == mixed
+
+
+def test_what_sensors_pick_up_of_each_other_is_the_true_torque():
+    """Both at once, before the gain of a drive: the second would hear of itself through the first."""
+    terms = (
+        LOUD,
+        Term("torque_crosstalk", 0, 1, values={"c": 0.3}),
+        Term("torque_crosstalk", 1, 0, values={"c": 0.5}),
+    )
+    true = np.random.default_rng(0).normal(size=(7, 2, 3))
+    wanted = np.stack(
+        [true[:, 0] + 0.3 * true[:, 1], 1.2 * (true[:, 1] + 0.5 * true[:, 0])], axis=1
+    )
+    motion = SimpleNamespace(rate=100.0)
+    np.testing.assert_allclose(measuring_chain.report(terms, motion, true), wanted, atol=1e-12)
+    plain = Model(ARM, (DRY, *terms[1:]), (0.05, 0.05), Filtering(), (1.0, 1.0))
+    assert plain.on_joint(0) == plain
+
+
+def test_a_measurement_of_a_pair_says_what_it_does_to_its_torque():
+    with pytest.raises(ValueError, match="an excess, or a report of both torques"):
+        check_effect(replace(cross_talk(), scope="pair", report=MeasurementLaw.report))
+    own = replace(cross_talk(), scope="pair", report=lambda p, x, step: x[:, 0] + p["part"])
+    with pytest.raises(AssertionError, match="is not linear in the torque"):
+        check_effect(own)
 
 
 def test_a_law_that_says_it_does_not_mix_is_tried(monkeypatch):

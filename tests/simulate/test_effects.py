@@ -17,6 +17,7 @@ from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate import (
     Acting,
     Drive,
+    Trajectory,
     accelerations,
     check_step,
     fastest_mode,
@@ -210,6 +211,24 @@ def test_gain_and_delay_show_in_the_measured_torque_only():
     motion = simulate(plant, rest(plant, jnp.zeros(1)), force, dt=1e-3)
     logged = measured_torque(plant, motion)
     np.testing.assert_allclose(logged[2:], 1.1 * force[:-2], atol=1e-12)
+
+
+def test_sensors_pick_up_what_the_drives_beside_them_supply():
+    """The command of a drive with a dead band, and not what that one's own sensor picks up, or its gain."""
+    terms = [
+        Acting("drive_gain", 1, values={"gain": 2.0}),
+        Acting("torque_crosstalk", 0, 1, values={"c": 0.3}),
+        Acting("torque_crosstalk", 1, 0, values={"c": -0.1}),
+        Acting("torque_dead_band", 1, values={"d": 0.5}),
+    ]
+    plant = make_plant(two_joint_arm(), terms)
+    force = np.sin(0.05 * np.arange(60.0)[:, None] + [0.3, 1.0])
+    zero = jnp.zeros((60, 2))
+    t = jnp.arange(60) * 1e-3
+    motion = Trajectory(t, zero, zero, zero, jnp.asarray(force), zero, zero, rest(plant, zero[0]))
+    command = force[:, 1] + 0.5 * np.sign(force[:, 1])
+    wanted = np.stack([force[:, 0] + 0.3 * command, 2.0 * (command - 0.1 * force[:, 0])], axis=1)
+    np.testing.assert_allclose(measured_torque(plant, motion), wanted, atol=1e-12)
 
 
 def test_drives_write_down_bent_and_filtered_torques():

@@ -42,7 +42,7 @@ def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
     def slopes(k):
         output, step = lin.outputs[k], 1.0 / lin.found.motions[k].rate
         if term.joint is not None:
-            output = output[:, term.joint]
+            output = output[:, [term.joint, term.other] if law.crosses else term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
         ends = 2 * output[[0, -1]] - output[[1, -2]]
         longer = filled(np.concatenate([ends[:1], output, ends[1:]]))

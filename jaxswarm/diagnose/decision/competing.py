@@ -83,12 +83,16 @@ def is_special_case(inner: Candidate, outer: Candidate, crossfit: CrossFit) -> b
 
     A law that contains another one is that one where its search ends there: a spring was told as undecided from
     one with a slack part of no width, which has one column more to bend and none in its candidate.
+
+    What a sensor picks up of another joint is no case of a torque that acts: of a partner that has inertia and
+    viscous friction alone it is a coupling by both of them, and was told as certain.
     """
     if outer.term.joint != inner.term.joint:
         return False
     if inner.term.effect in outer.term.law.contains:
         return True
-    if outer.size <= inner.size:
+    law = inner.term.law
+    if outer.size <= inner.size or (isinstance(law, MeasurementLaw) and law.crosses):
         return False
     fold = crossfit.whole
     a = fold.free_part(inner.columns[0]).reshape(-1, inner.columns[0].shape[2])

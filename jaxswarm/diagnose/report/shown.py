@@ -59,6 +59,10 @@ def evidence_axis(
         "partner velocity": (f"dq of {other} [{its}/s]", lambda: motion.dq[:, partner]),
         "load": (f"|load| sign(dq) of {motion.joints[felt]} [{torque}]", load),
         "model torque": (f"torque of the model on {motion.joints[felt]} [{torque}]", modeled),
+        "partner torque": (
+            f"torque of the model on {other} [{units(model.robot)[partner]}]",
+            lambda: model_torque(model, motion)[:, partner],
+        ),
         "torque rate": (
             f"change of the model's torque on {motion.joints[felt]} [{torque}/s]",
             slope,

@@ -58,7 +58,7 @@ class Model:
     def on_joint(self, joint: int) -> "Model":
         """The model without what acts on other joints alone: the torque of this one is the same.
 
-        Where what is written down of the whole arm may mix its joints, nothing is left out.
+        Where what is written down may mix joints, nothing is left out.
         """
         if mixed(self.terms):
             return self

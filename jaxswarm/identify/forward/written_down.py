@@ -1,4 +1,4 @@
-"""How drives and their clock write down torques: each drive its own, then the clock all of them."""
+"""How drives and their clock write down torques: with each other's, each its own, then all of them late."""
 
 from collections.abc import Sequence
 
@@ -12,12 +12,19 @@ from jaxswarm.logs.motion import Motion
 
 
 def report(terms: tuple[Term, ...], motion: Motion, block: np.ndarray) -> np.ndarray:
-    """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock."""
+    """Torques (T, n, ...) as they are written down: by the drive of each joint, then by their clock.
+
+    What a sensor picks up of another joint is the true torque there, whatever that one's sensor picks up.
+    """
     measured = in_order(terms)
     size, block = len(block), filled(block) if measured else block
+    true = {t.other: block[:, t.other].copy() for t in measured if t.law.crosses}
     for term in measured:
         own = (slice(None), slice(None) if term.joint is None else term.joint)
-        block[own] = term.law.report(term.values, block[own], 1.0 / motion.rate)
+        seen = block[own]
+        if term.law.crosses:
+            seen = np.stack([seen, true[term.other]], axis=1)
+        block[own] = term.law.report(term.values, seen, 1.0 / motion.rate)
     return block[:size]
 
 
@@ -33,13 +40,16 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
 
 
 def mixed(terms: tuple[Term, ...]) -> bool:
-    """Whether what is written down of the whole arm may mix its joints: then no term stays with its own."""
-    return any(t.joint is None and not t.law.alike for t in of_kind(terms, MeasurementLaw))
+    """Whether what is written down may mix joints: then no term stays with its own."""
+    return any(
+        t.law.crosses or (t.joint is None and not t.law.alike)
+        for t in of_kind(terms, MeasurementLaw)
+    )
 
 
 def in_order(terms: tuple[Term, ...]) -> list:
     """What a torque is written down by, the drives before their clock."""
-    return sorted(of_kind(terms, MeasurementLaw), key=lambda t: t.joint is None)
+    return sorted(of_kind(terms, MeasurementLaw), key=lambda t: t.law.turn)
 
 
 def lateness(terms: tuple[Term, ...]) -> float:
