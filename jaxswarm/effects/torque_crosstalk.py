@@ -1,14 +1,15 @@
 r"""A torque that is written down with a share of another joint's.
 
-A torque sensor bends under the moments that a neighbor holds, current sensors of two drives lie side by side: of
-the true torques :math:`\tau` of a joint and :math:`\tau_o` of its partner :math:`\tau + c\,\tau_o` is written
-down. The partner's is that of the model with all its terms, never the logged one, whose noise would bias c toward
-zero. Told from ``transmission_coupling`` and ``cable_coupling``, which bring what the partner's motion drags
-along, by all else that the partner's drive supplies: weight, friction, rotor. Where it supplies nothing but that
-they say the same, and are undecided. Told from ``drive_gain``, which is a share of the joint's own torque.
+A torque sensor bends under the moments that a neighbor holds, current sensors of two drives lie side by side:
+of the true torques :math:`\tau` of a joint and :math:`\tau_o` of its partner :math:`\tau + c\,\tau_o` is
+written down. The partner's is that of the model with all its terms, never the logged one, whose noise would
+bias c toward zero. Told from ``transmission_coupling`` and ``cable_coupling``, which bring what the partner's
+motion drags along, by all else that the partner's drive supplies: weight, friction, rotor. Where it supplies
+nothing but that they say the same, and are undecided. Told from ``drive_gain``, which is a share of the
+joint's own torque.
 
-Reference: F. Aghili, M. Buehler, J. M. Hollerbach, "Design of a hollow hexaform torque sensor for robot joints",
-Int. J. Robotics Research 20(12) (2001) (sensitivity to other moments than the torque).
+Reference: F. Aghili, M. Buehler, J. M. Hollerbach, "Design of a hollow hexaform torque sensor for robot
+joints", Int. J. Robotics Research 20(12) (2001) (sensitivity to other moments than the torque).
 """
 
 from jaxswarm.effects.base import register
