@@ -20,6 +20,7 @@ from jaxswarm.effects import lugre_friction as lugre_friction
 from jaxswarm.effects import maxwell_slip as maxwell_slip
 from jaxswarm.effects import measurement as measurement
 from jaxswarm.effects import motor as motor
+from jaxswarm.effects import offset_change as offset_change
 from jaxswarm.effects import offset_drift as offset_drift
 from jaxswarm.effects import payload_change as payload_change
 from jaxswarm.effects import periodic_force as periodic_force

@@ -73,7 +73,9 @@ def value(name, parameters, **sample):
         ),
         ("gravity_compensator", {"a": 3.0, "b": 0.5, "q0": 0.2}, {"q": 0.2 + np.pi / 4},
          3.0 / np.sqrt(1.0 + 0.5 * np.sqrt(0.5))),
-        ("offset_drift", {"tau": 2.0, "tc": 9.0}, {"t": 9.0}, 2.0 - 2.0 / np.e),
+        ("offset_drift", {"rate": 2.0, "tc": 9.0}, {"t": 9.0}, 18.0 - 18.0 / np.e),
+        ("offset_change", {"tau": 2.0, "t0": 9.0}, {"t": 9.1, "direction": -1.0}, 2.0),
+        ("offset_change", {"tau": 2.0, "t0": 9.0}, {"t": 8.9, "direction": 1.0}, 0.0),
         ("friction_change", {"fc": 2.0, "t0": 9.0}, {"t": 9.1, "direction": -1.0}, -2.0),
         ("friction_change", {"fc": 2.0, "t0": 9.0}, {"t": 8.9, "direction": -1.0}, 0.0),
         (
