@@ -25,6 +25,7 @@ from jaxswarm.diagnose.selection.take_back import (
     take_back_shadows,
     take_back_stand_ins,
 )
+from jaxswarm.diagnose.selection.tenable import is_certain
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.log import Log
@@ -135,12 +136,26 @@ def test_what_is_not_told_from_nothing_in_the_end_is_taken_back(there):
 def test_what_no_number_tells_stays_only_where_another_log_shows_it(monkeypatch, shown):
     """A coupling of 0.01 +- 0.03 N m s/rad survived in held-out time of a log with slow noise."""
     search = searched(0.0)
-    monkeypatch.setattr(reasons, "is_certain", lambda term, errors: False)
+    monkeypatch.setattr(reasons, "is_certain", lambda term, errors, least: False)
     monkeypatch.setattr(reasons, "survives", lambda *a: None)
     search.other = tuple(search.current.motions) * shown
     take_back_idle(search)
     assert [s.added.effect for s in search.steps] == ["torque_offset"] * shown
     assert ["--validation" in why for _, why in search.refused] == [True] * (not shown)
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_what_is_hardly_told_from_nothing_stays_only_beside_another_log(monkeypatch, shown):
+    """Noise with a memory of seconds was told as crosstalk of 0.008 +- 0.003, one of a hundred asked."""
+    search = searched(0.0)
+    added = search.steps[0].added
+    hardly = (added, {"tau0": abs(added.values["tau0"]) / 2.5})
+    assert is_certain(*hardly)
+    monkeypatch.setattr(reasons, "with_errors", lambda term, current: hardly)
+    monkeypatch.setattr(reasons, "survives", lambda *a: "not on this one")
+    search.other = tuple(search.current.motions) * shown
+    take_back_idle(search)
+    assert [s.added.effect for s in search.steps] == ["torque_offset"] * shown
 
 
 def _position(log, joint=1):

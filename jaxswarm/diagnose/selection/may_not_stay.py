@@ -6,6 +6,8 @@ from jaxswarm.diagnose.decision.level import reads_otherwise
 from jaxswarm.diagnose.decision.own_variables import left_of_own
 from jaxswarm.diagnose.decision.rules import (
     A_THIRD,
+    CERTAIN,
+    CERTAIN_ALONE,
     FAR_LESS,
     FOLLOWS_OWN,
     LOST,
@@ -58,13 +60,14 @@ def idle(search: Search) -> tuple[Step, str] | None:
     N m s/rad took half off the squares of held-out blocks, beside noise with a memory as long as these.
     """
     current = search.current
+    least = CERTAIN if search.other else CERTAIN_ALONE
     for step in _standing(search):
         law, known = step.added.law, with_errors(step.added, current)
-        if law.in_one_log or law.everyday or known is None or is_certain(*known):
+        if law.in_one_log or law.everyday or known is None or is_certain(*known, least):
             continue
         why = _why_not(search, step) if search.other else _NO_OTHER_LOG
         if why:
-            return step, f"is not told from nothing any more, and {why}"
+            return step, f"is not told from nothing, or hardly, and {why}"
     return None
 
 

@@ -51,17 +51,22 @@ def _beyond(term: Term, parameter: Parameter) -> float:
     return max(parameter.lower - value, value - parameter.upper)
 
 
-def is_certain(term: Term, errors: dict[str, float]) -> bool:
-    """Whether a coefficient is certain: else it stands for another one. Transmissions have none."""
+def is_certain(term: Term, errors: dict[str, float], least: float = CERTAIN) -> bool:
+    """Whether a coefficient is certain, by so many standard errors: else it stands for another one.
+
+    Transmissions have none.
+    """
     law = term.law
     if isinstance(law, ExternalTorque):
         held = {p.name for p in law.parameters}
         torques = [name for name in term.values if name not in held]
-        return _one_is_certain(term, errors, dict.fromkeys(torques, 0.0))
+        return _one_is_certain(term, errors, dict.fromkeys(torques, 0.0), least)
     if law.linear:
-        return _one_is_certain(term, errors, dict.fromkeys((p.name for p in law.linear), 0.0))
+        return _one_is_certain(
+            term, errors, dict.fromkeys((p.name for p in law.linear), 0.0), least
+        )
     if isinstance(law, MeasurementLaw | BodyChange):
-        return _one_is_certain(term, errors, law.neutral())
+        return _one_is_certain(term, errors, law.neutral(), least)
     return True
 
 
@@ -97,7 +102,9 @@ def _within(law: Effect) -> Iterator[set[str]]:
             yield from _within(one)
 
 
-def _one_is_certain(term: Term, errors: dict[str, float], neutral: Mapping[str, float]) -> bool:
+def _one_is_certain(
+    term: Term, errors: dict[str, float], neutral: Mapping[str, float], least: float = CERTAIN
+) -> bool:
     """Whether one of some coefficients is beyond its doubt from where it does nothing, or told by no doubt.
 
     One that is held where it does nothing is none of them. Each of k others has a k-th of the chance to be so
@@ -106,7 +113,7 @@ def _one_is_certain(term: Term, errors: dict[str, float], neutral: Mapping[str, 
     """
     change = {name: abs(term.values[name] - zero) for name, zero in neutral.items()}
     free = [name for name in neutral if change[name] > 0.0 or not np.isnan(errors[name])]
-    certain = -scipy.special.ndtri(scipy.special.ndtr(-CERTAIN) / max(len(free), 1))
+    certain = -scipy.special.ndtri(scipy.special.ndtr(-least) / max(len(free), 1))
     return any(change[name] > certain * errors[name] or np.isnan(errors[name]) for name in free)
 
 
