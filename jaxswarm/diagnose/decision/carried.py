@@ -17,7 +17,7 @@ def is_carried(item: Score, crossfit: CrossFit) -> bool:
     """
     joints = np.eye(crossfit.weight.shape[1])
     steady = tuple(
-        crossfit.weigh(columns.any(axis=(1, 2))[:, None, None] * joints)
+        crossfit.weigh(np.any(columns, axis=(1, 2), keepdims=True) * joints)
         for columns in item.candidate.columns
     )
     beside = crossfit.with_columns(steady)
