@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxswarm.identify.checks.every_guess import every_guess
 from jaxswarm.identify.checks.faint import brakes, clear_gain, is_a_gain, is_denied, is_worth
-from jaxswarm.identify.checks.guess import Guess, OtherRobot
+from jaxswarm.identify.checks.guess import Guess, OtherRobot, Zero
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
@@ -76,6 +76,7 @@ def wrong_channels(
     logged, sigma = rough.as_logged()
     much = rough.strictness
     tried = every_guess(robot, rough, logged, sigma)
+    tried = [(g, t) for g, t in tried if not _bends(g, t, tried)]
     if every_joint:
         tried = [(g, t) for g, t in tried if t.left.max() < UNRELATED]
     believed = [
@@ -165,6 +166,19 @@ def _is_valley(guess: Guess, found: Tried, tried: list[tuple[Guess, Tried]], muc
         if g is not guess and (g.check, g.joints) == (guess.check, guess.joints)
     ]
     return found.power < min(others) - _VALLEY * much * _SCALES[guess.check]
+
+
+def _bends(guess: Guess, found: Tried, tried: list[tuple[Guess, Tried]]) -> bool:
+    """Whether a position's scale bends into what is missing: a mere zero leaves less of its own joint.
+
+    Of a position that is half what is logged nothing else does. A last joint that turned by a seventh of
+    another one's angle besides was told so, with 6 % of its torque left, of which a zero left 5 %: the log was
+    refused, and lacked a gear coupling.
+    """
+    if guess.check != "encoder_scale":
+        return False
+    own = list(guess.joints)
+    return any(isinstance(g, Zero) and t.left[own].max() < found.left[own].max() for g, t in tried)
 
 
 def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
