@@ -135,8 +135,8 @@ HOPELESS = 0.8
 # --- Whether a refit confirms a candidate --------------------------------------------------------------------
 # A linear coefficient beyond so many standard errors is certain: else it stands for something else.
 CERTAIN = 2.0
-# The same of an addition that no other log shows, and that was the best of a hundred or more: on 95 worlds true
-# ones of half to eight times the noise had 3.9 and more, what noise with a memory of seconds left 2.2 to 2.4.
+# The same of an addition that no other log shows, and that was the best of a hundred or more: on 134 worlds
+# true ones of half to eight times the noise had 3.9 and more, what noise with a memory left 2.2 to 2.4.
 CERTAIN_ALONE = 3.0
 # A law that takes this share off the squared error of its joint is needed, whatever the doubt of its
 # coefficient: Stribeck and Coulomb friction are told apart by few slow samples, their sum by all.

@@ -39,17 +39,17 @@ def that_may_stand(search: Search, passed: Sequence[Score]) -> list[Score]:
     motion = events_of_laws(search.scores, passed, search.folds, search.rules)
     loads = [s for s in passed if _is_body(s) and not is_carried(s, search.folds)]
     standing = in_all_motion(search, passed)
-    for found, why in (
-        *((stray, _STRAY), (bent, _BENT), (unseen, _UNSEEN)),
-        *((motion, _NO_EVENT), (loads, _NO_LOAD)),
-    ):
-        for one in found:
-            search.refuse(one.candidate.term, why)
+    refused = [(s, _STRAY) for s in stray] + [(s, _BENT) for s in bent]
+    refused += [(s, _UNSEEN) for s in unseen] + [(s, _NO_EVENT) for s in motion]
+    refused += [(s, _NO_LOAD) for s in loads]
+    for one, why in refused:
+        search.refuse(one.candidate.term, why)
     for one in sorted(unseen, key=lambda s: s.worth):
         search.unseen[one.candidate.term.joint] = one
     # Should the law that is there be none, these are asked again.
     search.kept_out |= {one.candidate.term.joint for one in bent}
-    return [s for s in standing if s not in (*stray, *bent, *unseen, *motion, *loads)]
+    gone = [one for one, _ in refused]
+    return [s for s in standing if s not in gone]
 
 
 def _is_body(s: Score) -> bool:
