@@ -77,7 +77,7 @@ LATER = {
     "link_geometry": Drawn("x", {"y": _zero, "turn_x": _zero, "turn_y": _zero}, 0.005, 0.15),
     "base_compliance": Drawn("cx", {"cy": _zero}, 1e-5, 5e-3),
     "maxwell_slip": Drawn("fc1", {"fc2": _zero, "x1": _log(0.06, 0.3), "part": _log(0.08, 0.4)}),
-    "torque_crosstalk": Drawn("c", {}, 1e-3, 0.4),
+    "torque_crosstalk": Drawn("c", {}, 1e-3, 0.09),
     "offset_drift": Drawn("rate", {"tc": _log(5.0, 20.0)}),
     "offset_change": Drawn("tau", {"t0": _uniform(6.0, 14.0)}),
 }

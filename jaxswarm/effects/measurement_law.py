@@ -77,10 +77,14 @@ class MeasurementLaw(Effect):
         return [p.name for p in self.parameters]
 
     def credible(self, change: float, interval: float, doubt: float) -> bool:
-        """Less than half a sample is no delay: a torque sampled and held is late by that much already."""
-        if not self.clock:
+        """Less than half a sample is no delay: a torque sampled and held is late by that much already.
+
+        And what is beyond its bound is neither a clock's nor picked up of another joint.
+        """
+        if not (self.clock or self.crosses):
             return True
-        return abs(change) - doubt > 0.5 * interval and abs(change) < self.parameters[0].upper
+        seen = not self.clock or abs(change) - doubt > 0.5 * interval
+        return seen and abs(change) < self.parameters[0].upper
 
     def check(self) -> None:
         """Refuse a law that reports nothing, of a pair, or with parameters that are not searched."""

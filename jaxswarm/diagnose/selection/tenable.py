@@ -118,7 +118,7 @@ def _one_is_certain(
 
 
 def can_be_as_wrong(term: Term) -> bool:
-    """Whether an encoder, a clock or a base can be as wrong as a term says: true of every other term.
+    """Whether a sensor, a clock or a base can be as wrong as a term says: true of every other term.
 
     One that wants to be worse than its law allows is not what is wrong: friction in a wrist whose drives run
     through each other was told as a coupling ratio that is off by its bound, the bristles of four slow joints
@@ -126,7 +126,7 @@ def can_be_as_wrong(term: Term) -> bool:
     a base that is tilted by its bound of 3 m/s^2 both ways.
     """
     law = term.law
-    read = isinstance(law, MeasurementLaw) and (law.excess is not None or law.clock)
+    read = isinstance(law, MeasurementLaw) and (law.excess is not None or law.clock or law.crosses)
     stands = isinstance(law, BodyChange) and law.changes_rigid_columns
     if not (read or stands):
         return True
