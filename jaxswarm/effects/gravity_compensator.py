@@ -6,7 +6,7 @@ and :math:`b = 2 r d/(r^2 + d^2)`. Its torque is :math:`a \sin 2x / \sqrt{1 + b 
 with the lever's projection. One of constant force or with preload gives :math:`\sin x` over the same root: of
 that the weight takes up the sine, and what remains is of the same form to second order in b. Turning q0 by
 half a turn is the same as changing the sign of b, so that b is positive. Told from ``joint_spring`` and
-``cubic_spring``, which have fewer parameters, by a motion over more than a radian.
+``cubic_spring``, which have fewer parameters, by a motion over more than a radian. A slide has no such lever.
 
 Reference: V. Arakelian, "Gravity compensation in robotics", Advanced Robotics 30(2) (2016), section 3.
 """
@@ -40,6 +40,7 @@ register(
             "has one, and if its torque fell look at spring, preload or gas pressure."
         ),
         torque=_lever,
+        turning=True,
         shown_against="position",
         # Twelve angles, of which the double angle needs that many, and twelve levers.
         grid_size=144,

@@ -132,11 +132,16 @@ def test_what_is_not_told_from_nothing_in_the_end_is_taken_back(there):
     )
 
 
+def leaves_half(current, rest):
+    return np.full(current.model.robot.num_joints, 0.5)
+
+
 @pytest.mark.parametrize("shown", [True, False])
 def test_what_no_number_tells_stays_only_where_another_log_shows_it(monkeypatch, shown):
     """A coupling of 0.01 +- 0.03 N m s/rad survived in held-out time of a log with slow noise."""
     search = searched(0.0)
     monkeypatch.setattr(reasons, "is_certain", lambda term, errors, least: False)
+    monkeypatch.setattr(reasons, "share_left", leaves_half)
     monkeypatch.setattr(reasons, "survives", lambda *a: None)
     search.other = tuple(search.current.motions) * shown
     take_back_idle(search)
@@ -151,11 +156,24 @@ def test_what_is_hardly_told_from_nothing_stays_only_beside_another_log(monkeypa
     added = search.steps[0].added
     hardly = (added, {"tau0": abs(added.values["tau0"]) / 2.5})
     assert is_certain(*hardly)
+    monkeypatch.setattr(reasons, "share_left", leaves_half)
     monkeypatch.setattr(reasons, "with_errors", lambda term, current: hardly)
     monkeypatch.setattr(reasons, "survives", lambda *a: "not on this one")
     search.other = tuple(search.current.motions) * shown
     take_back_idle(search)
     assert [s.added.effect for s in search.steps] == ["torque_offset"] * shown
+
+
+@pytest.mark.parametrize("left", [0.02, 0.5])
+def test_what_takes_nearly_all_off_its_joint_is_told_from_nothing_by_that(monkeypatch, left):
+    """A spring on a lever, confounded with weight, was 2.0 standard errors from none; a coupling took half."""
+    search = searched(0.0)
+    added = search.steps[0].added
+    monkeypatch.setattr(reasons, "with_errors", lambda term, current: (added, {"tau0": 1e3}))
+    monkeypatch.setattr(reasons, "share_left", lambda current, rest: np.full(3, left))
+    search.other = ()
+    take_back_idle(search)
+    assert [s.added.effect for s in search.steps] == ["torque_offset"] * (left < 0.1)
 
 
 def _position(log, joint=1):
