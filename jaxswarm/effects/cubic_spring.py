@@ -19,7 +19,17 @@ register(
         scope="joint",
         parameters=(
             Parameter("k3", "N m/rad^3", 0.0, 1e6, True, 10.0, "stiffness per squared deflection"),
-            Parameter("q0", "rad", -3.2, 3.2, False, 0.0, "position of rest"),
+            # About a point far beyond all positions it is a linear one.
+            Parameter(
+                "q0",
+                "rad",
+                -3.2,
+                3.2,
+                False,
+                0.0,
+                "position of rest",
+                another_at=("lower", "upper"),
+            ),
         ),
         summary="k3 (q - q0)^3: hardening spring",
         reference="Kovacic, Brennan 2011, The Duffing Equation, eq. 2.1",

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 
 from jaxswarm.effects.base import Export, register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import WARMING, Parameter
 
 # What every joint has: declared where nothing else is.
 USUAL_FRICTION = "viscous_friction,coulomb_friction"
@@ -219,7 +219,7 @@ register(
         scope="joint",
         parameters=(
             _coefficient("fc", "N m", 1e4, 1.0, "dry friction lost when warm"),
-            Parameter("tc", "s", 1.0, 1e4, False, 30.0, "time constant of warming", "log"),
+            WARMING,
         ),
         summary="fc (exp(-t/tc) - 1) sign(dq): friction falls as the joint warms",
         reference="Carvalho Bittencourt, Gunnarsson 2012, J. Dyn. Sys. Meas. Control (thermal friction)",

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import WARMING, Parameter
 
 register(
     TorqueLaw(
@@ -22,7 +22,7 @@ register(
         scope="joint",
         parameters=(
             Parameter("rate", "N m/s", -1e4, 1e4, True, 0.05, "how fast the zero wanders at first"),
-            Parameter("tc", "s", 1.0, 1e4, False, 30.0, "time constant of warming", "log"),
+            WARMING,
         ),
         summary="rate tc (1 - exp(-t/tc)): the torque's zero wanders",
         reference="Doebelin 2004, Measurement Systems, ch. 5; Holman 2010, Heat Transfer, sec. 4-2",

@@ -52,6 +52,8 @@ class Parameter:
         usual: Whether nearly all arms have its nominal value: it stays at that unless a log tells another.
         lies: ``"place"`` or ``"width"`` on the way of the joint: a search looks for it among the positions
             seen; ``"torque"``: a choice, the largest one of the joint; None: anywhere between its bounds.
+        another_at: Bounds, ``"lower"`` or ``"upper"``, at which the law is another one: a fit that has run
+            there has not found it.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Parameter:
     shown_by: tuple[str, ...] = ()
     usual: bool = False
     lies: str | None = None
+    another_at: tuple[str, ...] = ()
 
     @property
     def off(self) -> float:
@@ -107,3 +110,9 @@ def assumed(parameters: Iterable[Parameter]) -> dict[str, float]:
     {'n': 1.0}
     """
     return {p.name: p.nominal for p in parameters if p.usual or not p.fitted}
+
+
+# Over how long something warms. Within a second nothing does: that is how a log begins.
+WARMING = Parameter(
+    *("tc", "s", 1.0, 1e4, False, 30.0, "time constant of warming", "log"), another_at=("lower",)
+)

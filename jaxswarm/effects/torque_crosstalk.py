@@ -8,10 +8,10 @@ motion drags along, by all else that the partner's drive supplies: weight, frict
 nothing but that they say the same, and are undecided. Told from ``drive_gain``, which is a share of the
 joint's own torque.
 
-A sensor built against it picks up at most 0.8 % of the moments that its neighbors hold (0.43 of 54.4 N m: "Design
-and optimization of a joint torque sensor with small crosstalk error for robots", 2022), others a few percent; a
-tenth is the bound here. The couplings of a measured wrist of two motors that drive two joints together were told
-as shares of 0.24 and 0.89, and what depends on a joint's load was lost behind them.
+A sensor built against it picks up at most 0.8 % of the moments that its neighbors hold (0.43 of 54.4 N m:
+"Design and optimization of a joint torque sensor with small crosstalk error for robots", 2022), others a few
+percent; a tenth is the bound here. The couplings of a measured wrist of two motors that drive two joints
+together were told as shares of 0.24 and 0.89, and what depends on a joint's load was lost behind them.
 
 Reference: F. Aghili, M. Buehler, J. M. Hollerbach, "Design of a hollow hexaform torque sensor for robot
 joints", Int. J. Robotics Research 20(12) (2001) (sensitivity to other moments than the torque).

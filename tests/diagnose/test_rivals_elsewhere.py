@@ -58,9 +58,9 @@ def test_other_motion_tells_a_law_from_what_it_contains(monkeypatch, hidden, tol
     (spring,) = score_on(current, [Term("joint_spring", 1)], 0)
     monkeypatch.setattr(holding, "goes_beyond", lambda *_: False)  # the log's own doubt
     assert refitting.refit_with(current, spring) is None
-    after = rivals_module.told_elsewhere(current, spring, other, 0.2)
+    after = rivals_module.told_elsewhere(current, spring, other)
     assert (after is not None) is told
-    assert rivals_module.told_elsewhere(current, spring, [], 0.2) is None
+    assert rivals_module.told_elsewhere(current, spring, []) is None
 
 
 def test_what_no_part_of_a_log_can_show_is_not_added(monkeypatch):

@@ -25,7 +25,7 @@ from jaxswarm.diagnose.selection.pair import _predicts_better
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import _may_be_friction
-from jaxswarm.diagnose.selection.tenable import can_be_resolved
+from jaxswarm.diagnose.selection.tenable import can_be_resolved, is_itself
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
@@ -521,3 +521,20 @@ def test_rest_is_not_searched_on_where_more_joints_lack_a_law_than_rounds_are_le
     search = SimpleNamespace(left=left, current=SimpleNamespace(fit=SimpleNamespace(residual=None)))
     monkeypatch.setattr(with_rest_module, "held", lambda residual, rest, mixed: np.zeros(3, bool))
     assert with_rest_module._may_explain([], [], search, passed) == goes_on
+
+
+@pytest.mark.parametrize(
+    ("term", "itself"),
+    [
+        (Term("thermal_drift", 1, values={"fc": 1.0, "tc": 1.5}), True),
+        (Term("thermal_drift", 1, values={"fc": 1.0, "tc": 1.0}), False),
+        (Term("thermal_drift", 1, values={"fc": 1.0, "tc": 1e4}), True),
+        (Term("offset_drift", 1, values={"rate": 1.0, "tc": 1.0}), False),
+        (Term("cubic_spring", 1, values={"k3": 1.0, "q0": -3.1}), True),
+        (Term("cubic_spring", 1, values={"k3": 1.0, "q0": 3.2}), False),
+        (Term("viscous_friction", 1, values={"b": 0.0}), True),
+    ],
+)
+def test_a_value_at_a_bound_may_be_another_law(term, itself):
+    """A linear spring was told as a cubic one about a point a whole travel beyond all positions."""
+    assert is_itself(term) is itself

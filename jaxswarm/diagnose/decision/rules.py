@@ -138,8 +138,8 @@ CERTAIN = 2.0
 # The same of an addition that no other log shows, and that was the best of a hundred or more: on 134 worlds
 # true ones of half to eight times the noise had 3.9 and more, what noise with a memory left 2.2 to 2.4.
 CERTAIN_ALONE = 3.0
-# What takes this part off the squared error of its joint is told from nothing though none of its numbers is: four
-# true springs on levers, confounded with the weight of their links, took 0.99.
+# What takes this part off the squared error of its joint is told from nothing though none of its numbers is:
+# four true springs on levers, confounded with the weight of their links, took 0.99.
 TOLD_BY_SHARE = 0.9
 # A law that takes this share off the squared error of its joint is needed, whatever the doubt of its
 # coefficient: Stribeck and Coulomb friction are told apart by few slow samples, their sum by all.

@@ -56,8 +56,8 @@ def _over_noise(current: Estimate) -> np.ndarray:
 def idle(search: Search) -> tuple[Step, str] | None:
     """The first addition of no certain number that no other log shows, and why; None if none is.
 
-    One that takes nearly all off its joint is told from nothing by that: a spring on a lever, which is little but
-    the weight of its link, was 2.0 standard errors from none, and a hundred times the squared error without it.
+    One that takes nearly all off its joint is told from nothing by that: a spring on a lever, which is little
+    but the weight of its link, was 2.0 standard errors from none; without it squares are a hundredfold.
 
     Held-out time of the log that it was found in shows none that its numbers do not: of seven such additions
     on several hundred logs six were false, and the true one had another log. A coupling of 0.01 +- 0.03

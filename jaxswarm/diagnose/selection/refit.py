@@ -40,7 +40,7 @@ def refit_with(current: Estimate, chosen: Score, beyond: bool = True) -> Estimat
     """The estimate with one more term, without those it contains; None if the cost does not fall, a
     coefficient leaves its physical bounds or the torque leaves the finite numbers.
 
-    ``beyond``: whether the term has to be certain in what those that it contains have not.
+    ``beyond``: whether the term has to be certain, and in what those that it contains have not.
 
     Where it comes to nothing beside terms that it may replace, it is fitted without these, and has to take
     nearly as much off its joint's error as it promised beside them. From there they are asked once more.

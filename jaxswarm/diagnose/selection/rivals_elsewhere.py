@@ -32,14 +32,14 @@ def no_worse(
     return not other or left_elsewhere(after, before, joint, other) <= part
 
 
-def told_elsewhere(
-    current: Estimate, chosen: Score, other: Sequence[Motion], share: float
-) -> Estimate | None:
+def told_elsewhere(current: Estimate, chosen: Score, other: Sequence[Motion]) -> Estimate | None:
     """The fit with a law that its own log does not tell from those that it contains, where other motion does.
 
     A spring of 0.028 +- 0.017 N m/rad beside a constant torque was refused by the log that it was fitted to,
     and told as one on a lever, of three numbers, which contains none. On the other log it left a fifth of the
     squared error that the constant torque left. Asked is what any addition has to take off, on every other log.
+    On a measured arm whose joint lacked much else one of 15 +- 8 N m/rad, 12 in truth, was refused alike, and a
+    cubic one told in its place.
     """
     term = chosen.candidate.term
     inner = [Term(name, term.joint) for name in term.law.contains]
@@ -51,7 +51,7 @@ def told_elsewhere(
         return None
     lacking = (t for t in inner if not has(t, current.model.terms))
     plain = refit(current, (*current.model.terms, *lacking))
-    told = left_elsewhere(after, plain, chosen.joint, other) ** 2 <= 1.0 - share
+    told = left_elsewhere(after, plain, chosen.joint, other) <= GAIN
     return after if told else None
 
 

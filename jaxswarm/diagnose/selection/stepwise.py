@@ -210,9 +210,7 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         search.refuse(term)
         return True
     search.progress(f"adding {term.label(current.model.robot.joints)}")
-    after = refit_with(current, chosen) or told_elsewhere(
-        current, chosen, search.other, search.rules.share
-    )
+    after = refit_with(current, chosen) or told_elsewhere(current, chosen, search.other)
     if after is None:
         search.refuse(term)
         return True
