@@ -22,6 +22,7 @@ from jaxswarm.diagnose.selection.take_back import (
     take_back,
     take_back_events,
     take_back_idle,
+    take_back_nothing,
     take_back_shadows,
     take_back_stand_ins,
 )
@@ -174,6 +175,16 @@ def test_what_takes_nearly_all_off_its_joint_is_told_from_nothing_by_that(monkey
     search.other = ()
     take_back_idle(search)
     assert [s.added.effect for s in search.steps] == ["torque_offset"] * (left < 0.1)
+
+
+@pytest.mark.parametrize("value", [0.0, 1.5])
+def test_what_bounds_leave_nothing_of_is_taken_back(monkeypatch, value):
+    """A drag of 0.0 +- 1.7 N m stood in the report of a measured arm."""
+    search = searched(0.0)
+    held = replace(search.steps[0].added, values={"tau0": value})
+    monkeypatch.setattr(reasons, "find_term", lambda current, term: held)
+    assert take_back_nothing(search) is (value == 0.0)
+    assert [s.added.effect for s in search.steps] == ["torque_offset"] * (value != 0.0)
 
 
 def _position(log, joint=1):

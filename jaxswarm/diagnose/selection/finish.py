@@ -11,7 +11,7 @@ from jaxswarm.diagnose.selection.from_declared import fit_from_declared
 from jaxswarm.diagnose.selection.readings import with_readings
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import settle_signs
-from jaxswarm.diagnose.selection.take_back import take_back_idle
+from jaxswarm.diagnose.selection.take_back import take_back_idle, take_back_nothing
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.identify.estimation.estimate import Estimate
 
@@ -28,8 +28,10 @@ def finish(search: Search, alone: Callable[[], Estimate]) -> None:
     while search.steps or search.sticking:
         fit_from_declared(search, alone)
         settle_signs(search, alone)
-        if not take_back_idle(search):
-            _hold_within_bounds(search)
+        if take_back_idle(search):
+            continue
+        _hold_within_bounds(search)
+        if not take_back_nothing(search):
             with_readings(search)
             keep_declared_widths(search, alone)
             search.current = with_doubt_of_motion(search.current, search.seed)

@@ -4,7 +4,14 @@ from collections.abc import Callable, Sequence
 
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.may_not_stay import idle, outdone, poor, shadow, stand_in
+from jaxswarm.diagnose.selection.may_not_stay import (
+    idle,
+    nothing,
+    outdone,
+    poor,
+    shadow,
+    stand_in,
+)
 from jaxswarm.diagnose.selection.refit import refit_once
 from jaxswarm.diagnose.selection.state import Search, kind_of
 from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
@@ -65,6 +72,13 @@ def take_back_idle(search: Search) -> bool:
     """
     held = len(search.steps)
     _take_back(search, lambda: idle(search))
+    return len(search.steps) < held
+
+
+def take_back_nothing(search: Search) -> bool:
+    """Take back what is held at nothing in the end; whether anything was."""
+    held = len(search.steps)
+    _take_back(search, lambda: nothing(search))
     return len(search.steps) < held
 
 
