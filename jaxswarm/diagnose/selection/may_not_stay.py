@@ -69,9 +69,7 @@ def idle(search: Search) -> tuple[Step, str] | None:
         law, known = step.added.law, with_errors(step.added, current)
         if law.in_one_log or law.everyday or known is None or is_certain(*known, least):
             continue
-        if not search.other and _takes_nearly_all(current, step):
-            continue
-        why = _why_not(search, step) if search.other else _NO_OTHER_LOG
+        why = _why_not(search, step) if search.other else _unshown(current, step)
         if why:
             return step, f"is not told from nothing, or hardly, and {why}"
     return None
@@ -85,16 +83,16 @@ def nothing(search: Search) -> tuple[Step, str] | None:
     """
     for step in _standing(search):
         term = find_term(search.current, step.added)
-        linear = term.law.linear and not term.law.everyday
-        if linear and not any(term.values[p.name] for p in term.law.linear):
+        linear = () if term.law.everyday else term.law.linear
+        if linear and not any(term.values[p.name] for p in linear):
             return step, "comes to nothing within its bounds"
     return None
 
 
-def _takes_nearly_all(current: Estimate, step: Step) -> bool:
-    """Whether little of what its joint is left with without an addition is left with it."""
+def _unshown(current: Estimate, step: Step) -> str | None:
+    """Why an addition needs another log; None where it takes nearly all off its joint."""
     left = share_left(current, _without(current, step))[step.score.joint]
-    return bool(left < 1.0 - TOLD_BY_SHARE)
+    return None if left < 1.0 - TOLD_BY_SHARE else _NO_OTHER_LOG
 
 
 def outdone(search: Search) -> tuple[Step, str] | None:

@@ -51,8 +51,7 @@ def told_elsewhere(current: Estimate, chosen: Score, other: Sequence[Motion]) ->
         return None
     lacking = (t for t in inner if not has(t, current.model.terms))
     plain = refit(current, (*current.model.terms, *lacking))
-    told = left_elsewhere(after, plain, chosen.joint, other) <= GAIN
-    return after if told else None
+    return after if no_worse(after, plain, chosen.joint, other, GAIN) else None
 
 
 def best_elsewhere(

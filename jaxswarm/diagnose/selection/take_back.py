@@ -70,16 +70,12 @@ def take_back_idle(search: Search) -> bool:
     Beside clocks and widths of a worse minimum a drive's dead band of -9.1 +- 0.8 N m took half of its joint's
     squared error; beside those of the final fit it was -0.7 +- 0.7 N m, and stood in the headline.
     """
-    held = len(search.steps)
-    _take_back(search, lambda: idle(search))
-    return len(search.steps) < held
+    return _take_back(search, lambda: idle(search))
 
 
 def take_back_nothing(search: Search) -> bool:
     """Take back what is held at nothing in the end; whether anything was."""
-    held = len(search.steps)
-    _take_back(search, lambda: nothing(search))
-    return len(search.steps) < held
+    return _take_back(search, lambda: nothing(search))
 
 
 def take_back_events(search: Search) -> None:
@@ -110,18 +106,21 @@ def take_back_stand_ins(search: Search) -> None:
     that is small beside what it took is a detail of it. Nor is one left that leaves a third of what a smooth
     function explains nearly all of: two bumps were told as a ripple.
     """
-    held = len(search.steps)
-    _take_back(search, lambda: stand_in(search), events=True)
-    _take_back(search, lambda: poor(search), events=True)
-    if len(search.steps) < held:
+    other_form = _take_back(search, lambda: stand_in(search), events=True)
+    little = _take_back(search, lambda: poor(search), events=True)
+    if other_form or little:
         # What a law hid shows now: four contacts of one joint stood beside a cable that was taken off another.
         take_back_events(search)
 
 
 def _take_back(
     search: Search, wrong: Callable[[], tuple[Step, str] | None], events: bool = False
-) -> None:
-    """Take back what is wrong, with the reason, until nothing is; ``events`` of its joint with it."""
+) -> bool:
+    """Take back what is wrong, with the reason, until nothing is; ``events`` of its joint with it.
+
+    Whether anything was.
+    """
+    before = len(search.steps)
     while search.steps:
         found = wrong()
         if found is None:
@@ -137,6 +136,7 @@ def _take_back(
         search.current = with_motion_noise(refit_once(search.current, terms), search.seed)
         search.steps = chain(kept) if kept else []
         search.crossfit = cross_fit(search.current)
+    return len(search.steps) < before
 
 
 def _goes_with(one: Step, step: Step, events: bool) -> bool:
