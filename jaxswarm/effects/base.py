@@ -67,12 +67,11 @@ class Effect:
         turning: Whether only a joint that turns can have it.
         carried: Whether only a joint on another link can have it.
         everyday: Whether every drive has it: missing on several joints, it is added to all at once.
-        recurring: Whether it is an event of one log with a begin and an end, of which there may be
-            several, and not a property of the robot, of which every stretch of a log is evidence.
+        begins: Parameter that says when in a log it begins, for good: other logs may be of before, or of after.
+        recurring: Whether it is an event of one log with a begin and an end, of which there may be several.
         several: Whether a joint may have several of it at once, told apart by ``identity``.
         mutual: Whether what a pair does to the partner is a second term of it, asked as soon as one is found.
-        reference_only: Whether it shows only against an earlier model or on part of a log, so that
-            one fit to whole logs cannot hold it.
+        reference_only: Whether no fit to whole logs can hold it: it is of a part, or against an earlier model.
         shown_against: Horizontal axis of its picture, one of :data:`AXES`.
         grid_size: Points of the first look at its nonlinear parameters; None: the usual number.
         probe: Values to which the slope of a candidate is drawn, for parameters whose derivative at
@@ -102,6 +101,7 @@ class Effect:
     turning: bool = False
     carried: bool = False
     everyday: bool = False
+    begins: str | None = None
     recurring: bool = False
     several: bool = False
     mutual: bool = False

@@ -79,6 +79,9 @@ def _(law: TorqueLaw, rng, num_draws):
             slack = 1e-12 * float(jnp.abs(power).max())
             _require(bool((power >= -slack).all()), law, f"drives instead of braking at {values}")
     _check_gradients(law, law.nominal(), series)
+    if law.begins is not None:
+        later = {**draw_parameters(law, rng), law.begins: float(series.t[-1]) + 1.0}
+        _require(not np.any(torque(later, series)), law, "acts before it begins")
     if law.rate is not None:
         _check_memory(law, rng, series)
 

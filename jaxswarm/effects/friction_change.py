@@ -11,7 +11,7 @@ regression coefficient at an unknown time).
 
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import CHANGE, Parameter
 from jaxswarm.effects.ramp import ramp
 
 register(
@@ -20,7 +20,7 @@ register(
         scope="joint",
         parameters=(
             Parameter("fc", "N m", -1e4, 1e4, True, 1.0, "dry friction after less that before"),
-            Parameter("t0", "s", 0.5, 1e4, False, 10.0, "time of the change", "log"),
+            CHANGE,
         ),
         summary="fc sign(dq) from the time t0 on: damage, lubrication",
         reference="Basseville, Nikiforov 1993, Detection of Abrupt Changes, sec. 2.4",
@@ -29,6 +29,7 @@ register(
             "drags, grease that arrives; ask what happened at that time and record again."
         ),
         torque=lambda p, s: p["fc"] * ramp(s.t, p["t0"]) * s.direction,
+        begins="t0",
         shown_against="time",
         uses_direction=True,
         # Points lie 8 % apart: what a jump explains falls off in proportion to how far it is missed.

@@ -11,7 +11,7 @@ regression coefficient at an unknown time).
 
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TorqueLaw
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import CHANGE, Parameter
 from jaxswarm.effects.ramp import ramp
 
 register(
@@ -20,7 +20,7 @@ register(
         scope="joint",
         parameters=(
             Parameter("tau", "N m", -1e4, 1e4, True, 0.5, "constant torque after less that before"),
-            Parameter("t0", "s", 0.5, 1e4, False, 10.0, "time of the change", "log"),
+            CHANGE,
         ),
         summary="tau from the time t0 on: the torque's zero jumps",
         reference="Basseville, Nikiforov 1993, Detection of Abrupt Changes, sec. 2.4",
@@ -29,6 +29,7 @@ register(
             "that is caught, something hung on the arm; ask what happened at that time and record again."
         ),
         torque=lambda p, s: p["tau"] * ramp(s.t, p["t0"]),
+        begins="t0",
         shown_against="time",
         # As friction_change: what a jump explains falls off in proportion to how far it is missed.
         grid_size=128,

@@ -112,6 +112,11 @@ def assumed(parameters: Iterable[Parameter]) -> dict[str, float]:
     return {p.name: p.nominal for p in parameters if p.usual or not p.fitted}
 
 
+# When something changes for good. Within half a second nothing does: it is there from the start.
+CHANGE = Parameter(
+    *("t0", "s", 0.5, 1e4, False, 10.0, "time of the change", "log"), another_at=("lower",)
+)
+
 # Over how long something warms. Within a second nothing does: that is how a log begins.
 WARMING = Parameter(
     *("tc", "s", 1.0, 1e4, False, 30.0, "time constant of warming", "log"), another_at=("lower",)

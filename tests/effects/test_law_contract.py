@@ -61,6 +61,7 @@ def test_a_sound_law_passes():
             {"torque": lambda p, s: p["b"] * s.state, "rate": lambda p, s: 1e3 * s.state + s.dq},
             "(finite)",
         ),
+        ({"begins": "v"}, "before it begins"),
     ],
 )
 def test_broken_laws_are_found(changes, message):

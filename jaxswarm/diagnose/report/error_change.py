@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.diagnose.report.numbers import percent
+from jaxswarm.identify.forward.begun import ALL_ALONG, NOT_BEGUN
 
 # Joints that the first line holds.
 _MOST_JOINTS = 3
@@ -28,6 +29,16 @@ def error_change(result: dict) -> str:
     rows = zip(result["joints"], before["relative"], after["relative"], strict=True)
     told = [f"{j} {percent(one)} before, {percent(two)} after" for j, one, two in rows if j in own]
     return "; ".join([*told[:_MOST_JOINTS], f"whole arm {change}" if told else change])
+
+
+def begun(validation: list[dict]) -> list[str]:
+    """Sentences on what began in the fitted log and had not on a validation log, or was there all along."""
+    told = {NOT_BEGUN: "had not begun", ALL_ALONG: "was there all along"}
+    return [
+        f"on {entry['on']} {one['effect']}@{one['joint']} {told[one['state']]}"
+        for entry in validation
+        for one in entry.get("begun", ())
+    ]
 
 
 def grown(

@@ -17,7 +17,7 @@ from jaxswarm.diagnose.decision.verdict import (
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.discovery.discover import Search
 from jaxswarm.diagnose.report import discovered
-from jaxswarm.diagnose.report.error_change import grown
+from jaxswarm.diagnose.report.error_change import begun, grown
 from jaxswarm.diagnose.report.place import place
 from jaxswarm.diagnose.report.refusal import refusal
 from jaxswarm.diagnose.report.undecided import undecided
@@ -79,6 +79,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
         "reasons": [
             *(told for told in (why, weak) if told),
             *diagnosis.cut_short,
+            *begun(outcome.validation),
             *grown(outcome.validation, joints, outcome.noise, HARM),
         ],
         **_refusals(diagnosis, rules, joints),

@@ -11,6 +11,7 @@ from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held as held_at_rest
 from jaxswarm.identify.estimation.standing import mixed_with, standing
 from jaxswarm.identify.estimation.validate import held_out_residual, known_without, outside
+from jaxswarm.identify.forward.begun import in_state_of
 from jaxswarm.identify.forward.link_lag import slope_terms, unseen_rows
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import (
@@ -197,7 +198,8 @@ def _moving(motion: Motion) -> np.ndarray:
 def log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
     """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
     motion = with_skew_of(motion, found.motions[0])
-    predicted = model_torque((model or found.model).during(None), motion)
+    model = in_state_of((model or found.model).during(None), [motion])
+    predicted = model_torque(model, motion)
     left = motion.decimator.apply(motion.tau - predicted)
     return left[_inside(motion)]
 

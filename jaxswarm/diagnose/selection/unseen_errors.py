@@ -11,6 +11,7 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.elsewhere import event_windows, expected
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
+from jaxswarm.identify.forward.begun import AS_FITTED, in_state_of, states_of
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
 
@@ -47,6 +48,12 @@ class UnseenErrors:
         """Errors of both models on a log; where they are much, what the final one is expected to leave."""
         one, two = (self._on(found.model, source) for found in (before, after))
         entry = {"on": Path(source).name, "before": one, "after": two}
+        names, begun = after.model.robot.joints, states_of(after.model, self.logs[source])
+        if told := {t: state for t, state in begun.items() if state != AS_FITTED}:
+            entry["begun"] = [
+                {"effect": t.effect, "joint": names[t.index], "state": state}
+                for t, state in told.items()
+            ]
         noise = noise_of(after)
         # Many predictions: only where there is something to say.
         if np.any(two["rms"] > NEAR * noise):
@@ -70,7 +77,8 @@ class UnseenErrors:
 
     def _on(self, model: Model, source: str) -> dict:
         left_out: dict[str, Any] = {"terms": self._terms, "events": self._events[source]}
-        return log_errors(model.during(None), *self.logs[source], **left_out)
+        here = in_state_of(model.during(None), self.logs[source])
+        return log_errors(here, *self.logs[source], **left_out)
 
 
 def _expected(found: Estimate, motions: Sequence[Motion], noise: np.ndarray) -> np.ndarray:
