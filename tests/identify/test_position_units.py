@@ -76,3 +76,14 @@ def test_turns_that_no_arm_makes_are_degrees_for_less(arm, log):
     logged, less = (Tried(np.full(6, left), np.ones(6)) for left in (0.3, 0.28))
     assert _believed(degrees, less, logged, 1.0)
     assert not _believed(usual, less, logged, 1.0)
+
+
+@pytest.mark.parametrize(("travel", "asked"), [(0.9, False), (1.1, True)])
+def test_no_unit_is_asked_of_which_a_log_moves_by_a_fraction(arm, log, travel, asked):
+    """Slides that went 0.1 and 0.3 m, of which weak motion told little, were called millimeters."""
+    _, motions = prepare_segments(log, Filtering(torque_cutoff=5.0))
+    samples = samples_of(motions)
+    near = replace(samples, q=samples.q * travel / np.ptp(samples.q, axis=0).max())
+    told = [g.what for g in position_unit_guesses(arm, Rough(arm, near), True)]
+    assert any("degrees" in what for what in told) == asked
+    assert any("revolutions" in what for what in told)

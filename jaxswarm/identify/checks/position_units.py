@@ -19,6 +19,10 @@ _REVOLUTIONS = 0.3
 # And speed of a slide [m/s] that none reaches: linear axes on sale end at 5 to 15 m/s. Where a slide changes
 # nobody's lever no torque tells its unit: there it is enough that no more is left, but for what rounding makes.
 _FASTEST, _NO_MORE = 20.0, -0.02
+# And by how many of its unit something has to move: motion of a fraction of a degree or of a millimeter tells
+# nothing. Two slides that went 0.1 and 0.3 m beside five turns, of which point-to-point motion told little,
+# were called millimeters.
+_LEAST = 1.0
 # By the name that ``--columns`` takes: its size, and its name in words.
 _TURNS = {
     "deg": (np.pi / 180.0, "degrees"),
@@ -53,9 +57,16 @@ def position_unit_guesses(robot: Robot, rough: Rough, poor: bool) -> Iterator[Gu
     far = np.ptp(samples.q, axis=0) > _FAR
     if turning.any():
         yield replace(_guess(robot, far, {"rev": turning}), needed=_REVOLUTIONS * rough.strictness)
-    if not (poor or far.any()):
-        return
-    slides = ~turning
+    if poor or far.any():
+        moving = np.ptp(samples.q, axis=0) > _LEAST
+        kinds = (chosen & (chosen & moving).any() for chosen in (turning, ~turning))
+        yield from _smaller(robot, samples, far, *kinds)
+
+
+def _smaller(
+    robot: Robot, samples: Samples, far: np.ndarray, turning: np.ndarray, slides: np.ndarray
+) -> Iterator[Guess]:
+    """Positions in each smaller unit: which joints go far, turn, and slide, (n,) each."""
     fast = np.abs(samples.dq).max(axis=0) > _FASTEST
     certain = bool(slides.any() and (far & fast)[slides].all())
     if turning.any():
