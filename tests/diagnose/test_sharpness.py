@@ -13,7 +13,7 @@ from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.sharpness import only_sharp, score_softly
 from jaxswarm.diagnose.decision.worth import passes
-from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.stand import in_all_motion
@@ -74,6 +74,15 @@ def test_nothing_is_sharp_where_the_samples_tell_all(effect):
 def test_friction_at_reversals_goes_with_what_is_sharp_there():
     passed, sharp = asked("stribeck_friction", SHARP)
     assert "stribeck_friction" in names(passed)
+    assert "stribeck_friction" in names(sharp)
+
+
+def test_a_joint_that_is_near_its_noise_by_clocks_of_its_own_is_asked():
+    """Left with 2.07 times the noise it was not asked, and a bristle was told of its reversals."""
+    passed, found, crossfit = scored("stribeck_friction", SHARP)
+    far = 3.0 * noise_of(found) / found.fit.sigma
+    found = replace(found, fit=replace(found.fit, sigma=far * found.fit.sigma))
+    sharp = only_sharp(passed, found, crossfit, lambda s: passes(s, len(passed), Rules()))
     assert "stribeck_friction" in names(sharp)
 
 
