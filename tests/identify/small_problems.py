@@ -46,13 +46,13 @@ def planar_arm():
     )
 
 
-def make_motion(robot, extra=None, length=600, noise=0.0, seed=0) -> Motion:
+def make_motion(robot, extra=None, length=600, noise=0.0, seed=0, scale=1.0) -> Motion:
     """Analytic motion with the torque of ``robot`` plus ``extra(q, dq, ddq)``, not decimated."""
     import jax
 
     rng = np.random.default_rng(seed)
     n, t = robot.num_joints, np.arange(length) * 0.01
-    amplitude, phase = rng.uniform(0.3, 0.8, (3, n)), rng.uniform(0, 7, (3, n))
+    amplitude, phase = scale * rng.uniform(0.3, 0.8, (3, n)), rng.uniform(0, 7, (3, n))
     w = 2 * np.pi * np.array([0.31, 0.83, 1.57])[:, None] * rng.uniform(0.8, 1.2, (3, n))
     angle = w * t[:, None, None] + phase
     q = (amplitude * np.sin(angle)).sum(axis=1)

@@ -43,6 +43,16 @@ def test_joints_of_clearly_different_widths_have_their_own(widths):
     np.testing.assert_allclose(fitted(widths), widths, rtol=0.1)
 
 
+@pytest.mark.parametrize("widths", [(0.2, 0.12), (0.14, 0.075), (0.3, 0.12)])
+def test_a_joint_that_creeps_has_its_own_though_that_of_its_kind_is_beyond_its_speed(widths):
+    """It kept the width of its kind, and a clean one was given a Stribeck law by that."""
+    scale = np.array([1.0, 0.06])
+    motion = make_motion(planar_arm(), friction(widths), length=1500, noise=0.02, scale=scale)
+    shared = float(np.mean(widths))
+    found = estimate(planar_arm(), LAWS, [motion], width=shared, refine_width=True).model
+    np.testing.assert_allclose(found.width, widths, rtol=0.1)
+
+
 def test_widths_are_the_same_however_many_look_for_them(monkeypatch):
     motion = make_motion(planar_arm(), friction((0.15, 0.5)), length=1500, noise=0.02)
     threads = set()
@@ -189,7 +199,7 @@ def test_a_sign_is_as_sharp_as_the_log_tells_and_no_sharper(monkeypatch, doubt, 
 
     here = SimpleNamespace(place=place((0.018, 1e-4)), pi=None)
     problem = SimpleNamespace(motions=[], free=lambda terms, widths: widths)
-    monkeypatch.setattr(choosing, "_own_widths", own)
+    monkeypatch.setattr(choosing, "widths_alone", own)
     monkeypatch.setattr(choosing, "free_widths", lambda motions, groups, width: list(groups))
     monkeypatch.setattr(choosing, "newton", lambda problem, moving, here: here)
     monkeypatch.setattr(

@@ -4,19 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxswarm.identify.estimation.free_parameters import FreeParameter, width_parameter
-from jaxswarm.identify.estimation.gauss_newton import (
-    Settled,
-    apart_from,
-    newton,
-    settle,
-)
+from jaxswarm.identify.estimation.free_parameters import FreeParameter
+from jaxswarm.identify.estimation.gauss_newton import Settled, newton, settle
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.links_held import LinksHeld, links_can_be_held
 from jaxswarm.identify.estimation.own_widths import apart, is_told, told_by_the_others
 from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.estimation.sign_width import width_range
-from jaxswarm.logs.motion import Motion
+from jaxswarm.identify.estimation.widths_alone import (
+    free_widths,
+    freed_of,
+    widths_alone,
+)
 
 # What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
 _HARDLY_TOLD = 4.0
@@ -75,8 +73,8 @@ def _chosen(
     problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
 ) -> tuple[Settled, list[FreeParameter], list[FreeParameter]]:
     """The same, from what the log tells to first order about the widths of a fit."""
-    own = _own_widths(problem, here, groups)
-    freed = _freed(groups, own, here.place.width)
+    own = widths_alone(problem, here, groups)
+    freed = freed_of(groups, own, here.place.width)
     rest = [tuple(j for j in group if j not in freed) for group in groups]
     split = [*(group for group in rest if group), *((j,) for j in sorted(freed))]
     if freed:
@@ -84,7 +82,7 @@ def _chosen(
             here.place.terms, free_widths(problem.motions, split, here.place.width)
         )
         here = newton(problem, moving, here)
-        own = _own_widths(problem, here, groups)
+        own = widths_alone(problem, here, groups)
     if own:
         return _leaning(problem, here, moving, groups, split, freed, own)
     return here, moving, []
@@ -103,7 +101,7 @@ def _no_sharper_than_told(problem: Problem, here: Settled, moving, held, groups)
     differing = [g for g in groups if np.ptp(np.log([width[j] for j in g])) > _SHARPER]
     if not differing:
         return here, moving, held
-    own = _own_widths(problem, here, groups)
+    own = widths_alone(problem, here, groups)
     leant = {j for one in held for j in one.joints}
     sharp: dict[int, float] = {}
     for group in differing:
@@ -136,7 +134,7 @@ def _as_far_as_told(problem: Problem, here: Settled, moving, groups, usual) -> S
             width[j] = float(np.exp(y))
         place = here.place._replace(width=tuple(width))
         here = newton(problem, moving, settle(problem, place, here.pi))
-        own = _own_widths(problem, here, groups)
+        own = widths_alone(problem, here, groups)
         told = {
             j: own[j][0]
             for j in told
@@ -162,7 +160,7 @@ def _shared_again(problem: Problem, here: Settled, moving: list[FreeParameter]) 
     """
     width = np.array(here.place.width)
     sharing = [list(f.joints) for f in moving if np.ptp(width[list(f.joints) or [0]]) > 0]
-    own = _own_widths(problem, here, sharing)
+    own = widths_alone(problem, here, sharing)
     for group in sharing:
         told = [own[j] for j in group if j in own and np.isfinite(own[j][1])]
         if len(told) > 1:
@@ -174,16 +172,6 @@ def _shared_again(problem: Problem, here: Settled, moving: list[FreeParameter]) 
         return here
     place = here.place._replace(width=tuple(map(float, width)))
     return newton(problem, moving, settle(problem, place, here.pi))
-
-
-def free_widths(motions: Sequence[Motion], groups, width) -> list[FreeParameter]:
-    """The widths to fit; a sign that is sharper than any sample shows has none."""
-    ranges = [width_range(motions, group) for group in groups]
-    return [
-        width_parameter(group, limits)
-        for group, limits in zip(groups, ranges, strict=True)
-        if limits[0] < width[group[0]] < limits[1]
-    ]
 
 
 def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own):
@@ -205,38 +193,3 @@ def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own)
             leaning = [(j,) for group in split if group not in known for j in group]
             return there, free, free_widths(problem.motions, leaning, leant)
     return here, moving, []
-
-
-def _own_widths(problem: Problem, here: Settled, groups) -> dict[int, tuple[float, float]]:
-    """What the width of every joint that shares one by its kind would be alone, to first order, with its error.
-
-    Logarithms both; a width at a limit is not told, and its error is infinite. Nothing where none is told.
-    """
-    every = [
-        width_parameter((j,), width_range(problem.motions, group))
-        for group in groups
-        if len(group) > 1
-        for j in group
-    ]
-    alone = [one for one in every if one.lower < here.place.width[one.joints[0]] < one.upper]
-    if not alone:
-        return {}
-    untold = {
-        one.joints[0]: (float(np.log(here.place.width[one.joints[0]])), np.inf) for one in every
-    }
-    change, doubt = apart_from(problem, alone, here)
-    scale = np.array([np.log(one.upper / one.lower) for one in alone])
-    now = np.log([here.place.width[one.joints[0]] for one in alone])
-    rows = zip(now + change * scale, doubt * scale, strict=True)
-    found = {one.joints[0]: (float(y), float(v)) for one, (y, v) in zip(alone, rows, strict=True)}
-    return untold | found
-
-
-def _freed(groups, own: dict[int, tuple[float, float]], width) -> set[int]:
-    """The joints whose sign is another than that of their kind, beyond doubt."""
-    freed = set()
-    for group in groups:
-        rows = [j for j in group if j in own and np.isfinite(own[j][1])]
-        ratio = np.array([own[j][0] - np.log(width[j]) for j in rows])
-        freed |= {rows[k] for k in apart(ratio, np.array([own[j][1] for j in rows]))}
-    return freed

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.choose_widths import choose_widths, free_widths
+from jaxswarm.identify.estimation.choose_widths import choose_widths
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import Settled, newton, settle
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import alike, driven_by_friction, sharing
 from jaxswarm.identify.estimation.usual import as_usual, told_apart, told_before, usual_shapes
+from jaxswarm.identify.estimation.widths_alone import free_widths
 
 # Where a fit ended, what is free there, and widths that are held but not known.
 Fitted = tuple[Settled, list[FreeParameter], list[FreeParameter]]
