@@ -24,6 +24,7 @@ from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import chain
+from jaxswarm.diagnose.selection.told_at_rest import take_back_told_at_rest
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import hardly_moving, leave_out, tells_motion
 from jaxswarm.identify.forward.model import model_torque
@@ -38,7 +39,9 @@ def leave_out_sticks(search: Search) -> bool:
     known = set(search.sticking)
     after = _fit_of_what_moves(search)
     if after is not None:
-        go_on_from(search, after, search.sticking - known)
+        held = search.sticking - known
+        go_on_from(search, after, held)
+        take_back_told_at_rest(search, held)
     return after is not None
 
 
