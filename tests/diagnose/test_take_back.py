@@ -44,7 +44,7 @@ LOAD = Term("load_dependent_friction", 1)
 COUPLING = Term("transmission_coupling", 1, 0)
 RIPPLE = Term("torque_ripple", 1)
 BENT = Term("dead_zone_spring", 1)
-CUBIC = Term("cubic_spring", 1, values={"k": 1.0, "q0": 0.0})
+CUBIC = Term("cubic_spring", 1, values={"k3": 1.0, "q0": 0.0})
 
 
 def searched(unknown: float) -> Search:
@@ -340,10 +340,14 @@ def test_what_imitates_any_law_beside_another_one_keeps_its_place_in_mind():
     assert search.kept_out == {1} and search.refused[0][0].effect == "dead_zone_spring"
 
 
-def replaced(term: Term, plain: tuple[Term, ...], declared: tuple[Term, ...]) -> Search:
+BRISTLES = Term("hysteresis", 1, values={"fc": 3.0, "x0": 0.05})
+
+
+def replaced(
+    term: Term, plain: tuple[Term, ...], declared: tuple[Term, ...], true: Term = BRISTLES
+) -> Search:
     """As if a law had taken the place of plain ones, on a log of bristles on the second joint."""
-    bristles = Term("hysteresis", 1, values={"fc": 3.0, "x0": 0.05})
-    motion = prepare(log_with(bristles, duration=LONG), BAND)
+    motion = prepare(log_with(true, duration=LONG), BAND)
     start = estimate(small_arm(), declared, [motion], bounded=False)
     before = with_motion_noise(refit(start, (*declared, *(t for t in plain if t not in declared))))
     kept = [t for t in before.model.terms if t.identity not in {p.identity for p in plain}]
@@ -379,3 +383,18 @@ def test_a_law_that_extends_another_stays_only_where_it_is_better(monkeypatch, b
     named = {t.effect for t in search.current.model.terms if t.joint == 1}
     assert ("maxwell_slip" in named) == better
     assert ("hysteresis" in named) != better
+
+
+@pytest.mark.parametrize("uneven", [0.0, 0.5])
+def test_friction_of_each_direction_stays_only_where_its_halves_differ(uneven):
+    """Beside moments of stiction it had taken the place of both, and in motion its halves were one."""
+    dry = tuple(t for t in blank() if t.joint == 1)
+    each = {"fc_pos": uneven, "fc_neg": 0.0, "b_pos": 0.0, "b_neg": 0.0}
+    true = Term("asymmetric_friction", 1, values=each)
+    search = replaced(Term("asymmetric_friction", 1), dry, blank(), true)
+    take_back(search)
+    named = {t.effect for t in search.current.model.terms if t.joint == 1}
+    told = {"asymmetric_friction"} if uneven else {t.effect for t in dry}
+    assert named == told
+    whys = [why for _, why in search.refused]
+    assert whys == [] if uneven else "viscous_friction and coulomb_friction" in whys[0]

@@ -21,6 +21,7 @@ from jaxswarm.diagnose.decision.rules import (
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.plainer import does_as_well, numbers_of
 from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term, terms_before, with_errors
@@ -99,10 +100,19 @@ def outdone(search: Search) -> tuple[Step, str] | None:
     """The first addition in the place of one that it extends, and no better any more, and why; None if none is.
 
     Beside rows in which friction holds joints, elements that slip took the place of bristles; without these
-    rows they left 1.4 times as much of held-out time, and stood in the report with that.
+    rows they left 1.4 times as much of held-out time, and stood in the report with that. Nor is one that leaves
+    no less than what it contains, as friction of each direction does whose halves have become one.
     """
     for step in _standing(search):
-        law = step.added.law
+        law, current = step.added.law, search.current
+        asked = set(law.contains) - set(law.extends)
+        inner = [t for t in step.removed if t.effect in asked]
+        if inner:
+            saved = numbers_of(find_term(current, step.added))
+            saved -= sum(len(t.law.parameters) for t in step.removed)
+            if saved > 0 and does_as_well(_without(current, step), current, saved):
+                names = " and ".join(t.effect for t in inner)
+                return step, f"leaves no less than {names} any more"
         plain = [
             t.effect
             for t in step.removed

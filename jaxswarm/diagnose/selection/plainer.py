@@ -28,7 +28,7 @@ def plainer(
     the signs and the chance of the candidates are not asked.
     """
     rest = refit(current, without(added, current.model.terms))
-    size = _spent(added)
+    size = numbers_of(added)
     terms = [
         t
         for t in eligible_terms(rest.model, rest.motions)
@@ -49,10 +49,10 @@ def plainer(
     return None
 
 
-def _spent(term: Term) -> int:
+def numbers_of(term: Term) -> int:
     """How many numbers a fitted term spends: no choice is one, and no shape that is as usual.
 
-    >>> _spent(Term("torque_constant_saturation", 0, values={"c": 0.1, "n": 1.0, "at": 5.0}))
+    >>> numbers_of(Term("torque_constant_saturation", 0, values={"c": 0.1, "n": 1.0, "at": 5.0}))
     1
     """
     usual = {p.name for p in term.law.parameters if p.usual and term.values[p.name] == p.nominal}
