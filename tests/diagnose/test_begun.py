@@ -1,5 +1,7 @@
 """What began in the middle of the fitted log: another log may be of before, of after, or have it too."""
 
+from dataclasses import replace
+
 import pytest
 from planted import BAND, blank, log_with, small_arm
 
@@ -8,9 +10,10 @@ from jaxswarm.diagnose.report.error_change import begun
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.survives import survives
 from jaxswarm.diagnose.selection.unseen_errors import UnseenErrors
+from jaxswarm.effects.alike import has
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
-from jaxswarm.identify.forward.begun import ALL_ALONG, AS_FITTED, NOT_BEGUN, states_of
+from jaxswarm.identify.forward.begun import ALL_ALONG, AS_FITTED, NOT_BEGUN, in_state_of, states_of
 from jaxswarm.logs.motion import prepare
 
 CHANGES = {
@@ -60,3 +63,14 @@ def test_a_jump_where_nothing_jumps_is_refused_by_another_log(fits):
     added = refit(none, (*none.model.terms, after.model.terms[-1]))
     assert added.model.terms[-1].effect == name
     assert survives(none, added, 1, [other_log(name, NOT_BEGUN)]) is not None
+
+
+def test_an_event_of_the_fitted_log_says_nothing_of_another_one(fits):
+    """It was in the model that told the state, and not in the one that was scored."""
+    name, _, after = fits
+    pushed = {"start": 1.0, "end": 9.0, "log": 0.0, "tau_joint1": 0.0, "tau_joint2": 50.0}
+    event = Term("contact", values=pushed)
+    model = replace(after.model, terms=(*after.model.terms, event))
+    other = [other_log(name, NOT_BEGUN)]
+    assert states_of(model, other) == states_of(after.model, other)
+    assert not has(event, in_state_of(model, other).terms)

@@ -198,7 +198,7 @@ def _moving(motion: Motion) -> np.ndarray:
 def log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
     """Residual of a log by the clocks of the fit, without the ends, where accelerations are worst known."""
     motion = with_skew_of(motion, found.motions[0])
-    model = in_state_of((model or found.model).during(None), [motion])
+    model = in_state_of(model or found.model, [motion])
     predicted = model_torque(model, motion)
     left = motion.decimator.apply(motion.tau - predicted)
     return left[_inside(motion)]

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable, Sequence
 
-from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.may_not_stay import (
     idle,
     nothing,
@@ -12,13 +10,12 @@ from jaxswarm.diagnose.selection.may_not_stay import (
     shadow,
     stand_in,
 )
-from jaxswarm.diagnose.selection.refit import refit_once
 from jaxswarm.diagnose.selection.state import Search, kind_of
 from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
-from jaxswarm.diagnose.selection.step import Step, chain, terms_before
+from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.survives import harmful
 from jaxswarm.diagnose.selection.unpredicted import unpredicted
-from jaxswarm.effects.alike import has
+from jaxswarm.diagnose.selection.without_steps import go_on_without
 from jaxswarm.effects.term import Term
 
 
@@ -127,15 +124,8 @@ def _take_back(
             break
         step, why = found
         search.refuse(step.added, why)
-        kept, terms = [], search.current.model.terms
-        for one in search.steps:
-            if one is step or _goes_with(one, step, events):
-                terms = terms_before(one, terms) if has(one.added, terms) else terms
-            else:
-                kept.append(one)
-        search.current = with_motion_noise(refit_once(search.current, terms), search.seed)
-        search.steps = chain(kept) if kept else []
-        search.crossfit = cross_fit(search.current)
+        gone = [s for s in search.steps if s is step or _goes_with(s, step, events)]
+        go_on_without(search, gone)
     return len(search.steps) < before
 
 

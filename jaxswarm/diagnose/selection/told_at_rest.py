@@ -15,10 +15,10 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOUD
 from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, chain, terms_before
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.without_steps import go_on_without, terms_without
 from jaxswarm.effects.alike import has
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -35,16 +35,11 @@ def take_back_told_at_rest(search: Search, joints: Collection[int]) -> None:
     """
     asked = {int(j) for j in joints}
     while gone := [s for s in search.steps if _is_of(s, asked, search.current)]:
-        terms = search.current.model.terms
-        for step in gone:
-            terms = terms_before(step, terms) if has(step.added, terms) else terms
+        terms = terms_without(gone, search.current.model.terms)
         plain = with_motion_noise(_with_friction(search.current, terms, asked), search.seed)
         loud = set(map(int, np.flatnonzero(over_noise(plain) > LOUD)))
         if not asked & loud:
-            kept = [s for s in search.steps if s not in gone]
-            search.steps = chain(kept) if kept else []
-            search.current = with_motion_noise(refit(search.current, terms), search.seed)
-            search.crossfit = cross_fit(search.current)
+            go_on_without(search, gone)
             return
         asked -= loud
 

@@ -77,7 +77,7 @@ class UnseenErrors:
 
     def _on(self, model: Model, source: str) -> dict:
         left_out: dict[str, Any] = {"terms": self._terms, "events": self._events[source]}
-        here = in_state_of(model.during(None), self.logs[source])
+        here = in_state_of(model, self.logs[source])
         return log_errors(here, *self.logs[source], **left_out)
 
 

@@ -10,11 +10,7 @@ from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.links_held import LinksHeld, links_can_be_held
 from jaxswarm.identify.estimation.own_widths import apart, is_told, told_by_the_others
 from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.estimation.widths_alone import (
-    free_widths,
-    freed_of,
-    widths_alone,
-)
+from jaxswarm.identify.estimation.widths_alone import free_widths, freed_of, widths_alone
 
 # What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
 _HARDLY_TOLD = 4.0

@@ -25,7 +25,7 @@ def in_state_of(model: Model, motions: Sequence[Motion]) -> Model:
         model: The model.
         motions: Stretches of one log that was not fitted.
     """
-    here = model
+    here = model.during(None)
     for _, _, chosen in _choices(model, motions):
         here = chosen
     return here
@@ -37,7 +37,11 @@ def states_of(model: Model, motions: Sequence[Motion]) -> dict[Term, str]:
 
 
 def _choices(model: Model, motions: Sequence[Motion]) -> Iterator[tuple[Term, str, Model]]:
-    """Every term that begins with the best of its three states, and the model with it."""
+    """Every term that begins with the best of its three states, and the model with it.
+
+    Events of fitted logs are in none.
+    """
+    model = model.during(None)
     for term in model.terms:
         if term.law.begins is None:
             continue
@@ -60,7 +64,7 @@ def _left(model: Model, motions: Sequence[Motion], joint: int) -> float:
     """Sum of the squared residual of a joint below the torque's cutoff."""
     left = 0.0
     for motion in motions:
-        predicted = motion.decimator.apply(model_torque(model, motion))
+        predicted = motion.decimator.apply(model_torque(model.on_joint(joint), motion))
         rows = slice(None) if motion.lost is None else ~motion.lost_rows
         left += float(((motion.low_torque - predicted)[rows, joint] ** 2).sum())
     return left
