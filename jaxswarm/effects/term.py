@@ -4,13 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-import jax
 import numpy as np
 
 from jaxswarm.effects.base import Effect, get_law
 from jaxswarm.effects.formula import Formula, formula_law
 from jaxswarm.effects.parameter import Unit
 from jaxswarm.errors import InputError, nearest
+from jaxswarm.nodes import node_of
 
 K = TypeVar("K", bound=Effect)
 
@@ -130,9 +130,7 @@ class Term:
 
 
 # Values are data of a compiled program, the rest is its structure.
-jax.tree_util.register_dataclass(
-    Term, data_fields=["values"], meta_fields=["effect", "joint", "other", "formula"]
-)
+node_of(Term, leaves=["values"], fixed=["effect", "joint", "other", "formula"])
 
 
 def physical_unit(unit: str, kind: str) -> str:

@@ -12,10 +12,12 @@ import dataclasses
 
 import jax
 
+from jaxswarm.nodes import node
+
 KINDS = ("revolute", "prismatic")
 
 
-@jax.tree_util.register_dataclass
+@node
 @dataclasses.dataclass(frozen=True, eq=False)
 class Robot:
     """A tree of n revolute and prismatic joints.

@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 import jax
 import jax.numpy as jnp
 
+from jaxswarm.nodes import node
 from jaxswarm.robot.dynamics import inverse_dynamics
 from jaxswarm.robot.model import Robot
 
@@ -38,7 +39,7 @@ def _column(gain: jax.Array | float, like: jax.Array) -> jax.Array:
     )
 
 
-@jax.tree_util.register_dataclass
+@node
 @dataclasses.dataclass(frozen=True, eq=False)
 class PD:
     """tau = feedforward + kp (q_ref - q) + kd (dq_ref - dq), limited to +- limit.
@@ -60,7 +61,7 @@ class PD:
         return jnp.clip(tau, -limit, limit)
 
 
-@jax.tree_util.register_dataclass
+@node
 @dataclasses.dataclass(frozen=True, eq=False)
 class Cascade:
     """tau = gain clip(kp kv (q_ref - q) - kv dq, +- limit): position over velocity loop in volts.
@@ -84,7 +85,7 @@ class Cascade:
         return reference.feedforward + gain * jnp.clip(volts, -limit, limit)
 
 
-@jax.tree_util.register_dataclass
+@node
 @dataclasses.dataclass(frozen=True, eq=False)
 class ComputedTorque:
     """tau = feedforward + ID(q, dq, ddq_ref + kp (q_ref - q) + kd (dq_ref - dq)), limited.

@@ -32,6 +32,7 @@ from jaxswarm.effects.kinds import (
 from jaxswarm.effects.placement import moved_joint
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.errors import InputError
+from jaxswarm.nodes import node
 from jaxswarm.robot.model import Robot
 
 FLANK_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
@@ -43,7 +44,7 @@ FIRM = 1e-7
 Acting = Term
 
 
-@jax.tree_util.register_dataclass
+@node
 @dataclasses.dataclass(frozen=True, eq=False)
 class Plant:
     """A robot with the effects that act on it.

@@ -10,6 +10,8 @@ from typing import Any, TypeVar, cast, dataclass_transform
 
 import jax
 
+from jaxswarm.nodes import node
+
 T = TypeVar("T")
 
 
@@ -29,7 +31,7 @@ def pytree(cls: type[T]) -> type[T]:
     >>> jax.tree.leaves(Line(2.0))
     [2.0]
     """
-    return jax.tree_util.register_dataclass(dataclasses.dataclass(frozen=True)(cls))
+    return node(dataclasses.dataclass(frozen=True)(cls))
 
 
 def facts(**named: Any) -> Callable[[type[T]], type[T]]:

@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.errors import InputError
+from jaxswarm.nodes import node
 from jaxswarm.swarm.checkpoint import header_of, restore, save
 from jaxswarm.swarm.fingerprint import fingerprint
 from jaxswarm.swarm.loop import Loop
@@ -184,7 +185,7 @@ def _probe(loop, optimizer, space, key, args) -> list:
     return [f"{number:.{digits}g}" for number in value.ravel()]
 
 
-@jax.tree_util.register_dataclass
+@node
 @dataclasses.dataclass(frozen=True)
 class _Asked:
     position: jax.Array
