@@ -47,7 +47,7 @@ def choose_widths(
     there, free, held = _widths_of(fixed, here, free, groups)
     moving = problem.free(there.place.terms, [one for one in free if one.joints])
     if there.place.width != here.place.width:
-        here = newton(problem, moving, settle(problem, there.place, there.pi))
+        here = newton(problem, moving, settle(problem, there.place, there.theta))
     return here, moving, held
 
 
@@ -129,7 +129,7 @@ def _as_far_as_told(problem: Problem, here: Settled, moving, groups, usual) -> S
         for j, y in told.items():
             width[j] = float(np.exp(y))
         place = here.place._replace(width=tuple(width))
-        here = newton(problem, moving, settle(problem, place, here.pi))
+        here = newton(problem, moving, settle(problem, place, here.theta))
         own = widths_alone(problem, here, groups)
         told = {
             j: own[j][0]
@@ -143,7 +143,7 @@ def _as_far_as_told(problem: Problem, here: Settled, moving, groups, usual) -> S
         return here
     width = [first[j] if j in still else w for j, w in enumerate(here.place.width)]
     return newton(
-        problem, moving, settle(problem, here.place._replace(width=tuple(width)), here.pi)
+        problem, moving, settle(problem, here.place._replace(width=tuple(width)), here.theta)
     )
 
 
@@ -167,7 +167,7 @@ def _shared_again(problem: Problem, here: Settled, moving: list[FreeParameter]) 
     if np.array_equal(width, here.place.width):
         return here
     place = here.place._replace(width=tuple(map(float, width)))
-    return newton(problem, moving, settle(problem, place, here.pi))
+    return newton(problem, moving, settle(problem, place, here.theta))
 
 
 def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own):
@@ -183,7 +183,7 @@ def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own)
     for part in _PARTS_OF_THE_WAY:
         leant = tuple(a * (b / a) ** part for a, b in zip(here.place.width, told, strict=True))
         free = problem.free(here.place.terms, free_widths(problem.motions, known, leant))
-        there = newton(problem, free, settle(problem, here.place._replace(width=leant), here.pi))
+        there = newton(problem, free, settle(problem, here.place._replace(width=leant), here.theta))
         two = weighted_cost(there.residual, sigma)
         if two <= (1.0 + part**2 * _HARDLY_TOLD / len(here.residual)) * one:
             leaning = [(j,) for group in split if group not in known for j in group]

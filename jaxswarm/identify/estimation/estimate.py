@@ -149,7 +149,7 @@ def _named(
         t if change is None else replace(t, values=change(t.values))
         for t, change in zip(found.model.terms, alone, strict=True)
     )
-    there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.pi))
+    there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.theta))
     return _finish(problem, there, moving, held_widths)
 
 
@@ -165,9 +165,9 @@ def _finish(
     problem: Problem, here: Settled, moving: list[FreeParameter], held_widths: list[FreeParameter]
 ) -> Estimate:
     """The estimate with values and standard errors by name."""
-    robot, theta = problem.robot, here.solution.theta
+    robot, theta = problem.robot, here.theta
     first, solution = problem.motions[0], with_doubt(here.solution, here.regression)
-    solution = replace(solution, residual=here.residual)
+    solution = replace(solution, values=solution.base.reduce(theta), residual=here.residual)
     named = [t.linear_names(robot.joints) for t in here.place.terms]
     split = np.cumsum([10 * robot.num_joints, *(len(names) for names in named)])
     parts = np.split(theta, split)[1:]

@@ -41,35 +41,42 @@ class Settled:
         place: Nonlinear parameters and widths.
         solution: The linear ones.
         regression: The rows that they solve.
-        pi: Rigid parameters (10 n,) that the columns were built with.
-        residual: What the model leaves, (T, n): where its columns bend, not what the solution promises.
+        theta: Linear parameters of the model, (p,): where its columns bend, those that they were built with and
+            not those of the solution, which may be a step too far.
+        residual: What the model leaves, (T, n), with these.
     """
 
     place: Place
     solution: Solved
     regression: Regression
-    pi: np.ndarray
+    theta: np.ndarray
     residual: np.ndarray
 
     @property
-    def theta(self) -> np.ndarray:
-        """All linear parameters (p,), the rigid ones as the columns were built with."""
-        return np.concatenate([self.pi, self.solution.theta[len(self.pi) :]])
+    def pi(self) -> np.ndarray:
+        """The rigid ones of the linear parameters, (10 n,)."""
+        return self.theta[: 10 * self.regression.torque.shape[1]]
 
 
-def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
+def settle(problem: Problem, place: Place, start: np.ndarray) -> Settled:
     """Fit, and fit again where columns depend on the rigid parameters, until those stand still.
 
     Where a drive distorts its torque that leads nowhere from a model whose torque crosses zero elsewhere: then
     it is done from the measured torque too, and what leaves less stays.
+
+    Args:
+        problem: What is fitted.
+        place: Nonlinear parameters and widths.
+        start: Linear parameters to start from: all of a model near by, (p,), or the rigid ones, (10 n,).
     """
     rigid = 10 * problem.robot.num_joints
+    pi = start[:rigid]
     regression = problem.build(place, pi)
     solution = problem.solve(place.terms, regression)
     if not uses_load(place.terms) and not moves_links(place.terms):
-        return Settled(place, solution, regression, solution.theta[:rigid], solution.residual)
-    stand = np.concatenate([pi, solution.theta[rigid:]])
-    found = _settled(problem, Settled(place, solution, regression, pi, solution.residual), stand)
+        return Settled(place, solution, regression, solution.theta, solution.residual)
+    stand = np.concatenate([start, solution.theta[len(start) :]])
+    found = _settled(problem, Settled(place, solution, regression, stand, solution.residual), stand)
     begin = measured_start(problem, place, pi)
     if begin is None:
         return found
@@ -78,7 +85,7 @@ def settle(problem: Problem, place: Place, pi: np.ndarray) -> Settled:
     if there is None:
         return found
     solution = problem.solve(told.terms, there)
-    other = Settled(told, solution, there, begin[:rigid], solution.residual)
+    other = Settled(told, solution, there, begin, solution.residual)
     other = _settled(problem, other, begin)
     costs = [weighted_cost(one.residual, sigma) for one in (found, other)]
     return other if costs[1] < costs[0] else found
@@ -96,7 +103,7 @@ def _settled(problem: Problem, here: Settled, stand: np.ndarray) -> Settled:
     for _ in range(_ROUNDS):
         sigma, step = solution.sigma, theta - stand
         if np.abs(regression.columns @ step).max() < small:
-            return Settled(place, solution, regression, theta[:rigid], solution.residual)
+            return Settled(place, solution, regression, theta, solution.residual)
         before = _true_cost(regression, stand, sigma)
         if before - weighted_cost(solution.residual, sigma) < _PROMISED * before:
             break
@@ -116,7 +123,7 @@ def _settled(problem: Problem, here: Settled, stand: np.ndarray) -> Settled:
         theta = solution.theta
     # What the linearization promises further on is not what the model does.
     residual = regression.target - regression.columns @ stand
-    return Settled(place, solution, regression, stand[:rigid], residual)
+    return Settled(place, solution, regression, stand, residual)
 
 
 def _attempt(build, *at):
@@ -150,7 +157,7 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
         for shrink in (1.0, 0.3, 0.1):
             trial = write(here.place, moving, np.clip(position + shrink * step, 0.0, 1.0))
             there = None  # its columns go before others are made
-            there = _attempt(settle, problem, trial, here.pi)
+            there = _attempt(settle, problem, trial, here.theta)
             new = np.inf if there is None else weighted_cost(there.residual, sigma)
             if new < cost * (1 - 1e-7):
                 break
@@ -168,7 +175,7 @@ def _step(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.nd
     """Change of the free parameters' positions, (m,)."""
     solution, regression = here.solution, here.regression
     slopes = tangents(
-        lambda place, free: problem.output(place, here.pi, solution.theta, free),
+        lambda place, free: problem.output(place, here.pi, here.theta, free),
         here.place,
         moving,
     )
