@@ -166,8 +166,10 @@ def _finish(
 ) -> Estimate:
     """The estimate with values and standard errors by name."""
     robot, theta = problem.robot, here.theta
-    first, solution = problem.motions[0], with_doubt(here.solution, here.regression)
-    solution = replace(solution, values=solution.base.reduce(theta), residual=here.residual)
+    first, values = problem.motions[0], here.solution.base.reduce(theta)
+    at_bound = here.solution.at_bound & np.isclose(values, here.solution.values)
+    stood = here.solution._replace(values=values, residual=here.residual, at_bound=at_bound)
+    solution = with_doubt(stood, here.regression)
     named = [t.linear_names(robot.joints) for t in here.place.terms]
     split = np.cumsum([10 * robot.num_joints, *(len(names) for names in named)])
     parts = np.split(theta, split)[1:]
