@@ -17,6 +17,7 @@ import numpy as np
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.transmission import DAMPING, STIFFNESS
 
 # Parts of the usual stiffness, damping ratios, and multiples of the usual twist that are tried: what hardens
 # beyond the last hardly hardens on that log.
@@ -38,9 +39,9 @@ register(
         name="hardening_elasticity",
         scope="joint",
         parameters=(
-            Parameter("k", "N m/rad", 10.0, 1e6, False, 5e3, "stiffness without load", "log"),
+            Parameter("k", "N m/rad", *STIFFNESS, False, 5e3, "stiffness without load", "log"),
             Parameter("eh", "rad", 1e-5, 1.0, False, 0.01, "twist of twice the torque", "log"),
-            Parameter("d", "N m s/rad", 1e-2, 1e3, False, 5.0, "damping", "log"),
+            Parameter("d", "N m s/rad", *DAMPING, False, 5.0, "damping", "log"),
         ),
         summary="as joint_elasticity, stiffening: k e (1 + (e/eh)^2) + d de/dt = torque of the link",
         reference="Tuttle, Seering 1996, IEEE Trans. Robotics and Automation 12(3)",

@@ -10,15 +10,19 @@ from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.parameter import Parameter
 
-# Stiffnesses [N m/rad] that are tried, and dampings as multiples of 20 sqrt(k times inertia).
-_STIFFNESSES, _DAMPINGS = np.geomspace(30.0, 3e5, 17), (0.003, 0.01, 0.03, 0.1)
+# Frequencies [Hz] of a link on its spring that are tried, dampings as multiples of 20 sqrt(k times inertia).
+# Stiffnesses that are the same for all joints began at 25 Hz for links of a wrist: one of 5 Hz was told at the
+# bound.
+_FREQUENCIES, _DAMPINGS = np.geomspace(0.87, 87.0, 17), (0.003, 0.01, 0.03, 0.1)
+# What the gears of a finger and of the axis of a heavy arm may have [N m/rad, N m s/rad].
+STIFFNESS, DAMPING = (0.1, 1e7), (1e-4, 1e5)
 # Gaps [rad] that are tried.
 _GAPS = np.geomspace(2e-4, 0.06, 44)
 
 
 def _springs(inertia):
-    unit = 20.0 * np.sqrt(inertia)
-    return [{"k": k, "d": r * np.sqrt(k) * unit} for k in _STIFFNESSES for r in _DAMPINGS]
+    swinging = 2.0 * np.pi * _FREQUENCIES
+    return [{"k": inertia * w**2, "d": 20.0 * r * inertia * w} for w in swinging for r in _DAMPINGS]
 
 
 register(
@@ -26,8 +30,8 @@ register(
         name="joint_elasticity",
         scope="joint",
         parameters=(
-            Parameter("k", "N m/rad", 10.0, 1e6, False, 1e4, "stiffness", "log"),
-            Parameter("d", "N m s/rad", 1e-2, 1e3, False, 5.0, "damping", "log"),
+            Parameter("k", "N m/rad", *STIFFNESS, False, 1e4, "stiffness", "log"),
+            Parameter("d", "N m s/rad", *DAMPING, False, 5.0, "damping", "log"),
         ),
         summary="encoder on the motor: the link lags by e with k e + d de/dt = torque of the link",
         reference="Spong 1987, J. Dyn. Sys. Meas. Control 109(4)",
