@@ -84,6 +84,9 @@ def test_a_joint_that_is_near_its_noise_by_clocks_of_its_own_is_asked():
     found = replace(found, fit=replace(found.fit, sigma=far * found.fit.sigma))
     sharp = only_sharp(passed, found, crossfit, lambda s: passes(s, len(passed), Rules()))
     assert "stribeck_friction" in names(sharp)
+    # Where there is other motion it is left to that.
+    tested = lambda s: passes(s, len(passed), Rules())  # noqa: E731
+    assert only_sharp(passed, found, crossfit, tested, elsewhere=True) == []
 
 
 def test_drag_stays_whatever_reversals_are():

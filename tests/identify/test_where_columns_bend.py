@@ -1,4 +1,4 @@
-"""Where a model's columns depend on its parameters and a fit ends early, its parameters are those it stands at."""
+"""Where columns depend on the parameters and a fit ends early, these are the ones it stands at."""
 
 import numpy as np
 import pytest
@@ -27,12 +27,14 @@ TERMS = (
 def motion():
     rng = np.random.default_rng(0)
     return make_motion(
-        ARM, lambda q, dq, ddq: 0.5 * np.tanh(dq / 0.05) + 0.01 * rng.normal(size=dq.shape), length=800
+        ARM,
+        lambda q, dq, ddq: 0.5 * np.tanh(dq / 0.05) + 0.01 * rng.normal(size=dq.shape),
+        length=800,
     )
 
 
 def test_what_is_left_is_left_by_the_parameters_that_are_told(motion, monkeypatch):
-    """Its link's inertia was that of the last step and the rotor's that of the next: together half the true one."""
+    """A link's inertia was that of one step and its rotor's that of the next: together half the true one."""
     monkeypatch.setattr(gauss_newton, "_ROUNDS", 1)
     found = estimate(ARM, TERMS, [motion], width=WIDTH, start=0.3 * PI)
     left = motion.decimator.apply(motion.tau - model_torque(found.model, motion))

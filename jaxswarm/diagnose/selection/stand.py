@@ -111,7 +111,7 @@ def in_all_motion(
     """
     current, folds = search.current, search.folds
     tested = level_of(search.scores, search.rules, search.added)
-    sharp = only_sharp(list(passed), current, folds, tested, folds_of)
+    sharp = only_sharp(list(passed), current, folds, tested, folds_of, bool(search.other))
     alone = only_friction(passed, current, folds, tested)
     for found, why in ((sharp, _SHARP), (alone, _ALONE)):
         for one in found:
