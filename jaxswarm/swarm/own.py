@@ -2,8 +2,8 @@
 
 ``jaxswarm`` exports these names too. An optimizer is a frozen dataclass made by :func:`pytree`, whose
 numbers are leaves and whose sizes are :func:`static`, with ``init`` and ``update``; :func:`check_optimizer`
-tells whether it keeps the contract. Registered by JAX 0.10 itself, two classes with the same fields may be given
-each other's compiled programs (:mod:`jaxswarm.nodes`).
+tells whether it keeps the contract. Registered by JAX 0.10 itself, two classes with the same fields may
+be given each other's compiled programs (:mod:`jaxswarm.nodes`).
 
 >>> from typing import Any, NamedTuple
 >>> import jax, jax.numpy as jnp
