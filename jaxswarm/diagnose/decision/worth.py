@@ -12,7 +12,7 @@ from jaxswarm.diagnose.decision.rules import Rules
 _MOST_OTHERS = 8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Score:
     """What a candidate is worth on held-out time.
 

@@ -110,9 +110,13 @@ def near_ones(chosen: Score, passed: Sequence[Score], crossfit: CrossFit) -> tup
 
 
 def competitors(step: Step) -> list[Term]:
-    """Terms that came near a chosen one when it was added."""
+    """Terms that came near a chosen one when it was added.
+
+    It may be one of them, where it has come in the place of another one since.
+    """
     known = {s.candidate.term.identity: s.candidate.term for s in (*step.rivals, *step.near)}
-    return list(known.values())
+    own = replace(step.added, values={}).identity
+    return [t for t in known.values() if replace(t, values={}).identity != own]
 
 
 def chain(steps: Sequence[Step]) -> list[Step]:
