@@ -16,7 +16,7 @@ from jax.tree_util import GetAttrKey
 
 T = TypeVar("T")
 
-__all__ = ["node"]
+__all__ = ["node", "node_of"]
 
 
 def node(cls: type[T]) -> type[T]:

@@ -66,8 +66,10 @@ def only_sharp(
             clocks of their own are left to it. Hysteresis that halved the error of a UR10e's fifth joint on
             two other logs, and left it with 1.1 times the noise, was refused at 2.1 times.
     """
-    near = found.fit.sigma <= (NEAR if elsewhere else np.inf) * noise_of(found)
-    asking = [s for s in passed if near[s.joint] and not _is_told(s.candidate.term.law)]
+    asking = [s for s in passed if not _is_told(s.candidate.term.law)]
+    if elsewhere:
+        near = found.fit.sigma <= NEAR * noise_of(found)
+        asking = [s for s in asking if near[s.joint]]
     again = score_softly(asking, found, crossfit, folds_of)
     pairs = [(s, o) for s, o in zip(asking, again, strict=True) if o is not None]
     return [s for s, o in pairs if not tested(replace(o, over_torque=s.over_torque))]

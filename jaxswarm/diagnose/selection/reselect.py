@@ -133,7 +133,7 @@ def reconsider(
         progress(f"choosing {step.added.label(current.model.robot.joints)} again")
         rest = refit_once(current, (*without(step.added, current.model.terms), *step.removed))
         crossfit = cross_fit(rest)
-        terms = [replace(t, values={}) for t in (step.added, *rivals)]
+        terms = list(dict.fromkeys(replace(t, values={}) for t in (step.added, *rivals)))
         scores = score_terms(Linearization(rest, crossfit), terms, seed)
         passed = _passed(scores, rest, asked, rules)
         place = done.index(step)

@@ -149,7 +149,7 @@ def _named(
         t if change is None else replace(t, values=change(t.values))
         for t, change in zip(found.model.terms, alone, strict=True)
     )
-    there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.theta))
+    there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.pi))
     return _finish(problem, there, moving, held_widths)
 
 
