@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import itertools
 import os
 import pickle
 import re
@@ -15,6 +16,9 @@ from jax.experimental import serialize_executable
 
 # Bytes of programs that are kept, the latest: those of some hundred shapes of logs.
 MOST = 512 * 1024**2
+# Room is made at the first program that a process writes, and at every so many more: to look through five
+# thousand files took 0.14 s, once for each of the hundred programs of a log of a new shape.
+_EVERY, _WRITTEN = 32, itertools.count()
 # Names of programs, and of those that are being written.
 _OURS = re.compile(r"[0-9a-f]{64}(\.[^/]*)?")
 
@@ -57,16 +61,20 @@ def make_room(folder: Path) -> None:
     Whatever else stands in the folder was put there by somebody else, and stays.
     """
     kept = []
-    for path in folder.iterdir():
-        known = path.lstat()
-        if _OURS.fullmatch(path.name) and stat.S_ISREG(known.st_mode):
-            kept.append((known.st_mtime, known.st_size, path))
+    with os.scandir(folder) as every:  # a third of the time that paths take
+        for one in every:
+            if _OURS.fullmatch(one.name) and one.is_file(follow_symlinks=False):
+                known = one.stat(follow_symlinks=False)
+                kept.append((known.st_mtime, known.st_size, one.path))
     left = sum(size for _, size, _ in kept)
+    if left <= MOST:
+        return
     for _, size, path in sorted(kept):
+        with contextlib.suppress(FileNotFoundError):  # another process makes room too
+            os.unlink(path)
+        left -= size
         if left <= MOST:
             return
-        path.unlink(missing_ok=True)
-        left -= size
 
 
 def write(path: Path, compiled: Any) -> None:
@@ -86,7 +94,8 @@ def write(path: Path, compiled: Any) -> None:
         with open(handle, "wb") as file:
             file.write(_sum(path, content) + b"\n" + content)
         beside.replace(path)
-        make_room(folder)
+        if next(_WRITTEN) % _EVERY == 0:
+            make_room(folder)
     except Exception:  # a full disk, a folder that takes nothing, a program that JAX cannot write
         if beside is not None:
             with contextlib.suppress(OSError):

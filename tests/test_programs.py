@@ -2,6 +2,7 @@
 
 import functools
 import importlib
+import itertools
 import json
 import os
 import subprocess
@@ -169,6 +170,16 @@ def test_the_oldest_programs_make_room(kept, monkeypatch):
     monkeypatch.setattr(program_files, "MOST", sum(p.stat().st_size for p in rest))
     program_files.make_room(kept)
     assert sorted(kept.iterdir()) == sorted(rest)
+
+
+def test_room_is_made_at_the_first_of_many_programs(kept, monkeypatch):
+    monkeypatch.setattr(program_files, "_WRITTEN", itertools.count())
+    monkeypatch.setattr(program_files, "MOST", 0)
+    left = []
+    for count in range(8, 8 + program_files._EVERY + 1):
+        fresh()(LAW, VALUES, series(count))
+        left.append(len([*kept.iterdir()]))
+    assert left == [*range(program_files._EVERY), 0]
 
 
 def test_a_program_under_the_name_of_another_is_not_run(kept):
