@@ -13,14 +13,13 @@ from jaxswarm.diagnose.discovery.discover import Search, discover
 from jaxswarm.diagnose.files import Files
 from jaxswarm.diagnose.memory import refuse_too_large
 from jaxswarm.diagnose.report.html import render
-from jaxswarm.diagnose.report.orders import order_pictures
+from jaxswarm.diagnose.report.orders import order_evidence, order_pictures
 from jaxswarm.diagnose.report.result import to_result
-from jaxswarm.diagnose.report.shown import evidence_shown, ladder_shown, structure_shown
+from jaxswarm.diagnose.report.shown import ladder_shown, structure_shown
 from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import outcome_of
-from jaxswarm.diagnose.selection.step import Addition
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
 from jaxswarm.diagnose.unfit import undecided_by
@@ -29,9 +28,8 @@ from jaxswarm.effects.formula import with_values
 from jaxswarm.effects.formula_file import law_file, law_name
 from jaxswarm.effects.term import parse_terms
 from jaxswarm.identify.checks.weak import resting_joints
-from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held_lines, held_shares
-from jaxswarm.identify.forward.model import Model, model_text
+from jaxswarm.identify.forward.model import model_text
 from jaxswarm.identify.options import consistency_told
 from jaxswarm.identify.report.summary import units
 from jaxswarm.identify.run import Options, refuse_missing_channels, refuse_undeclarable
@@ -119,17 +117,6 @@ def conclude(
     return result, left
 
 
-def _where_seen(step: Addition, final: Estimate) -> tuple[Model, Motion]:
-    """The log in which an effect shows itself, its own if it is an event, and the model during it."""
-    log = int(step.added.values.get("log", 0)) if step.added.law.in_one_log else 0
-    return final.model.during(log), final.motions[log]
-
-
-def _ask_evidence(drawing: Drawing, name: str, step: Addition, final: Estimate) -> None:
-    told = evidence_shown(step, *_where_seen(step, final))
-    drawing.ask(name, "loop_plots.evidence", *told)
-
-
 def write_report(
     diagnosis: Diagnosis,
     left: list[Unexplained],
@@ -148,8 +135,6 @@ def write_report(
     final = diagnosis.final
     robot = final.model.robot
     drawing.ask("ladder.png", "loop_plots.ladder", *ladder_shown(result))
-    for number, step in enumerate(diagnosis.kept, 1):
-        _ask_evidence(drawing, f"effect_{number}.png", step, final)
     laws = {}
     for one in search.found if search else ():
         term = one.added
@@ -157,7 +142,7 @@ def write_report(
             robot.joints[term.index],
             None if term.other is None else robot.joints[term.other],
         )
-        _ask_evidence(drawing, f"{law_name(joint)}.png", one, final)
+        order_evidence(drawing, f"{law_name(joint)}.png", one, final)
         formula = with_values(term.found_formula, term.values)
         laws[f"{law_name(joint)}.py"] = law_file(formula, joint, other)
     for item in left:

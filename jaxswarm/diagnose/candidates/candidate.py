@@ -8,9 +8,9 @@ import scipy
 from jaxswarm.effects.term import Term
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Candidate:
-    """A candidate term with what it would add.
+    """A candidate term with what it would add; two are the same where they are one object.
 
     Attributes:
         term: With the nonlinear parameters found on all rows.

@@ -5,9 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from jaxswarm.diagnose.report.shown import evidence_shown
 from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.step import Addition
 from jaxswarm.drawing import Drawing
+from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.report import torque_drawn
 from jaxswarm.identify.report.summary import units
@@ -18,7 +21,7 @@ _DERIVATIVES = (("q", ""), ("dq", "/s"), ("ddq", "/s^2"))
 
 
 def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion]) -> Signals:
-    """Order the torque of the final model, and what the declared and the final model leave.
+    """Order the torque of the final model, what the declared and the final model leave, and every effect.
 
     Returns:
         The torque that is drawn.
@@ -33,7 +36,16 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
         ("residual.png", diagnosis, "what the final model leaves"),
     ):
         drawing.ask(name, "plots.residual_dependence", *remaining(one, title))
+    for number, step in enumerate(diagnosis.kept, 1):
+        order_evidence(drawing, f"effect_{number}.png", step, diagnosis.final)
     return Signals(*drawn[:3])
+
+
+def order_evidence(drawing: Drawing, name: str, step: Addition, final: Estimate) -> None:
+    """Order what an effect says, in the log in which it shows itself: its own if it is an event."""
+    log = int(step.added.values.get("log", 0)) if step.added.law.in_one_log else 0
+    told = evidence_shown(step, final.model.during(log), final.motions[log])
+    drawing.ask(name, "loop_plots.evidence", *told)
 
 
 def remaining(diagnosis: Diagnosis, title: str) -> tuple:
