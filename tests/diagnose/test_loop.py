@@ -8,8 +8,10 @@ from planted import BAND, added, blank, diagnose_log, log_with, small_arm
 from scipy import signal
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.selection import may_not_stay
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
+from jaxswarm.identify.synthetic import Noise
 from jaxswarm.logs.motion import prepare
 
 PLANTED = [
@@ -87,6 +89,27 @@ def test_skew_below_half_a_sample_is_a_matter_of_the_clock_and_no_effect():
     found = diagnose_log(log_with(Term("time_delay", values={"seconds": seconds})))
     assert added(found) == []
     assert found.final.motions[0].skew == pytest.approx(seconds, abs=5e-4)
+
+
+def test_a_delay_that_is_taken_back_as_one_of_the_clocks_stays_allowed_for(monkeypatch):
+    """The ripple beside it was left with what the delay had taken: 1.14 % of the torque instead of 0.41 %."""
+    seconds = (
+        0.0066  # beyond half a sample, and below three standard errors of what clocks are apart
+    )
+    hidden = (
+        Term("time_delay", values={"seconds": seconds}),
+        Term("torque_ripple", 1, values={"sine": 0.1, "cosine": -0.05, "n": 17.0}),
+    )
+    log = log_with(*hidden, noise=Noise(2e-6, 0.02))
+    told = diagnose_log(log)
+    assert added(told) == [("time_delay", None), ("torque_ripple", 1)]
+    monkeypatch.setattr(may_not_stay, "TOLD_BY_SHARE", 1.0)
+    found = diagnose_log(log)
+    assert added(found) == [("torque_ripple", 1)]
+    assert "time_delay" in {t.effect for t, _ in found.refused}
+    for one in (found.declared, found.final):
+        assert one.motions[0].skew == pytest.approx(seconds, abs=3e-4)
+    assert (found.final.fit.sigma < 1.5 * told.final.fit.sigma).all()
 
 
 def test_declared_pair_that_an_added_law_contains_is_removed():

@@ -2,8 +2,10 @@
 
 import threading
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
+import jax
 import numpy as np
 import pytest
 from small_problems import make_motion, planar_arm
@@ -17,7 +19,9 @@ from jaxswarm.identify.estimation import choose_widths as choosing
 from jaxswarm.identify.estimation import sign_width
 from jaxswarm.identify.estimation.own_widths import apart, told_by_the_others
 from jaxswarm.identify.estimation.sign_width import driven_by_friction, width_groups
+from jaxswarm.identify.estimation.standing import never_slow
 from jaxswarm.identify.forward.columns import rigid_of
+from jaxswarm.robot.dynamics import inverse_dynamics
 
 LAWS = tuple(Term(e, j) for e in ("coulomb_friction", "viscous_friction") for j in range(2))
 
@@ -51,6 +55,19 @@ def test_a_joint_that_creeps_has_its_own_though_that_of_its_kind_is_beyond_its_s
     shared = float(np.mean(widths))
     found = estimate(planar_arm(), LAWS, [motion], width=shared, refine_width=True).model
     np.testing.assert_allclose(found.width, widths, rtol=0.1)
+
+
+def test_joints_that_come_near_rest_and_go_on_show_the_width_of_their_sign():
+    """A part of its speed was a seventh of a slide's, and a clean one was left with 27 times its noise."""
+    arm, widths = planar_arm(), np.array([0.5, 0.5])
+    motion = make_motion(arm, length=1500)
+    drift = -1.03 * motion.dq.min(axis=0)
+    q, dq = motion.q + drift * motion.t[:, None], motion.dq + drift
+    torque = np.asarray(jax.vmap(partial(inverse_dynamics, arm))(q, dq, motion.ddq))
+    noise = 0.02 * np.random.default_rng(3).normal(size=q.shape)
+    one_way = replace(motion, q=q, dq=dq, tau=torque + friction(widths)(q, dq, None) + noise)
+    assert one_way.dq.min() > 0.0 and never_slow([one_way]).all()
+    np.testing.assert_allclose(estimate(arm, LAWS, [one_way]).model.width, widths, rtol=0.1)
 
 
 def test_widths_are_the_same_however_many_look_for_them(monkeypatch):
@@ -173,12 +190,16 @@ def test_widths_that_differ_together_though_none_does_alone_are_not_shared():
     assert told_by_the_others([group], set(), (1.0,) * 7, alike) == (1.0,) * 7
 
 
-@pytest.mark.parametrize(("fast", "groups"), [((1,), [(0, 1)]), ((0, 1), [])])
-def test_a_joint_that_races_through_zero_has_the_width_of_its_kind(fast, groups):
+@pytest.mark.parametrize(
+    ("fast", "least", "groups"),
+    [((1,), 1.0, [(0, 1)]), ((0, 1), 1.0, []), ((0, 1), 0.06, []), ((0, 1), 0.04, [(0, 1)])],
+)
+def test_a_joint_that_races_through_zero_has_the_width_of_its_kind(fast, least, groups):
     """As a part of its speed a wrist's was 9 % off, and doubled its error on point-to-point motion."""
     motion = make_motion(planar_arm(), friction((0.3, 0.3)), length=1500, noise=0.02)
     dq = motion.dq.copy()
     dq[:, list(fast)] = np.where(dq[:, list(fast)] < 0.0, -1.0, 1.0)
+    dq[0, fast[-1]] = least
     assert width_groups(planar_arm(), LAWS, [replace(motion, dq=dq)]) == groups
 
 

@@ -23,9 +23,8 @@ def finish(search: Search, alone: Callable[[], Estimate]) -> None:
         search: With everything added.
         alone: Gives the fit of the declared model.
     """
-    if search.steps or search.sticking:
-        settle_clocks(search)
     while search.steps or search.sticking:
+        settle_clocks(search)  # also after a delay was taken back that is one of the clocks
         fit_from_declared(search, alone)
         settle_signs(search, alone)
         if take_back_idle(search):

@@ -28,6 +28,9 @@ HELD = 2.5
 # Where no more than this part of the rows in which a joint hardly moves is fitted, its sign has no width to
 # fit: logs are moved by parts of a sample after rows were left out.
 _UNTOLD = 0.02
+# Part of its top speed below which a joint is not too fast to tell its sign's width. A slide that slowed down
+# to 0.03 of it and went on, where a width of 0.05 is true, was left with 27 times its noise by one of 0.007.
+_NEAR_REST = 0.05
 # A joint that moves in fewer rows than this share of all, and in fewer than so many, tells nothing of motion.
 # Decimated rows are nearly independent (0.7 to 0.8 of one each), so that 50 tell an RMS to a tenth. Joints of
 # five to seven that move one by one do so in 7 to 24 % of the rows, 60 to 2400 of them.
@@ -59,6 +62,12 @@ def never_slow(motions: Sequence[Motion]) -> np.ndarray:
     return ~np.any([rows.any(axis=0) for rows in hardly_moving(motions)], axis=0)
 
 
+def comes_near_rest(motions: Sequence[Motion]) -> np.ndarray:
+    """Whether a joint that is never that slow comes near it, (n,): its sign is not whole there and shows it."""
+    slowest = [np.abs(m.dq[m.decimator.kept(len(m.t))]).min(axis=0) for m in motions]
+    return never_slow(motions) & (np.min(slowest, axis=0) < _NEAR_REST * _top_speed(motions))
+
+
 def tells_motion(rows: np.ndarray) -> np.ndarray:
     """Whether rows in which joints move, (T,) or (T, n), are enough to tell what is left in motion."""
     return (rows.mean(axis=0) >= _SHARE) | (rows.sum(axis=0) >= _ROWS)
@@ -66,8 +75,13 @@ def tells_motion(rows: np.ndarray) -> np.ndarray:
 
 def _still(motions: Sequence[Motion]) -> list[np.ndarray]:
     """Whether each joint hardly moves on the samples of every log, (T, n) each, by its top speed in all."""
-    top = np.max([np.abs(m.dq).max(axis=0) for m in motions], axis=0)
+    top = _top_speed(motions)
     return [~moves_at(m.dq, top) for m in motions]
+
+
+def _top_speed(motions: Sequence[Motion]) -> np.ndarray:
+    """Top speed of every joint in all logs, (n,)."""
+    return np.max([np.abs(m.dq).max(axis=0) for m in motions], axis=0)
 
 
 def _for_long(motion: Motion, still: np.ndarray) -> np.ndarray:
