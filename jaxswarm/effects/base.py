@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from jaxswarm.effects.parameter import Parameter
+from jaxswarm.effects.parameter import Parameter, refuse_unknown
 from jaxswarm.errors import InputError, nearest
 
 SCOPES = ("joint", "pair", "global")
@@ -190,8 +190,8 @@ class Effect:
         """Refuse a declaration that contradicts itself.
 
         Raises:
-            ValueError: If the scope or the axis of the picture is unknown, a parameter's name is taken,
-                its bounds are empty or its scale unknown, or linear parameters do not come first.
+            ValueError: If the scope or the axis of the picture is unknown, a parameter contradicts itself,
+                linear parameters do not come first, or it refers to one that it does not have.
         """
         if self.scope not in SCOPES:
             raise ValueError(f"scope of {self.name!r} is {self.scope!r}; use one of {SCOPES}")
@@ -204,18 +204,9 @@ class Effect:
             raise ValueError(f"effect {self.name!r}: list its linear parameters first")
         names = [p.name for p in self.parameters]
         for p in self.parameters:
-            if names.count(p.name) > 1:
-                raise ValueError(f"effect {self.name!r} has two parameters named {p.name!r}")
-            if not p.lower < p.upper or not p.lower <= p.nominal <= p.upper:
-                raise ValueError(
-                    f"effect {self.name!r}, parameter {p.name!r}: needs lower < upper and a nominal "
-                    f"value between them, got {p.lower}, {p.upper}, {p.nominal}"
-                )
-            if p.scale not in ("linear", "log") or (p.scale == "log" and not p.lower > 0.0):
-                raise ValueError(
-                    f"effect {self.name!r}, parameter {p.name!r}: scale is {p.scale!r} with a lower "
-                    f"bound of {p.lower}; use 'linear', or 'log' with a bound above zero"
-                )
+            p.check(self.name, names)
+        told = (self.begins, *self.probe, *self.identity)
+        refuse_unknown(self.name, names, *filter(None, told))
 
 
 REGISTRY: dict[str, Effect] = {}

@@ -17,6 +17,7 @@ import numpy as np
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.deflection import contact_stiffness
 from jaxswarm.effects.measurement_law import MeasurementLaw as MeasurementLaw
+from jaxswarm.effects.parameter import refuse_unknown
 from jaxswarm.effects.ramp import ramp
 from jaxswarm.effects.sample import Sample
 
@@ -61,6 +62,8 @@ class TorqueLaw(Effect):
         super().check()
         if self.torque is None:
             raise ValueError(f"effect {self.name!r} needs a torque")
+        names = [p.name for p in self.parameters]
+        refuse_unknown(self.name, names, *filter(None, (self.forgets, self.motor_inertia)))
         if self.tone and not {self.tone, "log"} <= {p.name for p in self.nonlinear}:
             raise ValueError(
                 f"effect {self.name!r} has a tone: it needs nonlinear parameters {self.tone!r} and 'log'"

@@ -1,6 +1,6 @@
 """A named number of an effect, with its unit, its bounds, and how a search walks between them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,6 +79,32 @@ class Parameter:
             return 0.0
         return self.nominal if self.neutral is None else self.neutral
 
+    def check(self, effect: str, names: Sequence[str]) -> None:
+        """Refuse a declaration that contradicts itself.
+
+        Args:
+            effect: Name of the effect it is one of.
+            names: Of all its parameters.
+
+        Raises:
+            ValueError: If another one has its name, its bounds are empty, its scale is unknown or cannot hold
+                them, or it refers to a parameter that the effect does not have.
+        """
+        whose = f"effect {effect!r}"
+        if names.count(self.name) > 1:
+            raise ValueError(f"{whose} has two parameters named {self.name!r}")
+        if not self.lower < self.upper or not self.lower <= self.nominal <= self.upper:
+            raise ValueError(
+                f"{whose}, parameter {self.name!r}: needs lower < upper and a nominal "
+                f"value between them, got {self.lower}, {self.upper}, {self.nominal}"
+            )
+        if self.scale not in ("linear", "log") or (self.scale == "log" and not self.lower > 0.0):
+            raise ValueError(
+                f"{whose}, parameter {self.name!r}: scale is {self.scale!r} with a lower "
+                f"bound of {self.lower}; use 'linear', or 'log' with a bound above zero"
+            )
+        refuse_unknown(effect, names, *filter(None, (self.hidden_by, *self.shown_by)))
+
     def decode(self, u):
         """Value at a position u in [0, 1] between the bounds, on the parameter's scale.
 
@@ -100,6 +126,19 @@ class Parameter:
         if self.scale == "log":
             return float(value * np.log(self.upper / self.lower))
         return float(self.upper - self.lower)
+
+
+def refuse_unknown(effect: str, names: Sequence[str], *told: str) -> None:
+    """Refuse names of parameters that an effect refers to and does not have.
+
+    >>> refuse_unknown("friction_change", ["fc", "t0"], "T0")
+    Traceback (most recent call last):
+    ValueError: effect 'friction_change' refers to a parameter 'T0'; it has 'fc', 't0'
+    """
+    for name in told:
+        if name not in names:
+            known = ", ".join(map(repr, names))
+            raise ValueError(f"effect {effect!r} refers to a parameter {name!r}; it has {known}")
 
 
 def assumed(parameters: Iterable[Parameter]) -> dict[str, float]:

@@ -211,6 +211,13 @@ def law(**changes) -> Law:
             },
             "linear parameters first",
         ),
+        ({"begins": "T0"}, "refers to a parameter 'T0'; it has 'b'"),
+        ({"identity": ("n",)}, "refers to a parameter 'n'"),
+        ({"motor_inertia": "ia"}, "refers to a parameter 'ia'"),
+        (
+            {"parameters": (Parameter("b", "1", 0.0, 1.0, True, 0.5, "", shown_by=("fc",)),)},
+            "refers to a parameter 'fc'",
+        ),
     ],
 )
 def test_contradictory_laws_are_refused(changes, message):
