@@ -104,8 +104,8 @@ def test_a_tilt_loads_no_masses_but_those_that_a_level_arm_does_not_feel():
 
 def fold_of(residual):
     length = len(residual)
-    one = FoldData(jnp.zeros((1, length, 1)), jnp.asarray(residual)[None], jnp.ones((1, length)))
-    return one
+    ones = jnp.ones((1, length))
+    return FoldData(jnp.zeros((1, length, 1)), jnp.asarray(residual)[None], ones, ones)
 
 
 def test_a_search_sees_a_late_torque_as_late(lin):

@@ -35,7 +35,7 @@ def some_folds(rng, rows=240, size=7):
     odd = np.arange(rows) // 40 % 2
     train = np.stack([np.ones(rows), odd, 1 - odd]).astype(float)
     basis = [np.linalg.qr(rng.normal(size=(rows, size)) * t[:, None])[0] for t in train]
-    return FoldData(np.stack(basis), rng.normal(size=(3, rows)) * train, train)
+    return FoldData(np.stack(basis), rng.normal(size=(3, rows)) * train, train, 0 * train)
 
 
 def least_squares_gain(columns, fold, positive):

@@ -1,7 +1,7 @@
 r"""The best nonlinear parameters of a law on a joint, by a lattice and swarms in one compiled program.
 
 For a candidate :math:`\nu` the law's columns c on its joint are computed along the whole log, decimated,
-freed of what the model absorbs, and the linear parameters eliminated: the cost is minus the explained
+weighted, freed of what the model absorbs, and the linear parameters eliminated: the cost is minus the explained
 sum of squares, :math:`h^T G^{-1} h` with :math:`G = c_\perp^T c_\perp`, :math:`h = c_\perp^T r`.
 A coarse lattice over the cube finds the valley, which a torque ripple has one of per order, and a GPSO
 swarm in its cell finds the floor. The law is chosen inside the program, so that another candidate costs no
@@ -42,7 +42,7 @@ class Task(NamedTuple):
 def _columns_at(
     laws: tuple[TorqueLaw, ...], factor: int, task: Task, taps: jax.Array, u: jax.Array
 ):
-    """Decimated columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law.
+    """Weighted columns (T', k) of the task's law at a point of the unit cube, filled up to the widest law.
 
     Every law decimates its own: what a switch gives is written to memory, and there before decimation it is as
     long as the log, which took half of a search.
@@ -50,7 +50,9 @@ def _columns_at(
     width, low = max(len(law.linear) for law in laws), decimating(taps, factor)
 
     def columns_of(law, u):
-        columns = low(law_columns(law, decoded(law, u), task.series))
+        columns = (
+            low(law_columns(law, decoded(law, u), task.series)) * task.folds.weight[0][:, None]
+        )
         return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
 
     return jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)

@@ -237,4 +237,5 @@ def _folds(lin: Linearization, rows: np.ndarray) -> FoldData:
         basis,
         residual.transpose(2, 0, 1),
         np.repeat(train[None].astype(float), joints, axis=0),
+        np.repeat(lin.crossfit.weight[rows].T[:, None], len(folds), axis=1),
     )

@@ -18,11 +18,13 @@ class FoldData(NamedTuple):
         basis: Q of the joint's rows, (T', b), zero outside the training rows.
         residual: Weighted residual of those rows, (T',), zero outside the training rows.
         train: 1 on training rows, else 0, (T',).
+        weight: Of the joint's rows, (T',), by which columns are to be multiplied; the same on every fold.
     """
 
     basis: jax.Array | np.ndarray
     residual: jax.Array | np.ndarray
     train: jax.Array | np.ndarray
+    weight: jax.Array | np.ndarray
 
 
 def decimate(x: jax.Array, taps: jax.Array, factor: int) -> jax.Array:
@@ -62,7 +64,7 @@ def explained(columns: jax.Array, folds: FoldData, positive: bool | jax.Array) -
     long.
 
     Args:
-        columns: Of m options, (m, T', k).
+        columns: Of m options, weighted, (m, T', k).
         folds: S of them, (S, ...).
         positive: Refuse a negative coefficient of the first column.
     """
