@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from benchmarks.worlds import plain
+from benchmarks.worlds import plain, strength
 from benchmarks.worlds.along import declared_torque, effect_torques, view
 from benchmarks.worlds.arm import mjcf, pin_model, toml, urdf
 from benchmarks.worlds.bodies import across, askew, carried, loaded
@@ -343,3 +343,10 @@ def test_deleting_friction_that_differs_by_direction_leaves_what_was_declared():
     left = without({"effect": "asymmetric_friction", "values": values})
     assert left["values"] == {"fc_pos": 2.0, "fc_neg": 2.0, "b_pos": 1.0, "b_neg": 1.0}
     assert without({"effect": "joint_spring", "values": {"k": 1.0}}) is None
+
+
+@pytest.mark.parametrize(("seconds", "told"), [(0.0038, True), (0.0041, False)])
+def test_a_delay_below_half_a_sample_is_one_of_the_clocks(seconds, told):
+    """Every fit allows for it, and none names it: that was counted as missed."""
+    assert strength._of_clocks(Effect("time_delay", params={"seconds": seconds}), 125.0) is told
+    assert not strength._of_clocks(Effect("torque_lag", params={"tc": seconds}), 125.0)

@@ -190,6 +190,11 @@ def _lag(effect, ground):
     return signal.sosfiltfilt(sections, load) / effect.params["k"]
 
 
+def _of_clocks(effect: Effect, rate: float) -> bool:
+    """Whether an effect is a delay below half a sample: one of clocks, which every fit allows for."""
+    return effect.kind == "time_delay" and effect.params["seconds"] < 0.5 / rate
+
+
 def strengths(world, run: Run, unit: np.ndarray) -> list[dict]:
     """Strength of each effect of a world in a finished run, per joint and at its strongest joint."""
     arm, noise, effects = world.arm, world.logging.noise, world.effects
@@ -212,7 +217,7 @@ def strengths(world, run: Run, unit: np.ndarray) -> list[dict]:
                 "ratio": float(ratio.max()),
                 "per_joint": [float(r) for r in ratio],
                 "visible": bool(ratio.max() >= VISIBLE),
-                "inseparable": bool(share < ABSORBED),
+                "inseparable": bool(share < ABSORBED) or _of_clocks(effect, world.logging.rate),
             }
         )
     return rows
