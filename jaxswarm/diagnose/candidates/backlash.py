@@ -41,7 +41,7 @@ class _Point(NamedTuple):
 def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The gap of a joint with its impacts where they happen; None where those cannot be predicted."""
     (pi, residual), j = lin.steady, term.index
-    along = lin.rotor(j)
+    along, used = lin.rotor(j), lin.found.regression.used_rows
     divided = bool(along.any())
 
     def curves_at(points: list[_Point], longer: float, own: bool = False) -> np.ndarray:
@@ -49,7 +49,9 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
             _curves(lin, term, list(group), pi - share * along, longer, own)
             for share, group in groupby(points, lambda p: p.share)
         ]
-        return joined(parts, axis=0)
+        curves = joined(parts, axis=0)
+        curves *= used[:, [j]] if own else used  # where nothing is fitted nothing is left
+        return curves
 
     inertia = float(np.median(np.abs(lin.sensed(j)[0].inertia(lin.pi))))
     tried = term.law_of(TransmissionLaw).lattice

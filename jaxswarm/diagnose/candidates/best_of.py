@@ -48,12 +48,11 @@ def _columns_at(
     long as the log, which took half of a search.
     """
     width, low = max(len(law.linear) for law in laws), decimating(taps, factor)
+    weight = task.folds.weight[0][:, None]
 
     def columns_of(law, u):
-        columns = (
-            low(law_columns(law, decoded(law, u), task.series)) * task.folds.weight[0][:, None]
-        )
-        return jnp.pad(columns, ((0, 0), (0, width - columns.shape[1])))
+        columns = low(law_columns(law, decoded(law, u), task.series))
+        return jnp.pad(columns * weight, ((0, 0), (0, width - columns.shape[1])))
 
     return jax.lax.switch(task.law, [partial(columns_of, law) for law in laws], u)
 
