@@ -10,8 +10,7 @@ from slide import EFFECTS, run, slide_log
 
 import jaxswarm
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.report.orders import remaining
-from jaxswarm.diagnose.run import _where_seen
+from jaxswarm.diagnose.report.orders import remaining, where_seen
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.effects.term import Term
@@ -59,5 +58,5 @@ def test_an_event_is_drawn_in_its_own_log():
     final = replace(found, model=model)
     for term, log, seen in ((event, 1, True), (found.model.terms[0], 0, False)):
         step = Step(term, None, (), (), found, final, ())
-        told, motion = _where_seen(step, final)
+        told, motion = where_seen(step, final)
         assert motion is final.motions[log] and (event in told.terms) == seen

@@ -42,10 +42,15 @@ def order_pictures(drawing: Drawing, diagnosis: Diagnosis, unseen: list[Motion])
 
 
 def order_evidence(drawing: Drawing, name: str, step: Addition, final: Estimate) -> None:
-    """Order what an effect says, in the log in which it shows itself: its own if it is an event."""
-    log = int(step.added.values.get("log", 0)) if step.added.law.in_one_log else 0
-    told = evidence_shown(step, final.model.during(log), final.motions[log])
+    """Order what an effect says."""
+    told = evidence_shown(step, *where_seen(step, final))
     drawing.ask(name, "loop_plots.evidence", *told)
+
+
+def where_seen(step: Addition, final: Estimate) -> tuple[Model, Motion]:
+    """The log in which an effect shows itself, its own if it is an event, and the model during it."""
+    log = int(step.added.values.get("log", 0)) if step.added.law.in_one_log else 0
+    return final.model.during(log), final.motions[log]
 
 
 def remaining(diagnosis: Diagnosis, title: str) -> tuple:
