@@ -205,8 +205,7 @@ class Effect:
         names = [p.name for p in self.parameters]
         for p in self.parameters:
             p.check(self.name, names)
-        told = (self.begins, *self.probe, *self.identity)
-        refuse_unknown(self.name, names, *filter(None, told))
+        refuse_unknown(self.name, names, self.begins, *self.probe, *self.identity)
 
 
 REGISTRY: dict[str, Effect] = {}

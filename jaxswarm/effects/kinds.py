@@ -63,7 +63,7 @@ class TorqueLaw(Effect):
         if self.torque is None:
             raise ValueError(f"effect {self.name!r} needs a torque")
         names = [p.name for p in self.parameters]
-        refuse_unknown(self.name, names, *filter(None, (self.forgets, self.motor_inertia)))
+        refuse_unknown(self.name, names, self.forgets, self.motor_inertia)
         if self.tone and not {self.tone, "log"} <= {p.name for p in self.nonlinear}:
             raise ValueError(
                 f"effect {self.name!r} has a tone: it needs nonlinear parameters {self.tone!r} and 'log'"

@@ -103,7 +103,7 @@ class Parameter:
                 f"{whose}, parameter {self.name!r}: scale is {self.scale!r} with a lower "
                 f"bound of {self.lower}; use 'linear', or 'log' with a bound above zero"
             )
-        refuse_unknown(effect, names, *filter(None, (self.hidden_by, *self.shown_by)))
+        refuse_unknown(effect, names, self.hidden_by, *self.shown_by)
 
     def decode(self, u):
         """Value at a position u in [0, 1] between the bounds, on the parameter's scale.
@@ -128,15 +128,15 @@ class Parameter:
         return float(self.upper - self.lower)
 
 
-def refuse_unknown(effect: str, names: Sequence[str], *told: str) -> None:
-    """Refuse names of parameters that an effect refers to and does not have.
+def refuse_unknown(effect: str, names: Sequence[str], *told: str | None) -> None:
+    """Refuse names of parameters that an effect refers to and does not have; of nothing none.
 
     >>> refuse_unknown("friction_change", ["fc", "t0"], "T0")
     Traceback (most recent call last):
     ValueError: effect 'friction_change' refers to a parameter 'T0'; it has 'fc', 't0'
     """
     for name in told:
-        if name not in names:
+        if name and name not in names:
             known = ", ".join(map(repr, names))
             raise ValueError(f"effect {effect!r} refers to a parameter {name!r}; it has {known}")
 

@@ -93,9 +93,8 @@ def test_skew_below_half_a_sample_is_a_matter_of_the_clock_and_no_effect():
 
 def test_a_delay_that_is_taken_back_as_one_of_the_clocks_stays_allowed_for(monkeypatch):
     """The ripple beside it was left with what the delay had taken: 1.14 % of the torque instead of 0.41 %."""
-    seconds = (
-        0.0066  # beyond half a sample, and below three standard errors of what clocks are apart
-    )
+    # Beyond half a sample, and below three standard errors of what clocks are apart.
+    seconds = 0.0066
     hidden = (
         Term("time_delay", values={"seconds": seconds}),
         Term("torque_ripple", 1, values={"sine": 0.1, "cosine": -0.05, "n": 17.0}),

@@ -38,7 +38,7 @@ def leave_out_instead_of_pairs(search: Search) -> bool:
         if is_held(before, after)[joint] and over_noise(after)[joint] <= LOUD:
             search.sticking.add(joint)
             go_on_without(search, [step])
-            go_on_from(search, fit_of_rows(search, search.current, moving), {joint})
+            go_on_from(search, after, {joint})
             return True
     return False
 

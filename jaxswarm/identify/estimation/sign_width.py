@@ -53,7 +53,8 @@ def width_groups(
     """
     told, fast, near = (f(motions) for f in (tells_sign, never_slow, comes_near_rest))
     joints = {t.joint for t in terms if t.law.uses_direction and t.joint is not None}
-    kinds = dict.fromkeys(robot.kinds[j] for j in sorted(joints) if told[j] or near[j])
+    telling = told | (fast & near)
+    kinds = dict.fromkeys(robot.kinds[j] for j in sorted(joints) if telling[j])
     return [
         tuple(j for j in sorted(joints) if robot.kinds[j] == kind and (told[j] or fast[j]))
         for kind in kinds

@@ -63,9 +63,9 @@ def never_slow(motions: Sequence[Motion]) -> np.ndarray:
 
 
 def comes_near_rest(motions: Sequence[Motion]) -> np.ndarray:
-    """Whether a joint that is never that slow comes near it, (n,): its sign is not whole there and shows it."""
-    slowest = [np.abs(m.dq[m.decimator.kept(len(m.t))]).min(axis=0) for m in motions]
-    return never_slow(motions) & (np.min(slowest, axis=0) < _NEAR_REST * _top_speed(motions))
+    """Whether a joint comes near being that slow, (n,): its sign is not whole there and shows its width."""
+    speeds = _decimated(motions, (np.abs(m.dq) for m in motions))
+    return np.min([x.min(axis=0) for x in speeds], axis=0) < _NEAR_REST * _top_speed(motions)
 
 
 def tells_motion(rows: np.ndarray) -> np.ndarray:
