@@ -1,12 +1,13 @@
 """The command ``predict``, from files to a file."""
 
-from dataclasses import replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from jaxswarm import outputs
 from jaxswarm.identify.estimation.validate import log_errors
+from jaxswarm.identify.forward.begun import in_another_log
 from jaxswarm.identify.forward.model import Model, load_model, model_torque
 from jaxswarm.identify.forward.seen import begun_before, beyond_seen
 from jaxswarm.identify.run import refuse_missing_channels
@@ -29,31 +30,47 @@ def predict_file(model_path: Path, log_path: Path, out: Path) -> dict:
     robot = model.robot
     log = read_log(log_path, robot.joints, np.asarray(robot.drive_gain), require_torque=False)
     refuse_missing_channels(model.terms, [log])
-    noted, tau, motions = predict_log(model, log)
+    told = predict_log(model, log)
     t = log.t
     header = ["t", *(f"tau_{j}" for j in robot.joints)]
-    table = np.column_stack([t, tau])
+    table = np.column_stack([t, told.tau])
 
     def write(path: Path) -> None:
         write_table(path, header, table, "%.10g")
 
     outputs.write_told(out.parent, {out.name: write})
-    result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": list(noted.notes)}
+    result = {"log": str(log_path), "samples": len(t), "out": str(out), "notes": list(told.notes)}
     if log.tau is not None:
-        result["error"] = log_errors(model, *motions)
+        result["error"] = log_errors(told.model, *told.motions)
     return result
 
 
-def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
-    """Torque of a model at a log's own time stamps.
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What a model says of a log.
 
-    Returns:
-        The log with notes on what was done, torque (T, n), and the motions used.
+    Attributes:
+        tau: Torque [N m or N] at the log's own time stamps, (T, n).
+        motions: Stretches of the log that were used.
+        model: The model as it is in this log: what began in the middle of a fitted one may not have begun
+            here, or before.
+        notes: Sentences on what was found and done.
+    """
+
+    tau: np.ndarray
+    motions: list[Motion]
+    model: Model
+    notes: tuple[str, ...]
+
+
+def predict_log(model: Model, log: Log) -> Told:
+    """Torque of a model at a log's own time stamps.
 
     Raises:
         InputError: If no stretch of the log is long enough to differentiate.
     """
     noted, motions = prepare_segments(log, model.filtering)
+    model, begun = in_another_log(model, motions, log.tau is not None)
     own = with_sample_times(log).t
     own = own - own[0]
     torque = np.empty((len(own), len(log.joints)))
@@ -68,5 +85,4 @@ def predict_log(model: Model, log: Log) -> tuple[Log, np.ndarray, list[Motion]]:
         for j, column in enumerate(predicted.T):
             torque[part, j] = np.interp(own[part], motion.t, column)
     unseen = (*beyond_seen(model, motions), *begun_before(model, motions))
-    noted = replace(noted, notes=(*noted.notes, *unseen))
-    return noted, torque, motions
+    return Told(torque, motions, model, (*noted.notes, *begun, *unseen))

@@ -50,12 +50,12 @@ def predict(model: Model | str | Path, log: Log | str | Path) -> Predicted:
         raise InputError(f"log is a {type(log).__name__}: pass one Log or one file")
     (read,) = as_logs(log, model.robot, require_torque=False)
     refuse_missing_channels(model.terms, [read])
-    noted, tau, motions = predict_log(model, read)
+    told = predict_log(model, read)
     t = read.t
-    content: dict[str, Any] = {"log": read.source, "samples": len(t), "notes": list(noted.notes)}
+    content: dict[str, Any] = {"log": read.source, "samples": len(t), "notes": list(told.notes)}
     tables: tuple[Table, ...] = ()
     if read.tau is not None:
-        content["error"] = log_errors(model, *motions)
+        content["error"] = log_errors(told.model, *told.motions)
         rows = {read.source: content["error"]}
         tables = (error_table(model.robot.name, rows, model.robot.joints, units(model.robot)),)
-    return Predicted(content, (f"{len(t)} samples of {read.source}",), tables, t=t, tau=tau)
+    return Predicted(content, (f"{len(t)} samples of {read.source}",), tables, t=t, tau=told.tau)

@@ -23,7 +23,7 @@ def notes(valid: tuple) -> tuple[str, ...]:
     term = Term(DISCOVERED, 1, 2, {"a": 1.0}, formula)
     log = synthetic_log(arm, (), 0, duration=4.0)
     model = Model(arm, (term,), (0.01,) * 3, Filtering(20.0, 10.0), (1.0,) * 3)
-    return predict_log(model, replace(log, notes=()))[0].notes
+    return predict_log(model, replace(log, notes=())).notes
 
 
 def test_a_law_asked_where_it_was_seen_says_nothing():

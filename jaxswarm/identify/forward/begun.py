@@ -31,6 +31,40 @@ def in_state_of(model: Model, motions: Sequence[Motion]) -> Model:
     return here
 
 
+def of_after(model: Model, motions: Sequence[Motion]) -> Model:
+    """The model in which whatever begins in a log was there before another one: that of an arm from then on."""
+    model = model.during(None)
+    kept = (t if t.law.begins is None else _before(t, motions) for t in model.terms)
+    return replace(model, terms=tuple(kept))
+
+
+def in_another_log(
+    model: Model, motions: Sequence[Motion], measured: bool
+) -> tuple[Model, list[str]]:
+    """The model as it predicts a log, and a sentence on everything that does not begin in it as fitted.
+
+    Args:
+        model: The model.
+        motions: Stretches of one log.
+        measured: Whether the log has torque, which tells whether it is of before or of after. Without one
+            it is taken to be of after: nothing begins at the same second twice.
+    """
+    began = [t for t in model.terms if t.law.begins is not None and not t.law.in_one_log]
+    if not began:
+        return model, []
+    states = states_of(model, motions) if measured else dict.fromkeys(began, ALL_ALONG)
+    here = in_state_of(model, motions) if measured else of_after(model, motions)
+    why = "that leaves least of its torque" if measured else "it has no torque to tell by"
+    told = {NOT_BEGUN: "not to have begun", ALL_ALONG: "to be there all along"}
+    joints = model.robot.joints
+    return here, [
+        f"{t.label(joints)} began {t.values[t.law.begins or '']:.4g} s into a fitted log. In this one it is "
+        f"taken {told[states[t]]}: {why}."
+        for t in began
+        if states[t] in told
+    ]
+
+
 def states_of(model: Model, motions: Sequence[Motion]) -> dict[Term, str]:
     """Which of the three is chosen, of every term that begins."""
     return {term: state for term, state, _ in _choices(model, motions)}
@@ -46,8 +80,7 @@ def _choices(model: Model, motions: Sequence[Motion]) -> Iterator[tuple[Term, st
         if term.law.begins is None:
             continue
         others = tuple(t for t in model.terms if t is not term)
-        before = min(float(m.t[0]) for m in motions) - _BEFORE
-        early = replace(term, values={**term.values, term.law.begins: before})
+        early = _before(term, motions)
         kept = tuple(early if t is term else t for t in model.terms)
         models = {
             AS_FITTED: model,
@@ -58,6 +91,14 @@ def _choices(model: Model, motions: Sequence[Motion]) -> Iterator[tuple[Term, st
         state = min(models, key=lambda state: _left(models[state], motions, term.index))
         model = models[state]
         yield term, state, model
+
+
+def _before(term: Term, motions: Sequence[Motion]) -> Term:
+    """A term that had begun before a log."""
+    begins = term.law.begins
+    assert begins is not None  # callers ask for those that begin
+    start = min(float(m.t[0]) for m in motions) - _BEFORE
+    return replace(term, values={**term.values, begins: start})
 
 
 def _left(model: Model, motions: Sequence[Motion], joint: int) -> float:

@@ -9,6 +9,7 @@ from jaxswarm.drawing import Drawing
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held_shares
 from jaxswarm.identify.estimation.validate import held_out_errors, log_errors
+from jaxswarm.identify.forward.begun import in_state_of
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.identify.report.summary import (
     base_parameter_table,
@@ -68,7 +69,9 @@ def report_of(
         "error": {
             "train": train[0] if len(train) == 1 else train,
             "held_out_blocks": held_out_errors(found),
-            "validation": None if unseen is None else log_errors(model, *unseen),
+            "validation": None
+            if unseen is None
+            else log_errors(in_state_of(model, unseen), *unseen),
             "validation_log": None if validation is None else str(validation),
         },
         "optimizer": {"name": "least_squares", "cost": solution.cost},
