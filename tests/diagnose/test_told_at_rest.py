@@ -18,9 +18,9 @@ COUPLING = Term("transmission_coupling", 0, 1)
 SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
 
 
-def searched(declared, *added, hidden=()):
+def searched(declared, *added, hidden=(), log=None):
     """A selection on a log of two joints, with what it has added."""
-    motion = prepare(log_with(*hidden), BAND)
+    motion = prepare(log or log_with(*hidden), BAND)
     now = with_motion_noise(estimate(small_arm(), declared, [motion], bounded=False))
     search, steps = search_of(now), []
     for term in added:

@@ -27,8 +27,8 @@ from jaxswarm.diagnose.selection.everyday import allow_for_everyday, everyday_ag
 from jaxswarm.diagnose.selection.finish import finish
 from jaxswarm.diagnose.selection.from_declared import declared_alone
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
+from jaxswarm.diagnose.selection.laws_at_rest import leave_out_instead_of_laws
 from jaxswarm.diagnose.selection.one_for_several import one_for_several
-from jaxswarm.diagnose.selection.pairs_at_rest import leave_out_instead_of_pairs
 from jaxswarm.diagnose.selection.readings import why_not
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
@@ -159,7 +159,7 @@ def _act(search: Search, passed: list[Score]) -> bool:
 def _sticks(search: Search) -> bool:
     """Leave out where friction holds joints for moments, alone or beside laws; whether it does."""
     known = put_back(search) or leave_out_sticks(search) or leave_out_beside_laws(search)
-    return known or leave_out_instead_of_pairs(search)
+    return known or leave_out_instead_of_laws(search)
 
 
 def _always(search: Search, passed: list[Score]) -> bool:

@@ -1,0 +1,110 @@
+"""Laws that moments in which dry friction holds their joint tell alone.
+
+A drive that winds up while its joint sticks goes through all torques of its friction, and the others move
+meanwhile: on a cycle that repeats itself the two go along, and it sticks on the same side of the same places. A
+clean slide that stuck was told as turned along by another one, which took 70 % off its squared error, 11 %
+where it moved, and left 2.1 times the declared model's error on another log; a clean joint that stuck had an
+asymmetric friction of 2.4 and 0.9 N m for 1.7, which took off 55 %, and 7 % where it moved.
+
+What acts on a joint as much in motion as at rest shows in its motion, too, and what a partner does to a joint
+knows nothing of its rest. That is not so of what fades with speed, as Stribeck's friction, nor of what
+remembers where the joint turned.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import ACTS_MOVING, LOUD, SHOWS_MOVING
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.selection.refit import refit_once
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.sticking import fit_of_rows, go_on_from, is_held
+from jaxswarm.diagnose.selection.without_steps import go_on_without, terms_without
+from jaxswarm.effects.alike import has, without
+from jaxswarm.effects.base import Effect
+from jaxswarm.effects.kinds import TorqueLaw, TransmissionLaw
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.standing import hardly_moving, leave_out
+from jaxswarm.identify.forward.model import model_torque
+
+
+def leave_out_instead_of_laws(search: Search) -> bool:
+    """Leave out where a joint hardly moves, and take back the law that explained that and nothing else.
+
+    That is so where friction may be what holds it there, what moves is near its noise without that law, and
+    the law takes a far smaller part off what moves than off all. Whether one was taken back; nothing is refused
+    by that.
+    """
+    current = search.current
+    rows = hardly_moving(current.motions)
+    slow = np.concatenate(rows)
+    for step in search.steps:
+        joint = step.added.joint
+        if joint is None or not _is_asked(step, search, slow[:, joint]):
+            continue
+        terms = terms_without([step], current.model.terms)
+        before = with_motion_noise(refit_once(current, terms), search.seed)
+        moving = leave_out(current.motions, rows, np.arange(slow.shape[1]) == joint)
+        after = fit_of_rows(search, before, moving)
+        if not is_held(before, after)[joint] or over_noise(after)[joint] > LOUD:
+            continue
+        beside = fit_of_rows(search, current, moving)
+        if _share(after, beside, joint) < SHOWS_MOVING * _share(before, current, joint):
+            search.sticking.add(joint)
+            go_on_without(search, [step])
+            go_on_from(search, after, {joint})
+            return True
+    return False
+
+
+def _is_asked(step: Step, search: Search, slow: np.ndarray) -> bool:
+    """Whether an addition acts in motion, too, and more is left where its joint hardly moves.
+
+    Args:
+        step: The addition.
+        search: The selection.
+        slow: Whether its joint hardly moves, on the rows of all logs, (T,).
+    """
+    term, current = step.added, search.current
+    joint, used = term.index, current.regression.used_rows[:, term.index]
+    known = term.joint in search.sticking or not has(term, current.model.terms)
+    if known or term.law.mutual or _remembers(term.law) or not (used & slow).any():
+        return False
+    left, moves, rests = current.fit.residual[:, joint], used & ~slow, used & slow
+    if _size(left, rests) <= _size(left, moves):
+        return False
+    own = _torque_of(term, current)
+    acts = _size(own, moves) >= ACTS_MOVING * _size(own, rests)
+    return acts or term.law.scope == "pair"
+
+
+def _torque_of(term: Term, found: Estimate) -> np.ndarray:
+    """Torque (T,) of a term of a model on its joint, on the rows of all logs."""
+    plain = replace(found.model, terms=without(term, found.model.terms))
+    return np.concatenate(
+        [
+            m.decimator.apply(model_torque(found.model, m) - model_torque(plain, m))[:, term.index]
+            for m in found.motions
+        ]
+    )
+
+
+def _remembers(law: Effect) -> bool:
+    """Whether the torque of a law follows from where its joint turned: bristles, soft joints, play."""
+    return isinstance(law, TransmissionLaw) or (isinstance(law, TorqueLaw) and law.rate is not None)
+
+
+def _share(before: Estimate, after: Estimate, joint: int) -> float:
+    """Share of the squared error of a joint that a fit takes off another one to the same rows."""
+    used = after.regression.used_rows[:, joint]
+    one, two = (_size(found.fit.residual[:, joint], used) for found in (before, after))
+    return float(1.0 - two**2 / max(one**2, 1e-300))
+
+
+def _size(x: np.ndarray, rows: np.ndarray) -> float:
+    """RMS of some rows; none have none."""
+    return float(np.sqrt(np.mean(x[rows] ** 2))) if rows.any() else 0.0
