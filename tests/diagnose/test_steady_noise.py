@@ -66,6 +66,17 @@ def test_noise_whose_corner_lies_within_the_band_is_told_from_the_band(rate, cut
     assert 0.75 < np.median(told) / np.mean(true) < 1.25
 
 
+@pytest.mark.parametrize("corner", [6.0, 10.0, 15.0])
+def test_noise_with_its_corner_near_the_edge_of_the_band_is_told_by_all_octaves(corner):
+    """By the band's two octaves alone half of the size was told of a quarter of such logs."""
+    low = scipy.signal.butter(4, 10.0, fs=RATE, output="sos")
+    logs = np.hstack([of_first_order(corner, RATE, seed, 16.0) for seed in range(60)])
+    true = (scipy.signal.sosfiltfilt(low, logs, axis=0) ** 2).mean()
+    told = np.sqrt(steady_powers(logs, RATE, 10.0).within / true)
+    assert 0.95 < np.median(told) < 1.1
+    assert np.mean(told < 0.75) <= 0.1 and np.mean(told > 1.3) <= 0.05
+
+
 def test_what_a_law_leaves_within_the_band_is_not_taken_for_noise():
     """A spring's torque along smooth motion, and steps at its reversals, beside noise of a twentieth."""
     t = np.arange(2400) / 100.0

@@ -8,9 +8,10 @@ lies within. Of a filter of first order its density at a frequency f is
 
 .. math:: S(f) = S_0 / (1 + (f / f_c)^2),
 
-whose corner :math:`f_c` follows from how much more there is in the second octave of the band than in the upper
-one, and which tells of the slowest octaves, where laws are: no more than is found there, and in all no more
-than goes with what the octave above holds.
+whose corner :math:`f_c` and density follow from the octave above the band and the upper two within, where these
+are those of one such filter, by least squares of their logarithms. It tells of the slowest octaves, where laws
+are: no more than is found there. Where they are not, the two within tell the corner, and noise is no more than
+goes with what the octave above holds.
 
 A drive whose positions are coarse jitters near half the rate, the arm with it, and differences from sample to
 sample tell that, too. Noise of the band is no more than what half of the plane holds in the octaves beside the
@@ -18,26 +19,26 @@ band's edge. On 40 of 1195 joints of 226 logs of four simulators that is clearly
 the octave above tell: the true model leaves 0.03 to 0.8 times the noise of these, 0.2 to 1.1 times that one.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jaxswarm.diagnose.folds.first_order import ABOVE, WITHIN, density_of, standard_errors
 from jaxswarm.logs.filtering import stretch_spectra
 from jaxswarm.logs.motion import Motion
 
-# Octaves above the band and in it, from the upper one down, over the cutoff: where the low-pass has left
-# nothing of the band, and what it passes.
-_ABOVE = (1.5, 3.0)
-_WITHIN = ((0.5, 1.0), (0.25, 0.5), (0.125, 0.25), (0.0, 0.125))
 # Length of a stretch in periods of the cutoff, for the octave above and for those within, of which the third
 # is one line; and the stretches that are needed to tell. Of noise of a known corner (0.3 to 2 times the cutoff,
-# 50 to 500 Hz, 16 and 40 s) 0.8 to 1.3 times its size is told in nine of ten.
+# 50 to 500 Hz) 0.8 to 1.3 times its size is told in 84 of a hundred logs of 8 s, in 91 of those of 16 and 40 s.
 _PERIODS, _PERIODS_WITHIN, _STRETCHES = 4.0, 8.0, 8
 # Part of the plane that is taken as quiet. What is missing and fills half of the plane doubles the power told.
 _QUIET = 0.25
 # Evenly filled is an octave of the band whose median tells at most this many times the power that its quiet
 # part tells: of noise 0.8 to 1.3 times.
 _EVEN = 1.35
+# The same beyond one as a multiple of the relative standard error of a few lines.
+_EVEN_OF_FEW = 1.5
 # Noise in the band counts from this multiple on of what is told from above it: two readings of white noise
 # differ by a fifth.
 _CLEARLY = 1.25
@@ -45,8 +46,6 @@ _CLEARLY = 1.25
 # of the band. Of white noise one log of eight seconds in a hundred goes beyond; of drives that jitter, 4 to 16
 # times.
 _BEYOND = 1.5
-# Squared ratio of the cutoff to the corner: those that are asked.
-_STEEP = np.geomspace(1e-3, 1e3, 241)
 
 
 @dataclass(frozen=True)
@@ -70,8 +69,12 @@ class Powers:
     most: np.ndarray
 
 
-def steady_powers(left: np.ndarray, rate: float, cutoff: float) -> Powers:
+def steady_powers(
+    left: np.ndarray, rate: float, cutoff: float, out: np.ndarray | None = None
+) -> Powers:
     """What the octaves of residuals (T, n) at a rate [Hz] tell of their power below a cutoff [Hz].
+
+    Samples that are ``out`` (T, n) tell nothing, as where dry friction holds a joint; None: all do.
 
     >>> import scipy
     >>> noise = np.random.default_rng(0).normal(size=(20000, 1))
@@ -86,13 +89,15 @@ def steady_powers(left: np.ndarray, rate: float, cutoff: float) -> Powers:
     """
     parts = (_QUIET, 0.5)
     beyond = np.full((2, left.shape[1]), np.inf)
-    if sampled := _ABOVE[1] * cutoff <= 0.45 * rate:
-        beyond = _densities(left, rate, cutoff, (_ABOVE,), _PERIODS, parts)[:, 0]
-    quiet, middle = _densities(left, rate, cutoff, _WITHIN[:3], _PERIODS_WITHIN, parts)
-    pairs = zip(beyond[0], quiet.T, (middle < _EVEN * quiet).T, strict=True)
+    if sampled := ABOVE[1] * cutoff <= 0.45 * rate:
+        beyond = _densities(left, rate, cutoff, (ABOVE,), _PERIODS, parts, out)[:, 0]
+    quiet, middle = _densities(left, rate, cutoff, WITHIN[:3], _PERIODS_WITHIN, parts, out)
+    doubt = standard_errors(len(left) * cutoff / rate, _QUIET)
+    even = np.maximum(_EVEN, 1.0 + _EVEN_OF_FEW * doubt[1:])[:, None]
+    pairs = zip(beyond[0], quiet.T, (middle[:2] < even * quiet[:2]).T, strict=True)
     return Powers(
         above=cutoff * beyond[0] if sampled else np.zeros(left.shape[1]),
-        within=cutoff * np.array([_of_first_order(a, own, even) for a, own, even in pairs]),
+        within=cutoff * np.array([density_of(a, own, even, doubt) for a, own, even in pairs]),
         most=cutoff * np.nan_to_num(np.fmin(beyond[1], middle[0]), nan=np.inf, posinf=np.inf),
     )
 
@@ -107,7 +112,8 @@ def with_steady_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray])
     """
     assert motion.torque_noise is not None  # of a log with a torque
     of_all, *of_drawn = [
-        steady_powers(x, motion.rate, motion.torque_cutoff) for x in (left, *drawn)
+        steady_powers(x, motion.rate, motion.torque_cutoff, _not_fitted(motion))
+        for x in (left, *drawn)
     ]
     told = np.array([(x.above, x.within) for x in (of_all, *of_drawn)])
     of_motion = told[1:].sum(axis=0) / max(len(drawn), 1)
@@ -124,10 +130,28 @@ def _at_most(noise: np.ndarray, most: np.ndarray) -> np.ndarray:
     return np.where(noise > _BEYOND * most, most, noise)
 
 
+def _not_fitted(motion: Motion) -> np.ndarray | None:
+    """The samples (T, n) whose rows are left out of the fit; None if there are none."""
+    if motion.held is None or not motion.held.any():
+        return None
+    kept = motion.decimator.kept(len(motion.t))
+    nearest = np.abs(np.arange(len(motion.t))[:, None] - kept[0]) // motion.decimator.factor
+    return motion.held[np.minimum(nearest[:, 0], len(kept) - 1)]
+
+
 def _densities(
-    left: np.ndarray, rate: float, cutoff: float, octaves: tuple, periods: float, parts: tuple
+    left: np.ndarray,
+    rate: float,
+    cutoff: float,
+    octaves: tuple,
+    periods: float,
+    parts: tuple,
+    out: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Power density (parts, octaves, n) that parts of every octave's plane tell; NaN of too few stretches."""
+    """Power density (parts, octaves, n) that parts of every octave's plane tell; NaN of too few stretches.
+
+    Without those of each joint in whose middle some samples are out, where enough others are left.
+    """
     length = int(round(periods * rate / cutoff))
     if len(left) < (_STRETCHES + 1) * length // 2:
         return np.full((len(parts), len(octaves), left.shape[1]), np.nan)
@@ -137,35 +161,13 @@ def _densities(
     # All lines of a long log would take twice its memory.
     power, frequency = np.stack([density[asked] for density in spectra]), frequency[asked]
     inside = [(frequency >= a * cutoff) & (frequency < b * cutoff) for a, b in octaves]
+    quantile: Callable = np.quantile
+    if out is not None:
+        middle = slice(length // 4, length - length // 4)
+        begins = range(0, len(left) - length + 1, length - length // 2)
+        spoiled = np.stack([out[b : b + length][middle].any(axis=0) for b in begins])
+        spoiled &= (~spoiled).sum(axis=0) >= _STRETCHES
+        power, quantile = np.where(spoiled[:, None], np.nan, power), np.nanquantile
     # A line of white noise is exponentially distributed about its mean.
     mean = -np.log1p(-np.array(parts))[:, None, None]
-    return np.stack([np.quantile(power[:, i], parts, axis=(0, 1)) for i in inside], axis=1) / mean
-
-
-def _of_first_order(above: float, within: np.ndarray, even: np.ndarray) -> float:
-    """Mean density below the cutoff of noise with the densities of the octave above (infinite: not known) and
-    of three octaves within, from the upper one down, each of which is filled evenly or not.
-    """
-    upper, second, third = within
-    if np.isnan(upper) or not even[0]:
-        return 0.0 * float(upper)
-    rise, rises = (
-        second / max(upper, 1e-300),
-        _means(_STEEP, _WITHIN[1]) / _means(_STEEP, _WITHIN[0]),
-    )
-    # More than that filter's is what a law leaves; of noise the band holds at least what its upper octave does.
-    noise = even[1] and rise < rises[-1]
-    steep = np.interp(rise, rises, _STEEP) if noise else _STEEP[0]
-    beyond, first, *below = [_means(np.array(steep), octave) for octave in (_ABOVE, *_WITHIN)]
-    upper = min(upper, above * first / beyond)
-    per_upper = np.array(below) / first
-    slow = min(third, per_upper[1] * upper)
-    parts = (upper, per_upper[0] * upper, slow, slow * per_upper[2] / per_upper[1])
-    return float(sum(part * (b - a) for part, (a, b) in zip(parts, _WITHIN, strict=True)))
-
-
-def _means(steep: np.ndarray, octave: tuple[float, float]) -> np.ndarray:
-    """Mean of 1 / (1 + steep f^2) over frequencies f [cutoffs] of an octave."""
-    begin, end = octave
-    root = np.sqrt(steep)
-    return (np.arctan(root * end) - np.arctan(root * begin)) / (root * (end - begin))
+    return np.stack([quantile(power[:, i], parts, axis=(0, 1)) for i in inside], axis=1) / mean
