@@ -30,6 +30,14 @@ def best_option(probe: Candidate, fold: Fold, curves: np.ndarray) -> int:
     return int(np.argmax(np.concatenate(gains)))
 
 
+def share_of(probe: Candidate, fold: Fold, curve: np.ndarray) -> float:
+    """Share of the squared residual of a fold's rows that a weighted torque (T', n) takes off, of any sign."""
+    residual = probe.view(fold.residual)[fold.train].ravel()
+    free = probe.view(fold.free_part(curve[:, :, None]))[fold.train].ravel()
+    size = float(free @ free) * float(residual @ residual)
+    return float(free @ residual) ** 2 / size if size > 0.0 else 0.0
+
+
 def chosen(curves: np.ndarray, picks: Sequence[int]) -> tuple[np.ndarray, ...]:
     """Columns (T', n, 1) of the options that folds picked of all curves (m, T', n).
 
