@@ -52,8 +52,11 @@ def in_another_log(
     began = [t for t in model.terms if t.law.begins is not None and not t.law.in_one_log]
     if not began:
         return model, []
-    states = states_of(model, motions) if measured else dict.fromkeys(began, ALL_ALONG)
-    here = in_state_of(model, motions) if measured else of_after(model, motions)
+    if measured:
+        choices = list(_choices(model, motions))
+        states, here = {term: state for term, state, _ in choices}, choices[-1][2]
+    else:
+        states, here = dict.fromkeys(began, ALL_ALONG), of_after(model, motions)
     why = "that leaves least of its torque" if measured else "it has no torque to tell by"
     told = {NOT_BEGUN: "not to have begun", ALL_ALONG: "to be there all along"}
     joints = model.robot.joints
