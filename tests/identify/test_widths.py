@@ -227,7 +227,7 @@ def test_a_sign_is_as_sharp_as_the_log_tells_and_no_sharper(monkeypatch, doubt, 
         choosing, "settle", lambda problem, place, start: SimpleNamespace(place=place, theta=start)
     )
     moving = [SimpleNamespace(joints=(0,)), SimpleNamespace(joints=(1,))]
-    there, free, held = choosing._no_sharper_than_told(problem, here, moving, [], [(0, 1)])
+    there, free, held = choosing._no_sharper_than_told(problem, here, moving, [], [(0, 1)], None)
     np.testing.assert_allclose(there.place.width, (0.018, left))
     assert (free, held) == ([(0,)], [(1,)])
 

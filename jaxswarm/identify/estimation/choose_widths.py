@@ -10,7 +10,7 @@ from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.links_held import LinksHeld, links_can_be_held
 from jaxswarm.identify.estimation.own_widths import apart, is_told, told_by_the_others
 from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.estimation.widths_alone import free_widths, freed_of, widths_alone
+from jaxswarm.identify.estimation.widths_alone import Alone, free_widths, freed_of, widths_alone
 
 # What a log tells of a width by less than two standard errors it hardly tells: their square over the rows.
 _HARDLY_TOLD = 4.0
@@ -59,16 +59,19 @@ def _widths_of(
     here = _shared_again(problem, here, moving)
     for _ in range(_PASSES):
         before = here.place.width
-        here, moving, held = _chosen(problem, here, moving, groups)
+        here, moving, held, own = _chosen(problem, here, moving, groups)
         if not groups or np.abs(np.log(np.divide(here.place.width, before))).max() < _SETTLED:
             break
-    return _no_sharper_than_told(problem, here, moving, held, groups)
+    return _no_sharper_than_told(problem, here, moving, held, groups, own)
 
 
 def _chosen(
     problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
-) -> tuple[Settled, list[FreeParameter], list[FreeParameter]]:
-    """The same, from what the log tells to first order about the widths of a fit."""
+) -> tuple[Settled, list[FreeParameter], list[FreeParameter], Alone | None]:
+    """The same, from what the log tells to first order about the widths of a fit; and that of the one it gives.
+
+    None where that is another one than was asked.
+    """
     own = widths_alone(problem, here, groups)
     freed = freed_of(groups, own, here.place.width)
     rest = [tuple(j for j in group if j not in freed) for group in groups]
@@ -79,12 +82,13 @@ def _chosen(
         )
         here = newton(problem, moving, here)
         own = widths_alone(problem, here, groups)
-    if own:
-        return _leaning(problem, here, moving, groups, split, freed, own)
-    return here, moving, []
+    if not own:
+        return here, moving, [], own
+    there, moving, held = _leaning(problem, here, moving, groups, split, freed, own)
+    return there, moving, held, own if there is here else None
 
 
-def _no_sharper_than_told(problem: Problem, here: Settled, moving, held, groups):
+def _no_sharper_than_told(problem: Problem, here: Settled, moving, held, groups, own: Alone | None):
     """The fit in which no sign is sharper than the log tells, where others' are told; what is free, what held.
 
     A sign may run on to where no sample sees it any more, and all that is known is that it is sharper than the
@@ -97,7 +101,7 @@ def _no_sharper_than_told(problem: Problem, here: Settled, moving, held, groups)
     differing = [g for g in groups if np.ptp(np.log([width[j] for j in g])) > _SHARPER]
     if not differing:
         return here, moving, held
-    own = widths_alone(problem, here, groups)
+    own = widths_alone(problem, here, groups) if own is None else own
     leant = {j for one in held for j in one.joints}
     sharp: dict[int, float] = {}
     for group in differing:

@@ -14,6 +14,9 @@ from jaxswarm.logs.motion import Motion
 # Where a width begins beyond its range, that ends so many times further.
 _BEYOND = 1.01
 
+# Of joints: the logarithm of a width and its standard error.
+Alone = dict[int, tuple[float, float]]
+
 
 def free_widths(
     motions: Sequence[Motion], parts: Sequence[tuple[int, ...]], width: Sequence[float]
@@ -38,9 +41,7 @@ def free_widths(
     ]
 
 
-def widths_alone(
-    problem: Problem, here: Settled, groups: Sequence[Sequence[int]]
-) -> dict[int, tuple[float, float]]:
+def widths_alone(problem: Problem, here: Settled, groups: Sequence[Sequence[int]]) -> Alone:
     """What the width of every joint that shares one by its kind would be alone, to first order, with its error.
 
     Logarithms both; a width at a limit is not told, and its error is infinite. Nothing where none is told.
