@@ -69,12 +69,12 @@ def test_what_no_part_of_a_log_can_show_is_not_added(monkeypatch):
     fit = SimpleNamespace(model=SimpleNamespace(robot=robot))
     monkeypatch.setattr(survives_module, "unconfirmed", lambda *a: None)
     monkeypatch.setattr(survives_module, "noise_of", lambda found: None)
-    monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [])
+    monkeypatch.setattr(survives_module, "on_stretches", lambda *a: (False, False))
     monkeypatch.setattr(survives_module, "errors_elsewhere", lambda *a: iter(()))
     assert "record another motion" in survives_module.survives(fit, fit, 0)
-    monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [(1.0, 0.5)])
+    monkeypatch.setattr(survives_module, "on_stretches", lambda *a: (True, False))
     assert survives_module.survives(fit, fit, 0) is None
-    monkeypatch.setattr(survives_module, "_predicted_stretches", lambda *a: [(1.0, 1.1)])
+    monkeypatch.setattr(survives_module, "on_stretches", lambda *a: (True, True))
     assert "stretches" in survives_module.survives(fit, fit, 0)
 
 

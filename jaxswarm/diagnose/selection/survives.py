@@ -20,15 +20,12 @@ from jaxswarm.diagnose.decision.rules import (
     GAIN,
     HARM,
     HARM_ON_THE_WAY,
-    KNOWN,
     LOST,
     LOST_SHARE,
     NEAR,
     NEARLY_ALL,
     ONE_PLACE,
-    PREDICTABLE,
     SMALL_PART,
-    STRETCHES,
     TIMES_OWN,
     Rules,
 )
@@ -40,19 +37,12 @@ from jaxswarm.diagnose.decision.unexplained import (
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
-from jaxswarm.diagnose.selection.elsewhere import (
-    added_columns,
-    errors_elsewhere,
-    expected,
-    log_residual,
-    rms,
-    rows_of_both,
-)
+from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere, expected, log_residual, rms
 from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.stretches import on_stretches
 from jaxswarm.diagnose.selection.unconfirmed import unconfirmed
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.validate import held_out_residual, least_known, time_blocks
 from jaxswarm.logs.motion import Motion
 
 UNSHOWN = "cannot be shown: no part of the log predicts another, so record another motion"
@@ -115,11 +105,11 @@ def survives(
         return why
     noise = noise_of(before)
     names = before.model.robot.joints
-    stretches = [] if other else _predicted_stretches(before, after, joint)
-    if any(two > one for one, two in stretches):
+    predicts, raises = (False, False) if other else on_stretches(before, after, joint)
+    if raises:
         return f"raises the error of {names[joint]} on stretches that the rest of the log predicts"
     elsewhere = list(errors_elsewhere(before, after, other))
-    if not stretches and not elsewhere:
+    if not predicts and not elsewhere:
         return UNSHOWN
     for number, (one, two, falls, rises, where) in enumerate(elsewhere):
         worse = rises & (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
@@ -135,27 +125,6 @@ def survives(
         if more_in_all(two, one, floor):
             return f"does not lower the error of all joints {where}"
     return None
-
-
-def _predicted_stretches(
-    before: Estimate, after: Estimate, joint: int
-) -> list[tuple[float, float]]:
-    """RMS errors of a joint on stretches of time fitted to the others, without and with an addition.
-
-    A pair for each number of stretches where the rest of the log predicts them and knows the addition. Both are
-    so where it leaves less of them than the fit without it leaves where it was fitted: two laws took 99.7 % off
-    a joint's error on every third of a log that no model without them predicted.
-    """
-    added = added_columns(before, after)
-    used = rows_of_both(before, after)[:, joint]
-    fitted, pairs = rms(before.fit.residual[used, joint]), []
-    for count in STRETCHES:
-        stretch = time_blocks(before.regression.log, count)
-        one, two = (rms(held_out_residual(e, block=stretch)[used, joint]) for e in (before, after))
-        known = one < PREDICTABLE * fitted and least_known(after, added, stretch) > KNOWN
-        if known or two < GAIN * fitted:
-            pairs.append((float(one), float(two)))
-    return pairs
 
 
 def more_in_all(error: np.ndarray, before: np.ndarray, noise: np.ndarray) -> bool:
