@@ -1,6 +1,6 @@
 """A link behind its motor as a candidate: the best of the lattice that its transmission is tried on."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 
@@ -57,8 +57,9 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     picks: Sequence[int] = range(len(options))
     if known is None:
         picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
-        if not crossing and share_of(probe, lin.crossfit.whole, curves[picks[0]]) > _WORTH_MORE:
-            options = _between(law, [options[p] for p in dict.fromkeys(picks)])
+        worth = share_of(probe, lin.crossfit.whole, curves[picks[0]]) > _WORTH_MORE
+        if worth and law.softer is not None:
+            options = _between(law.softer, term, [options[p] for p in dict.fromkeys(picks)])
             del curves
             curves = _curves(lin, term, options, rotor)
             curves[:, probe.apart] = 0.0
@@ -88,15 +89,18 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
     return [{**o, "share": float(s)} for s in shares for o in inside]
 
 
-def _between(law: TransmissionLaw, options: list[dict[str, float]]) -> list[dict[str, float]]:
+def _between(
+    softer: Callable[[Mapping, float], dict[str, float]],
+    term: Term,
+    options: list[dict[str, float]],
+) -> list[dict[str, float]]:
     """Stiffnesses between some of the lattice and those next to them, with the same damping ratio.
 
     A link that swings freely while its motor stands goes out of step with any other frequency. Sorted by the
     rotor's share, by which they are tried together.
     """
-    assert law.softer is not None  # every spring has it
-    limits = {p.name: (p.lower, p.upper) for p in law.parameters}
-    more = [{**o, **law.softer(o, times)} for o in options for times in _TIMES_AS_SOFT]
+    limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
+    more = [{**o, **softer(o, times)} for o in options for times in _TIMES_AS_SOFT]
     inside = [
         {n: float(np.clip(v, *limits.get(n, (0.0, 1.0)))) for n, v in o.items()} for o in more
     ]

@@ -85,7 +85,7 @@ def steady_powers(
     ...     print([round(float(p[0] / (8.0 / 125.0)), 1) for p in (told.above, told.within, told.most)])
     [1.1, 0.9, 1.0]
     [3.8, 5.3, 3.7]
-    [0.4, 0.3, 0.4]
+    [0.4, 0.4, 0.4]
     """
     parts = (_QUIET, 0.5)
     beyond = np.full((2, left.shape[1]), np.inf)

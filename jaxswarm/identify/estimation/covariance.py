@@ -82,16 +82,14 @@ def _by_frequency(q: np.ndarray, error: np.ndarray) -> np.ndarray:
     E. J. Hannan, "Regression for time series" (in: Time Series Analysis, ed. M. Rosenblatt, 1963), with the
     leverage of a frequency made good as that of a sample is.
     """
-    # A length of large prime factors takes ten times as long: zeros at the end ask the same spectrum
-    # at more frequencies, each of which counts for less.
-    length, size = len(error), scipy.fft.next_fast_len(len(error), real=True)
-    lines = np.fft.rfft(q, size, axis=0) / np.sqrt(length)
-    sides = np.full(len(lines), 2.0 * length / size)
-    sides[0] = length / size
-    if size % 2 == 0:
-        sides[-1] = length / size
+    length = len(error)
+    lines = np.fft.rfft(q, axis=0, norm="ortho")
+    sides = np.full(len(lines), 2.0)
+    sides[0] = 1.0
+    if length % 2 == 0:
+        sides[-1] = 1.0
     leverage = np.minimum((np.abs(lines) ** 2).sum(axis=1), _MOST_LEVERAGE)
-    power = np.abs(np.fft.rfft(error, size)) ** 2 / length
+    power = np.abs(np.fft.rfft(error, norm="ortho")) ** 2
     weight = np.sqrt(sides * power) / (1.0 - leverage)
     parts = np.concatenate([lines.real * weight[:, None], lines.imag * weight[:, None]])
     return parts.T @ parts
