@@ -130,7 +130,7 @@ LOUD = 1.25
 STICKS = 0.5
 # A law that acts in motion at this part of what it does where its joint hardly moves, and more, takes this part
 # of the share that it takes off all rows off those of motion, else friction holds the joint: false ones took
-# 0.13 to 0.16 of it, those of 12 logs that were true, with true stick and slip, 0.8 and more.
+# 0.12 to 0.2 of it, those of 12 logs that were true, with true stick and slip, 0.8 and more.
 ACTS_MOVING, SHOWS_MOVING = 0.5, 1.0 / 3.0
 # A model that leaves this share of all torque on unseen time says nothing of the arm: the log, its units or
 # its signs are wrong. The worst right fit of a log at hand leaves a quarter (a missing spring, p04).
