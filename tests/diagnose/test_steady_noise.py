@@ -8,6 +8,7 @@ import scipy
 from planted import BAND, DECLARED, blank, small_arm
 
 from jaxswarm.diagnose.decision.remainder import remainders
+from jaxswarm.diagnose.folds import steady
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.steady import steady_powers, with_steady_noise
 from jaxswarm.identify import estimate
@@ -75,6 +76,31 @@ def test_noise_with_its_corner_near_the_edge_of_the_band_is_told_by_all_octaves(
     told = np.sqrt(steady_powers(logs, RATE, 10.0).within / true)
     assert 0.95 < np.median(told) < 1.1
     assert np.mean(told < 0.75) <= 0.1 and np.mean(told > 1.3) <= 0.05
+
+
+def test_rows_that_are_left_out_of_the_fit_tell_nothing():
+    """A joint that dry friction held in a third of a log had no noise within the band, and half of it above."""
+    left, out = of_first_order(12.0, RATE, 0, 40.0), np.zeros((10000, 1), dtype=bool)
+    clean = steady_powers(left, RATE, 10.0)
+    for begin in range(500, 10000, 1500):
+        out[begin : begin + 500] = True
+    stuck = left + 5.0 * out * np.random.default_rng(1).normal(size=left.shape)
+    whole, fitted = (steady_powers(stuck, RATE, 10.0, rows) for rows in (None, out))
+    assert whole.within > 2.0 * clean.within or whole.within == 0.0
+    assert 0.7 < fitted.within / clean.within < 1.4 and 0.7 < fitted.above / clean.above < 1.4
+
+
+def test_a_row_left_out_is_the_samples_around_it():
+    log = synthetic_log(small_arm(), DECLARED, 1, duration=8.0, rate=RATE)
+    motion = prepare(log, BAND)
+    kept = motion.decimator.kept(len(motion.t))
+    assert steady._not_fitted(motion) is None
+    held = np.zeros((len(kept), 2), dtype=bool)
+    held[[0, 20, -1], 0] = True
+    out = steady._not_fitted(replace(motion, held=held))
+    np.testing.assert_array_equal(out[kept], held)
+    assert out[: kept[0], 0].all() and out[kept[-1] :, 0].all() and not out[:, 1].any()
+    assert out[:, 0].sum() < kept[0] + (len(out) - kept[-1]) + 3 * motion.decimator.factor
 
 
 def test_what_a_law_leaves_within_the_band_is_not_taken_for_noise():

@@ -135,8 +135,8 @@ def _not_fitted(motion: Motion) -> np.ndarray | None:
     if motion.held is None or not motion.held.any():
         return None
     kept = motion.decimator.kept(len(motion.t))
-    nearest = np.abs(np.arange(len(motion.t))[:, None] - kept[0]) // motion.decimator.factor
-    return motion.held[np.minimum(nearest[:, 0], len(kept) - 1)]
+    nearest = np.rint((np.arange(len(motion.t)) - kept[0]) / motion.decimator.factor).astype(int)
+    return motion.held[np.clip(nearest, 0, len(kept) - 1)]
 
 
 def _densities(
