@@ -92,6 +92,16 @@ def power_density(x: np.ndarray, rate: float, length: int) -> tuple[np.ndarray, 
     return frequency, total / count
 
 
+def stretches(count: int, length: int) -> Iterator[slice]:
+    """Stretches of a signal of so many samples that overlap by half.
+
+    >>> [(s.start, s.stop) for s in stretches(10, 4)]
+    [(0, 4), (2, 6), (4, 8), (6, 10)]
+    """
+    for start in range(0, count - length + 1, length - length // 2):
+        yield slice(start, start + length)
+
+
 def stretch_spectra(
     x: np.ndarray, rate: float, length: int
 ) -> tuple[np.ndarray, Iterator[np.ndarray]]:
@@ -108,8 +118,8 @@ def stretch_spectra(
     scale = twins[:, None] / (rate * (window**2).sum())
 
     def spectra() -> Iterator[np.ndarray]:
-        for start in range(0, len(x) - length + 1, length - length // 2):
-            part = x[start : start + length]
+        for rows in stretches(len(x), length):
+            part = x[rows]
             part = (part - line @ (line.T @ part)) * window[:, None]
             yield scale * np.abs(np.fft.rfft(part, axis=0)) ** 2
 

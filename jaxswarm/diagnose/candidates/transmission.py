@@ -51,9 +51,7 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     build = _settled_curves if crossing else _curves
     curves = build(lin, term, options, rotor)
     if not crossing:
-        # Where the fit does not ask a spring, neither does the score.
-        probe = replace(probe, apart=np.concatenate([unseen_rows(m) for m in lin.found.motions]))
-        curves[:, probe.apart] = 0.0
+        probe = replace(probe, apart=_not_asked(lin))
     picks: Sequence[int] = range(len(options))
     if known is None:
         picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
@@ -62,7 +60,6 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
             options = _between(law.softer, term, [options[p] for p in dict.fromkeys(picks)])
             del curves
             curves = _curves(lin, term, options, rotor)
-            curves[:, probe.apart] = 0.0
             picks = [best_option(probe, fold, curves) for fold in lin.crossfit.folds]
         memory.keep(term, residuals, [options[p] for p in picks])
     best = options[picks[0]]
@@ -84,8 +81,7 @@ def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
     options = law.lattice(float(np.median(np.abs(inertia))))
     if law.gap is not None:
         options = options[::_THINNED]
-    limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
-    inside = [{n: float(np.clip(v, *limits[n])) for n, v in o.items()} for o in options]
+    inside = [_within_bounds(term, option) for option in options]
     return [{**o, "share": float(s)} for s in shares for o in inside]
 
 
@@ -99,12 +95,18 @@ def _between(
     A link that swings freely while its motor stands goes out of step with any other frequency. Sorted by the
     rotor's share, by which they are tried together.
     """
-    limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
-    more = [{**o, **softer(o, times)} for o in options for times in _TIMES_AS_SOFT]
     inside = [
-        {n: float(np.clip(v, *limits.get(n, (0.0, 1.0)))) for n, v in o.items()} for o in more
+        {**option, **_within_bounds(term, softer(option, times))}
+        for option in options
+        for times in _TIMES_AS_SOFT
     ]
     return sorted(inside, key=lambda o: o["share"])
+
+
+def _within_bounds(term: Term, values: Mapping[str, float]) -> dict[str, float]:
+    """Values of parameters of a term's law, each within its bounds."""
+    limits = {p.name: (p.lower, p.upper) for p in term.law.parameters}
+    return {name: float(np.clip(value, *limits[name])) for name, value in values.items()}
 
 
 def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarray) -> np.ndarray:
@@ -112,7 +114,14 @@ def _curves(lin: Linearization, term: Term, options: list[dict], rotor: np.ndarr
     parts = []
     for share, group in groupby(options, lambda o: o["share"]):
         parts.append(_weighted(lin, term, list(group), (lin.pi - share * rotor)[None]))
-    return joined(parts, axis=0)
+    curves = joined(parts, axis=0)
+    curves[:, _not_asked(lin)] = 0.0
+    return curves
+
+
+def _not_asked(lin: Linearization) -> np.ndarray:
+    """Rows of all logs (T',) in which the fit does not ask a spring; nor does the score."""
+    return np.concatenate([unseen_rows(m) for m in lin.found.motions])
 
 
 def _settled_curves(

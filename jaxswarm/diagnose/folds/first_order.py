@@ -3,14 +3,14 @@ r"""The density of noise that a filter of first order lets through, from what oc
 At a frequency f it is :math:`S(f) = S_0 / (1 + (f / f_c)^2)`.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 # Octaves above the band and in it, from the upper one down, over the cutoff: where the low-pass has left
 # nothing of the band, and what it passes.
 ABOVE = (1.5, 3.0)
 WITHIN = ((0.5, 1.0), (0.25, 0.5), (0.125, 0.25), (0.0, 0.125))
+# Those that tell the filter: the octave above and the upper two within.
+_TELLING = (ABOVE, *WITHIN[:2])
 # Squared misfit of the octaves above the band and in it, in standard errors, up to which they are those of one
 # filter of first order.
 _MISFIT = 4.0
@@ -32,14 +32,13 @@ def density_of(above: float, within: np.ndarray, even: np.ndarray, doubt: np.nda
     upper, second, third = within
     if np.isnan(upper) or not even[0]:
         return 0.0 * float(upper)
-    octaves = (ABOVE, *WITHIN)
-    steep, told = _fitted(np.array([above, upper, second]), octaves[:3], doubt)
+    steep, told = _fitted(np.array([above, upper, second]), doubt)
     if told > 0.0 and np.isfinite(above):
         # Three octaves tell the size of noise; the slowest two hold no more than is found there.
         upper, above = told, np.inf
     elif not even[1]:
         steep = _STEEP[0]
-    beyond, first, *below = [_means(np.array(steep), octave) for octave in octaves]
+    beyond, first, *below = [_means(np.array(steep), octave) for octave in (ABOVE, *WITHIN)]
     upper = min(upper, above * first / beyond)
     per_upper = np.array(below) / first
     slow = min(third, per_upper[1] * upper)
@@ -47,12 +46,12 @@ def density_of(above: float, within: np.ndarray, even: np.ndarray, doubt: np.nda
     return float(sum(part * (b - a) for part, (a, b) in zip(parts, WITHIN, strict=True)))
 
 
-def _fitted(told: np.ndarray, octaves: Sequence, doubt: np.ndarray) -> tuple[float, float]:
-    """Steepness and density of the upper octave of the first-order filter nearest to densities (3,) of octaves.
+def _fitted(told: np.ndarray, doubt: np.ndarray) -> tuple[float, float]:
+    """Steepness and upper octave's density of the first-order filter nearest to the densities (3,) told.
 
     Where none is near to them the density is zero, and the steepness that of the two within.
     """
-    shape, known = np.array([_means(_STEEP, octave) for octave in octaves]), np.isfinite(told)
+    shape, known = np.array([_means(_STEEP, octave) for octave in _TELLING]), np.isfinite(told)
     off = (np.log(np.maximum(told, 1e-300))[:, None] - np.log(shape))[known]
     weight = doubt[known, None] ** -2.0
     size = (weight * off).sum(axis=0) / weight.sum()
@@ -77,7 +76,7 @@ def standard_errors(periods: float, quiet: float) -> np.ndarray:
         quiet: The part.
     """
     of_one = np.sqrt(quiet / (1.0 - quiet)) / -np.log1p(-quiet)
-    widths = np.array([b - a for a, b in (ABOVE, *WITHIN[:2])])
+    widths = np.array([b - a for a, b in _TELLING])
     return np.hypot(of_one / np.sqrt(1.25 * periods * widths), [_OF_SHAPE, 0.0, 0.0])
 
 

@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jaxswarm.diagnose.folds.first_order import ABOVE, WITHIN, density_of, standard_errors
-from jaxswarm.logs.filtering import stretch_spectra
+from jaxswarm.logs.filtering import stretch_spectra, stretches
 from jaxswarm.logs.motion import Motion
 
 # Length of a stretch in periods of the cutoff, for the octave above and for those within, of which the third
@@ -111,9 +111,9 @@ def with_steady_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray])
         drawn: What draws of the noise of its positions make of the model's torque, each (T, n).
     """
     assert motion.torque_noise is not None  # of a log with a torque
+    out = _not_fitted(motion)
     of_all, *of_drawn = [
-        steady_powers(x, motion.rate, motion.torque_cutoff, _not_fitted(motion))
-        for x in (left, *drawn)
+        steady_powers(x, motion.rate, motion.torque_cutoff, out) for x in (left, *drawn)
     ]
     told = np.array([(x.above, x.within) for x in (of_all, *of_drawn)])
     of_motion = told[1:].sum(axis=0) / max(len(drawn), 1)
@@ -164,8 +164,7 @@ def _densities(
     quantile: Callable = np.quantile
     if out is not None:
         middle = slice(length // 4, length - length // 4)
-        begins = range(0, len(left) - length + 1, length - length // 2)
-        spoiled = np.stack([out[b : b + length][middle].any(axis=0) for b in begins])
+        spoiled = np.stack([out[part][middle].any(axis=0) for part in stretches(len(left), length)])
         spoiled &= (~spoiled).sum(axis=0) >= _STRETCHES
         power, quantile = np.where(spoiled[:, None], np.nan, power), np.nanquantile
     # A line of white noise is exponentially distributed about its mean.

@@ -18,7 +18,7 @@ import numpy as np
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ACTS_MOVING, LOUD, SHOWS_MOVING
 from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.selection.refit import refit_once
+from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.sticking import fit_of_rows, go_on_from, is_held
@@ -53,7 +53,10 @@ def leave_out_instead_of_laws(search: Search) -> bool:
         if not is_held(before, after)[joint] or over_noise(after)[joint] > LOUD:
             continue
         beside = fit_of_rows(search, current, moving)
-        if _share(after, beside, joint) < SHOWS_MOVING * _share(before, current, joint):
+        in_motion, of_all = (
+            1.0 - share_left(*pair)[joint] for pair in ((beside, after), (current, before))
+        )
+        if in_motion < SHOWS_MOVING * of_all:
             search.sticking.add(joint)
             go_on_without(search, [step])
             go_on_from(search, after, {joint})
@@ -96,13 +99,6 @@ def _torque_of(term: Term, found: Estimate) -> np.ndarray:
 def _remembers(law: Effect) -> bool:
     """Whether the torque of a law follows from where its joint turned: bristles, soft joints, play."""
     return isinstance(law, TransmissionLaw) or (isinstance(law, TorqueLaw) and law.rate is not None)
-
-
-def _share(before: Estimate, after: Estimate, joint: int) -> float:
-    """Share of the squared error of a joint that a fit takes off another one to the same rows."""
-    used = after.regression.used_rows[:, joint]
-    one, two = (_size(found.fit.residual[:, joint], used) for found in (before, after))
-    return float(1.0 - two**2 / max(one**2, 1e-300))
 
 
 def _size(x: np.ndarray, rows: np.ndarray) -> float:

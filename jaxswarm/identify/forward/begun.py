@@ -49,7 +49,9 @@ def in_another_log(
         measured: Whether the log has torque, which tells whether it is of before or of after. Without one
             it is taken to be of after: nothing begins at the same second twice.
     """
-    began = [t for t in model.terms if t.law.begins is not None and not t.law.in_one_log]
+    began = {
+        t: t.values[t.law.begins] for t in model.during(None).terms if t.law.begins is not None
+    }
     if not began:
         return model, []
     if measured:
@@ -61,9 +63,9 @@ def in_another_log(
     told = {NOT_BEGUN: "not to have begun", ALL_ALONG: "to be there all along"}
     joints = model.robot.joints
     return here, [
-        f"{t.label(joints)} began {t.values[t.law.begins or '']:.4g} s into a fitted log. In this one it is "
+        f"{t.label(joints)} began {seconds:.4g} s into a fitted log. In this one it is "
         f"taken {told[states[t]]}: {why}."
-        for t in began
+        for t, seconds in began.items()
         if states[t] in told
     ]
 
