@@ -1,7 +1,7 @@
 """What earlier rounds found, so that a round searches only what may have changed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -64,6 +64,10 @@ class Memory:
         positions = tuple(m.q for m in motions)
         if [*map(id, positions)] != [*map(id, self.positions)]:
             self.laws, self.misread, self.positions = {}, {}, positions
+
+    def aside(self) -> "Memory":
+        """For a look at other rows of these logs: what follows from their motion, nothing that was found."""
+        return replace(self, journal=None, known={})
 
     def recall(self, term: Term, residuals: np.ndarray) -> list[dict[str, float]] | None:
         """The values per fold, if a new search would not change the decision; else None.

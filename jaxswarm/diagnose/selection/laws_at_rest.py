@@ -30,6 +30,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import hardly_moving, leave_out
 from jaxswarm.identify.forward.model import model_torque
+from jaxswarm.logs.motion import Motion
 
 
 def leave_out_instead_of_laws(search: Search) -> bool:
@@ -42,17 +43,31 @@ def leave_out_instead_of_laws(search: Search) -> bool:
     current = search.current
     rows = hardly_moving(current.motions)
     slow = np.concatenate(rows)
-    for step in search.steps:
-        joint = step.added.joint
-        if joint is None or not _is_asked(step, search, slow[:, joint]):
-            continue
+    asked = [
+        s
+        for s in search.steps
+        if s.added.joint is not None and _is_asked(s, search, slow[:, s.added.joint])
+    ]
+    if not asked:
+        return False
+
+    def moving(joints: set[int]) -> list[Motion]:
+        return leave_out(current.motions, rows, np.isin(np.arange(slow.shape[1]), list(joints)))
+
+    # What is loud in motion with the law is so without it: of seven laws on a measured arm of six joints none
+    # was worth the two fits that tell.
+    loud = {s.added.index for s in asked} & set(np.flatnonzero(over_noise(current) > LOUD))
+    if loud:
+        beside = fit_of_rows(search, current, moving(loud))
+        loud &= set(np.flatnonzero(over_noise(beside) > LOUD))
+    for step in (s for s in asked if s.added.index not in loud):
+        joint = step.added.index
         terms = terms_without([step], current.model.terms)
         before = with_motion_noise(refit_once(current, terms), search.seed)
-        moving = leave_out(current.motions, rows, np.arange(slow.shape[1]) == joint)
-        after = fit_of_rows(search, before, moving)
+        after = fit_of_rows(search, before, moving({joint}))
         if not is_held(before, after)[joint] or over_noise(after)[joint] > LOUD:
             continue
-        beside = fit_of_rows(search, current, moving)
+        beside = fit_of_rows(search, current, moving({joint}))
         in_motion, of_all = (
             1.0 - share_left(*pair)[joint] for pair in ((beside, after), (current, before))
         )

@@ -101,7 +101,7 @@ def _with_laws(search: Search, moving: Estimate, asked: set[int]) -> Estimate | 
 def _with_law(search: Search, here: Estimate, asked: set[int]) -> Estimate | None:
     """The fit with the law of these joints that would be added, or the next one that can be fitted."""
     terms, folds = eligible_terms(here.model, here.motions), cross_fit(here)
-    scores = score_terms(Linearization(here, folds), terms, search.seed)
+    scores = score_terms(Linearization(here, folds, search.memory.aside()), terms, search.seed)
     passed = accepted(scores, search.rules, search.added)
     left = [s for s in passed if s.joint in asked or s.candidate.term.joint is None]
     while left:
