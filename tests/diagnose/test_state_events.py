@@ -20,6 +20,7 @@ from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
 from jaxswarm.diagnose.selection.take_back import take_back_events, take_back_stand_ins
+from jaxswarm.diagnose.selection.without_end import jumps_for_events
 from jaxswarm.effects.base import REGISTRY, get_law
 from jaxswarm.effects.direction import follows_direction
 from jaxswarm.effects.kinds import TorqueLaw
@@ -164,6 +165,40 @@ def test_a_function_instead_of_a_law_by_the_time_holds_on_another_log(there, tol
     log = log_with(duration=LONG, motion_seed=11)
     search.other = (prepare(replace(log, tau=log.tau + there(log)), BAND),)
     assert (state_events.time_of_state(search) is not None) == told
+
+
+@pytest.mark.parametrize(("over", "told"), [(1.2, False), (1.4, True)])
+def test_a_law_by_the_time_that_leaves_the_noise_alone_is_not_asked_for_states(
+    monkeypatch, over, told
+):
+    """Of friction that fell at once a function of two joints with 96 numbers told 95 %, the law 93 %."""
+    search = told_as([Term("friction_change", 1)], by_partner, motion_seed=10)
+    monkeypatch.setattr(state_events, "over_noise", lambda found: np.array([over, over]))
+    assert (state_events.time_of_state(search) is not None) == told
+
+
+def jump(log):
+    """From 22 s on, to the end [N m]."""
+    return 3.0 * (log.t > 22.0)
+
+
+@pytest.mark.parametrize(
+    ("pushed", "told"),
+    [
+        (lambda log: np.stack([0.0 * log.t, jump(log)], 1), "offset_change"),
+        (lambda log: np.stack([jump(log), jump(log)], 1), "contact"),
+        (lambda log: np.stack([0.0 * log.t, jump(log) * (log.t < 25.0)], 1), "contact"),
+    ],
+)
+def test_an_event_of_one_joint_without_an_end_is_a_jump(pushed, told):
+    """A torque's zero that jumped 4.5 s before its log was over was told as a contact until then."""
+    search = told_as([], pushed)
+    lin = Linearization(search.current, search.folds)
+    asked = [Term("contact"), Term("offset_change", 1), Term("friction_change", 1)]
+    event, *laws = score_terms(lin, asked, 0)
+    assert event.candidate.term.effect == "contact" and event.allowed
+    (found,) = jumps_for_events([event], [event, *laws], search.current)
+    assert found.candidate.term.effect == told
 
 
 def one_way(log):

@@ -53,11 +53,12 @@ def test_friction_by_the_load_in_a_form_that_nobody_knows_names_the_load(law):
     assert left[0].share > 0.8 and left[0].term is None
 
 
-def test_what_sits_at_one_place_is_a_function_of_the_position():
-    """A magnet of 0.2 rad, of which functions as wide as the motion follow a part."""
+@pytest.mark.parametrize("size", [0.2, 0.07])
+def test_what_sits_at_one_place_is_a_function_of_the_position(size):
+    """A magnet, of which functions as wide as the motion follow a part; a small one was told as a ripple."""
 
     def magnet(q, dq):
-        x = (q[:, 1] - 0.2) / 0.2
+        x = (q[:, 1] - 0.2) / size
         return 4.0 * x * np.exp(-(x**2))
 
     found = diagnose_log(with_extra(magnet))

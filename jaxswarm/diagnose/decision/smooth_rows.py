@@ -16,9 +16,10 @@ from jaxswarm.identify.forward.smooth import features
 
 # Features of one and two variables; and how many times as narrow, and of how many more, those of a joint's own
 # position and velocity are once more: what sits at one place, a magnet of 0.15 rad on 1.3 rad of motion, is
-# half hidden from functions as wide as the motion, and laws of the catalog stood in for it.
+# half hidden from functions as wide as the motion, and laws of the catalog stood in for it. Of one of 0.07 rad
+# 48 functions four times as narrow told nothing on blocks held out, 96 eight times as narrow 0.96.
 _FEATURES = {1: 14, 2: 96}
-_NARROW, _OF_NARROW = 4.0, 48
+_NARROW, _OF_NARROW = 8.0, 96
 # Range below which a variable is a constant.
 VARIES = 1e-9
 # Part of all samples at either end of a variable that count as the last value before: half of a log says

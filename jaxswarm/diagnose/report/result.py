@@ -25,6 +25,7 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import Outcome
 from jaxswarm.diagnose.selection.step import Addition, Step, with_errors
 from jaxswarm.diagnose.selection.survives import UNSHOWN
+from jaxswarm.effects.alike import has
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.report.summary import (
     base_parameter_table,
@@ -114,7 +115,8 @@ def _choices(outcome: Outcome, laws: Search, joints: tuple[str, ...]) -> dict:
             for step, (before, after) in steps
         ],
         "base_parameters": base_parameter_table(diagnosis.final),
-        "removed": [place(t, joints) for t in taken],
+        # What was taken out on the way may have come back.
+        "removed": [place(t, joints) for t in taken if not has(t, diagnosis.final.model.terms)],
     }
 
 

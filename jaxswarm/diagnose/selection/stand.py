@@ -17,6 +17,7 @@ from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.without_end import jumps_for_events
 from jaxswarm.effects.kinds import BodyChange
 
 _ALONE = "shows in dry friction alone, which may be early or late by itself"
@@ -33,6 +34,7 @@ _NO_EVENT = (
 def that_may_stand(search: Search, passed: Sequence[Score]) -> list[Score]:
     """Those that passed without what may not stand beside the model as it is, refused with the reason."""
     model, motions = search.current.model, search.current.motions
+    passed = jumps_for_events(passed, search.scores, search.current)
     stray = [s for s in passed if strays(s.candidate.term, model.terms, motions)]
     bent = [s for s in passed if imitates(s.candidate.term, model.terms, motions)]
     unseen = [s for s in passed if is_unseen(s.candidate.term, motions)]

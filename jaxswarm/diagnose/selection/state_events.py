@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.diagnose.decision.like_states import told_by_states
-from jaxswarm.diagnose.decision.rules import BY_CHANCE, BY_STATE, FAR_LESS, LIKE_STATES
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import BY_CHANCE, BY_STATE, FAR_LESS, LIKE_STATES, LOUD
 from jaxswarm.diagnose.decision.smooth_rows import table_of
 from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
@@ -70,13 +71,14 @@ def time_of_state(search: Search) -> tuple[Step, str] | None:
     less than the law does, and to take over what the law takes: friction by another joint's position was told
     as friction that changed in the middle of the log, and the error of other motion grew by half. A function of
     another joint's speed took 84 % off what friction that falls as its joint warms had left, and 12 % off
-    another log.
+    another log. A law that leaves its joint within its noise leaves nothing to tell: of friction that fell at
+    once a function of two joints told 95 %, with 96 numbers, and the law with two 93 %.
     """
-    current = search.current
+    current, quiet = search.current, over_noise(search.current) <= LOUD
     for step in search.steps:
         term, joint = step.added, step.added.joint
         held = has(term, current.model.terms)
-        if joint is None or term.law.shown_against != "time" or not held:
+        if joint is None or term.law.shown_against != "time" or not held or quiet[joint]:
             continue
         bare = refit(current, without(term, current.model.terms))
         rest = with_motion_noise(bare, search.seed)

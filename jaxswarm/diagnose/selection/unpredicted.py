@@ -8,6 +8,7 @@ from jaxswarm.diagnose.decision.rules import ABOVE_NOISE, HARM_ON_THE_WAY
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.elsewhere import rms
 from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.survives import more_in_all
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.validate import held_out_residual
 
@@ -20,7 +21,9 @@ def unpredicted(
     These are the blocks by which a log without others is reported, and a law of which most of them know nothing
     may not be predicted into the next: a push of two seconds was told as a spring with a dead zone and a
     shorter push, with 1.5 % of error on such blocks before and 118 % after. On 63 other logs of two simulators
-    no joint rose by more than a sixth, whatever was added.
+    no joint rose by more than a sixth, whatever was added. Where the errors of all joints fall, one may rise:
+    of a log of four moves a Stribeck friction took its joint from 25 times the noise to 2 on such blocks, and
+    another one rose from 7 times to 10. A jump was told in its place; on another log both fell with it.
 
     Args:
         declared: The fit of the declared model.
@@ -28,8 +31,9 @@ def unpredicted(
         final: The fit with all of it.
     """
     one, two = _errors(declared), _errors(final)
-    worse = (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise_of(final))
-    if not worse.any():
+    noise = noise_of(final)
+    worse = (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
+    if not worse.any() or not more_in_all(two, one, noise):
         return None
     joint = int(np.argmax(np.where(worse, two / np.maximum(one, 1e-300), 0.0)))
     rises = [float(_errors(step.after)[joint] - _errors(step.before)[joint]) for step in steps]
