@@ -30,8 +30,7 @@ class TorqueLaw(Effect):
         torque: ``torque(p, sample) -> scalar`` [N m or N] for one :class:`Sample` of scalars and a
             dictionary of parameters; friction has the sign of the velocity.
         rate: ``rate(p, sample) -> d state / dt`` of its memory, the scalar ``sample.state``; None: none.
-        memories: How many scalars it remembers; of several, each with a rate of its own, ``sample.state`` and
-            ``rate`` are tuples.
+        memories: How many scalars it remembers; of several, ``sample.state`` and ``rate`` are tuples.
         most: Size beyond which no memory goes: an element that slips stays as far as it can be bent.
         start: ``start(p, sample) -> state`` at the begin of a log; None: zero.
         forgets: Parameter over whose travel [rad or m] the state forgets what it was before the log.
@@ -162,6 +161,11 @@ class BodyChange(Effect):
     window: bool = False
 
     @property
+    def shows_on_own_joint(self) -> bool:
+        """A joint that sits elsewhere is felt by those before it as well."""
+        return False
+
+    @property
     def changes_rigid_columns(self) -> bool:
         """They depend on gravity and geometry, not on the links' parameters."""
         return self.gravity is not None or self.placement is not None
@@ -238,11 +242,8 @@ class ExternalTorque(Effect):
     def check(self) -> None:
         """Refuse a torque without a window."""
         super().check()
-        if self.scope != "global" or not {p.name for p in self.nonlinear} >= {
-            "log",
-            "start",
-            "end",
-        }:
+        needed = {"log", "start", "end"}
+        if self.scope != "global" or not needed <= {p.name for p in self.nonlinear}:
             raise ValueError(
                 f"effect {self.name!r} is an external torque: it needs scope 'global' and the nonlinear "
                 "parameters log, start and end"

@@ -1,13 +1,17 @@
 """A base on a wall or under a ceiling that is declared on the floor is told, with the gravity to pass."""
 
+from types import SimpleNamespace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxswarm.identify.checks import mounting
 from jaxswarm.identify.checks.check_log import against_robot
 from jaxswarm.identify.checks.mounting import MOUNTING, mounting_guesses
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import samples_of
+from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
 from jaxswarm.logs.motion import Filtering
 from jaxswarm.logs.segments import prepare_segments
@@ -49,3 +53,22 @@ def test_without_gravity_nothing_is_asked(arm):
     afloat = arm.replace(gravity=jnp.zeros(3))
     rough = Rough(afloat, samples_of(motions(afloat)))
     assert list(mounting_guesses(afloat, rough, rough.as_logged()[0])) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [((-1.5, -0.5, 0.1), True), ((-1.0, -0.4, 0.5), False), ((-1.0, 0.0, 0.0), True)],
+)
+def test_a_direction_by_which_other_joints_lose_is_none(arm, monkeypatch, change, told):
+    """Friction that was missing about an upright axis was told as a base on its edge, 2.6 % being left."""
+    logged = Tried(np.array([0.07, 0.02, 0.04]), np.ones(3))
+
+    def rough(robot, samples):
+        other = robot.gravity[0] > 9.0
+        left = logged.left * np.exp(change) if other else logged.left
+        return SimpleNamespace(as_logged=lambda: (Tried(left, logged.braking), None))
+
+    monkeypatch.setattr(mounting, "Rough", rough)
+    samples = samples_of(motions(arm))
+    found = list(mounting_guesses(arm, SimpleNamespace(samples=samples), logged))
+    assert bool(found) is told
