@@ -17,7 +17,7 @@ from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import Step, find_term
+from jaxswarm.diagnose.selection.step import Step, competitors, find_term
 from jaxswarm.diagnose.selection.take_back import (
     take_back,
     take_back_events,
@@ -336,7 +336,11 @@ def test_what_imitates_any_law_beside_another_one_keeps_its_place_in_mind():
     search.scores = score_terms(Linearization(search.current, search.folds), [BENT], 0)
     model = search.current.model
     search.current = replace(search.current, model=replace(model, terms=(*model.terms, CUBIC)))
+    search.steps = [*search.steps, replace(search.steps[0], added=CUBIC, near=())]
+    search.settled = True
     assert that_may_stand(search, search.scores) == []
+    # It may have been chosen beside something that was missing: the other is asked in its place.
+    assert BENT.effect in [t.effect for t in competitors(search.steps[-1])] and not search.settled
     assert search.kept_out == {1} and search.refused[0][0].effect == "dead_zone_spring"
 
 
