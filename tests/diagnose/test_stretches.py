@@ -17,13 +17,14 @@ def asked(monkeypatch, without, beside, known=1.0):
     before, after = (
         SimpleNamespace(
             regression=SimpleNamespace(log=np.zeros(ROWS), used_rows=used),
-            fit=SimpleNamespace(residual=np.ones((ROWS, 1))),
+            fit=SimpleNamespace(residual=np.ones((ROWS, 1)), sigma=np.array([sigma])),
             errors=dict(zip(STRETCHES, errors, strict=True)),
         )
-        for errors in (without, beside)
+        for errors, sigma in ((without, 4.0), (beside, 1.0))
     )
 
-    def held_out(found, block):
+    def held_out(found, block, sigma):
+        assert sigma is after.fit.sigma, "a fit that lacks a law says little by its rows"
         return np.full((ROWS, 1), found.errors[len(np.unique(block))])
 
     monkeypatch.setattr(stretches, "added_columns", lambda *a: None)

@@ -1,6 +1,7 @@
 """Errors on motion that was not fitted: another log, or blocks of time held out one after the other."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -97,15 +98,20 @@ def time_blocks(log: np.ndarray, count: int) -> np.ndarray:
 
 
 def held_out_residual(
-    found: Estimate, count: int = 5, block: np.ndarray | None = None
+    found: Estimate,
+    count: int = 5,
+    block: np.ndarray | None = None,
+    sigma: np.ndarray | None = None,
 ) -> np.ndarray:
     """Residual (T, n) where every block of rows is predicted by a fit to the others.
 
     The blocks are numbered by ``block`` (T,); by default they are ``count`` stretches of time per log.
-    Nonlinear parameters, width, weights and bounds stay those of the whole fit; the linear parameters,
-    by far the most, are refitted. A column that is zero on all other blocks counts as absent.
+    Nonlinear parameters, width, weights and bounds stay those of the whole fit, or the weights are by another
+    one's ``sigma`` (n,); the linear parameters, by far the most, are refitted. A column that is zero on all
+    other blocks counts as absent.
     """
     regression, solution = found.regression, found.fit
+    solution = solution if sigma is None else replace(solution, sigma=sigma)
     block = time_blocks(regression.log, count) if block is None else block
     residual = np.empty_like(solution.residual)
     # Each block is factored once: what is left without it is the factors of all others.
