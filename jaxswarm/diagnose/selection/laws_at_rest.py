@@ -21,16 +21,21 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.sticking import fit_of_rows, go_on_from, is_held
+from jaxswarm.diagnose.selection.sticking import (
+    fit_of_rows,
+    go_on_from,
+    is_held,
+    loud_joints,
+    motion_alone,
+)
 from jaxswarm.diagnose.selection.without_steps import go_on_without, terms_without
 from jaxswarm.effects.alike import has, without
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import TorqueLaw, TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving, leave_out
+from jaxswarm.identify.estimation.standing import hardly_moving
 from jaxswarm.identify.forward.model import model_torque
-from jaxswarm.logs.motion import Motion
 
 
 def leave_out_instead_of_laws(search: Search) -> bool:
@@ -43,31 +48,26 @@ def leave_out_instead_of_laws(search: Search) -> bool:
     current = search.current
     rows = hardly_moving(current.motions)
     slow = np.concatenate(rows)
-    asked = [
-        s
-        for s in search.steps
-        if s.added.joint is not None and _is_asked(s, search, slow[:, s.added.joint])
-    ]
+    asked = [step for step in search.steps if _is_asked(step, search, slow)]
     if not asked:
         return False
 
-    def moving(joints: set[int]) -> list[Motion]:
-        return leave_out(current.motions, rows, np.isin(np.arange(slow.shape[1]), list(joints)))
+    def fitted(found: Estimate, joints: set[int]) -> Estimate:
+        return fit_of_rows(search, found, motion_alone(current.motions, rows, joints))
 
     # What is loud in motion with the law is so without it: of seven laws on a measured arm of six joints none
     # was worth the two fits that tell.
-    loud = {s.added.index for s in asked} & set(np.flatnonzero(over_noise(current) > LOUD))
+    loud = {s.added.index for s in asked} & loud_joints(search)
     if loud:
-        beside = fit_of_rows(search, current, moving(loud))
-        loud &= set(np.flatnonzero(over_noise(beside) > LOUD))
+        loud &= set(np.flatnonzero(over_noise(fitted(current, loud)) > LOUD))
     for step in (s for s in asked if s.added.index not in loud):
         joint = step.added.index
         terms = terms_without([step], current.model.terms)
         before = with_motion_noise(refit_once(current, terms), search.seed)
-        after = fit_of_rows(search, before, moving({joint}))
+        after = fitted(before, {joint})
         if not is_held(before, after)[joint] or over_noise(after)[joint] > LOUD:
             continue
-        beside = fit_of_rows(search, current, moving({joint}))
+        beside = fitted(current, {joint})
         in_motion, of_all = (
             1.0 - share_left(*pair)[joint] for pair in ((beside, after), (current, before))
         )
@@ -85,10 +85,13 @@ def _is_asked(step: Step, search: Search, slow: np.ndarray) -> bool:
     Args:
         step: The addition.
         search: The selection.
-        slow: Whether its joint hardly moves, on the rows of all logs, (T,).
+        slow: Whether each joint hardly moves, on the rows of all logs, (T, n).
     """
     term, current = step.added, search.current
+    if term.joint is None:
+        return False
     joint, used = term.index, current.regression.used_rows[:, term.index]
+    slow = slow[:, joint]
     known = term.joint in search.sticking or not has(term, current.model.terms)
     if known or term.law.mutual or _remembers(term.law) or not (used & slow).any():
         return False

@@ -10,7 +10,7 @@ on no other motion is none, and what friction does at rest is a matter of its ow
 points joints that stuck at each seemed to follow two others, or the acceleration of one.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -73,6 +73,13 @@ def fit_of_rows(search: Search, found: Estimate, motions: Sequence[Motion]) -> E
     )
 
 
+def motion_alone(
+    motions: Sequence[Motion], slow: Sequence[np.ndarray], joints: Collection[int]
+) -> list[Motion]:
+    """The logs without the rows in which some joints hardly move; of all joints those are ``slow``, (T', n)."""
+    return leave_out(motions, slow, np.isin(np.arange(slow[0].shape[1]), list(joints)))
+
+
 def loud_joints(search: Search) -> set[int]:
     """Joints left beyond their noise whose friction was not yet found to hold them for moments."""
     return {int(j) for j in np.flatnonzero(over_noise(search.current) > LOUD)} - search.sticking
@@ -94,8 +101,7 @@ def without_sticks(
     current = search.current
     rows = hardly_moving(current.motions)
     while asked:
-        joints = np.isin(np.arange(rows[0].shape[1]), list(asked))
-        after = fitted(leave_out(current.motions, rows, joints))
+        after = fitted(motion_alone(current.motions, rows, asked))
         held = asked & set(np.flatnonzero(is_held(current, after)))
         if held == asked:
             search.sticking |= held

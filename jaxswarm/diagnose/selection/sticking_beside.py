@@ -28,10 +28,11 @@ from jaxswarm.diagnose.selection.sticking import (
     go_on_from,
     is_held,
     loud_joints,
+    motion_alone,
     stands_out,
 )
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving, leave_out
+from jaxswarm.identify.estimation.standing import hardly_moving
 
 
 def leave_out_beside_laws(search: Search) -> bool:
@@ -45,8 +46,7 @@ def leave_out_beside_laws(search: Search) -> bool:
     rows = hardly_moving(current.motions)
 
     def what_moves(joints: set[int]) -> Estimate:
-        which = np.isin(np.arange(rows[0].shape[1]), list(joints))
-        return fit_of_rows(search, current, leave_out(current.motions, rows, which))
+        return fit_of_rows(search, current, motion_alone(current.motions, rows, joints))
 
     moving = what_moves(asked)
     loud = set(np.flatnonzero(stands_out(current, moving) & (over_noise(moving) > LOUD)))

@@ -59,8 +59,7 @@ def is_certain(term: Term, errors: dict[str, float], least: float = CERTAIN) -> 
     """
     law = term.law
     if isinstance(law, TransmissionLaw):
-        size = law.parameters[0].name
-        return not abs(term.values[size]) <= least * errors[size]
+        return _one_is_certain(term, errors, {law.parameters[0].name: 0.0}, least)
     if isinstance(law, ExternalTorque):
         held = {p.name for p in law.parameters}
         torques = [name for name in term.values if name not in held]

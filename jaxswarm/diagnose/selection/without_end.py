@@ -36,7 +36,7 @@ def _jump_for(event: Score, scores: Sequence[Score], found: Estimate) -> Score |
     """The law that says what an event without an end says, the best one first; None if there is none."""
     if not isinstance(event.candidate.term.law, ExternalTorque):
         return None
-    if not _lasts(event, found) or not _is_of_one(event):
+    if not _has_no_end(event, found) or not _is_of_one(event):
         return None
     laws = [
         s
@@ -49,7 +49,7 @@ def _jump_for(event: Score, scores: Sequence[Score], found: Estimate) -> Score |
     return max(laws, key=lambda s: s.trained, default=None)
 
 
-def _lasts(event: Score, found: Estimate) -> bool:
+def _has_no_end(event: Score, found: Estimate) -> bool:
     """Whether an event ends with its log, as far as that is fitted."""
     values = event.candidate.term.values
     rows = found.regression.log == values["log"]

@@ -144,7 +144,7 @@ def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     """Whether a guess leaves clearly less; scales have to, so many times (``much``) more."""
     joints = list(guess.joints)
     change = found.power - logged.power
-    worse = np.log(found.left[joints] / np.maximum(logged.left[joints], 1e-9)).sum()
+    worse = (found.logarithms - logged.logarithms)[joints].sum()
     if guess.check in _SIGNS and worse > _OWN_SIGN:
         return False
     own = logged.braking[joints]

@@ -58,7 +58,7 @@ def mounting_guesses(
     beside = [d for d in every if np.count_nonzero(d) > 1 and d @ best > _BESIDE]
     tried = [(low, best), *((left(d), d) for d in beside)]
     found, direction = min(tried, key=lambda one: one[0].power)
-    change = np.log(np.maximum(found.left, 1e-9) / np.maximum(logged.left, 1e-9))
+    change = found.logarithms - logged.logarithms
     if np.maximum(change, 0.0).sum() > -_LOST * np.minimum(change, 0.0).sum():
         return
     yield _guess(robot, rough, size * direction), found

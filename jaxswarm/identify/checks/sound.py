@@ -34,14 +34,19 @@ class Tried:
     braking: np.ndarray
 
     @property
+    def logarithms(self) -> np.ndarray:
+        """Those of what is left, (n,)."""
+        return np.log(np.maximum(self.left, 1e-9))
+
+    @property
     def size(self) -> float:
         """Geometric mean over the joints of what is left: no joint of large torque hides the others."""
-        return float(np.exp(np.mean(np.log(np.maximum(self.left, 1e-9)))))
+        return float(np.exp(np.mean(self.logarithms)))
 
     @property
     def power(self) -> float:
         """Sum of the logarithms of what is left."""
-        return float(np.sum(np.log(np.maximum(self.left, 1e-9))))
+        return float(np.sum(self.logarithms))
 
 
 def may_be(found: Tried) -> bool:
