@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 from planted import BAND, blank, declared_fit, log_with, small_arm
 from test_contacts import contact, pushed
 
@@ -152,3 +153,23 @@ def test_windows_beside_an_event_end_with_their_log(monkeypatch):
     event_module.score_event(Candidate(contact(4.0, 8.0), (columns,) * 3, 2), crossfit, columns)
     rows = [len(m.t[m.decimator.kept(len(m.t))]) for m in logs]
     assert seen[0].tolist() == np.repeat([0, 1], rows).tolist()
+
+
+def test_the_chance_of_an_event_is_what_it_says_on_all_joints_and_on_one_of_them():
+    """A push of 30 times the noise for 0.4 s on one joint of six was no more than chance beside the others."""
+    acting = np.ones(6, dtype=int)
+    noise = np.random.default_rng(0).normal(size=(20000, 6)) ** 2
+    chances = np.array([event_module.chance_of(squares, acting) for squares in noise])
+    for level in (0.05, 0.01):
+        # Of 20,000 draws more than this by accident happens once in a thousand.
+        assert (chances < level).mean() < level + 3.1 * np.sqrt(level / len(noise))
+    alone, together = np.array([36.0, 0, 0, 0, 0, 0]), np.full(6, 6.0)
+    assert event_module.chance_of(alone, acting) == pytest.approx(
+        12.0 * scipy.stats.chi2.sf(36.0, 1)
+    )
+    assert event_module.chance_of(together, acting) == pytest.approx(
+        2.0 * scipy.stats.chi2.sf(36.0, 6)
+    )
+    # A load says ten things of one joint.
+    load = event_module.chance_of(alone, np.array([10, 0, 0, 0, 0, 0]))
+    assert load > event_module.chance_of(alone, acting)
