@@ -10,12 +10,13 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.selection import refit as refit_module
 from jaxswarm.diagnose.selection.refit import refit_with
-from jaxswarm.diagnose.selection.refit_starts import starts
+from jaxswarm.diagnose.selection.refit_starts import from_inside, starts
 from jaxswarm.diagnose.selection.step import find_term
 from jaxswarm.effects.term import Term
 
 STRIBECK = Term("stribeck_friction", 1, values={"df": 3.0, "vs": 0.12, "delta": 2.0})
 DRAG = Term("quadratic_drag", 1, values={"c": 1.5})
+LOAD = Term("load_dependent_friction", 1, values={"mu": 0.3, "inertial": 0.4})
 
 
 @pytest.mark.parametrize(("hidden", "tries"), [(STRIBECK, 3), (DRAG, 1)], ids=["bends", "does not"])
@@ -35,6 +36,38 @@ def test_a_curve_of_usual_shape_begins_from_lower_speeds_too(monkeypatch, hidden
     for fitted in asked:
         for name, value in hidden.values.items():
             assert fitted.values[name] == pytest.approx(value, rel=0.1)
+
+
+def test_what_ran_to_a_bound_begins_once_more_from_usual_values():
+    at = replace(LOAD, values={"mu": 0.3, "inertial": 1.0})
+    assert from_inside(at).values == {"mu": 0.3, "inertial": 0.5}
+    assert from_inside(LOAD) is None and from_inside(DRAG) is None
+
+
+@pytest.mark.parametrize("stuck", [True, False])
+def test_a_fit_at_a_bound_is_left_for_one_that_leaves_less(monkeypatch, stuck):
+    """Friction by the load of an upright axis came to a share of 1.0 at 2.4 times the error it may leave."""
+    hidden = LOAD if stuck else replace(LOAD, values={"mu": 0.3, "inertial": 1.0})
+    before, crossfit = declared_fit(log_with(hidden))
+    (score,) = score_terms(Linearization(before, crossfit), [Term(LOAD.effect, 1)], 0)
+    fits, refit = [], refit_module.refit
+
+    def first_at_the_bound(*asked):
+        found = refit(*asked)
+        if stuck and not fits:
+            left = 0.5 * before.fit.residual
+            terms = found.model.terms
+            terms = (*terms[:-1], replace(terms[-1], values={**terms[-1].values, "inertial": 1.0}))
+            model = replace(found.model, terms=terms)
+            found = replace(found, model=model, fit=replace(found.fit, residual=left))
+        fits.append(found)
+        return found
+
+    monkeypatch.setattr(refit_module, "refit", first_at_the_bound)
+    after = refit_with(before, score)
+    told = find_term(after, Term(LOAD.effect, 1)).values
+    assert told["inertial"] == pytest.approx(0.4 if stuck else 1.0, abs=0.15)
+    assert after is fits[-1] if stuck else after in fits
 
 
 @pytest.mark.parametrize(("wanted", "stiffness"), [(43.0, [7e3, 3e5]), (1.5, [3e5])])

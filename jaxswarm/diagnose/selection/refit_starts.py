@@ -37,6 +37,17 @@ def with_start(chosen: Score) -> Term:
     return replace(term, values=values)
 
 
+def from_inside(fitted: Term) -> Term | None:
+    """A term that was fitted, where it begins once more from usual values; None if none has run to a bound.
+
+    Friction by the load of an upright axis follows its inertia alone, a part of which is the rotor's: the fit
+    came to a share of 1.0 of it at 2.4 times the error that it leaves at 0.68.
+    """
+    shapes = fitted.law.free(fitted.values)
+    at = {p.name: p.nominal for p in shapes if fitted.values[p.name] in (p.lower, p.upper)}
+    return replace(fitted, values={**fitted.values, **at}) if at else None
+
+
 def starts(term: Term, coefficients: np.ndarray) -> list[Term]:
     """Where a refit begins, the next one where it comes to nothing that can be.
 

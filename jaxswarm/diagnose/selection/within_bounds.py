@@ -7,7 +7,9 @@ leaves friction that drives on some joint, which is within its error and triples
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import BEYOND_CHANCE
-from jaxswarm.effects.term import parameter_bounds
+from jaxswarm.diagnose.selection.tenable import is_within
+from jaxswarm.effects.alike import number_of
+from jaxswarm.effects.term import Term, parameter_bounds
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import base_bounds
 
@@ -43,3 +45,13 @@ def _doubts(current: Estimate) -> np.ndarray:
     for term, errors in zip(model.terms, current.std_errors, strict=True):
         whole.append(np.array([errors.get(name, 0.0) for name in term.linear_names(joints)]))
     return np.fmax(current.fit.std_error, np.concatenate(whole)[base.kept])
+
+
+def within_own_bounds(after: Estimate, term: Term) -> Estimate:
+    """The fit with all values held at their bounds, where chance has driven the term's own beyond them.
+
+    A joint 0.9 +- 0.3 m off its drawing, which is no error of a drawing, took 44 % off its joint's squared
+    error on a measured arm, and 23 % where it was held within 0.2 m.
+    """
+    fitted = after.model.terms[number_of(term, after.model.terms)]
+    return after if is_within(fitted) else within_bounds(after)
