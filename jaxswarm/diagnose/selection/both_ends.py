@@ -11,10 +11,10 @@ from itertools import combinations
 
 import numpy as np
 
+from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.decision.score import score
 from jaxswarm.diagnose.decision.worth import Score, passes
-from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.refit import refit_in_place
 from jaxswarm.diagnose.selection.state import Search
@@ -54,7 +54,7 @@ def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
 def _pairs(search: Search) -> list[tuple[float, Score, Score]]:
     """Both ends of laws that pass beside each other, with what they gain together."""
     current, crossfit = search.current, search.folds
-    far = current.fit.sigma > NEAR * noise_of(current)
+    far = over_noise(current) > NEAR
     asked = {s.candidate.term.place: s for s in search.scores}
     ends = {
         (law, joint, other): s

@@ -19,6 +19,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.own_variables import torque_at_joint
+from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import EVERYDAY_CERTAIN, EVERYDAY_MATERIAL, NEAR, Rules
 from jaxswarm.diagnose.decision.sharpness import score_softly
 from jaxswarm.diagnose.decision.worth import Score
@@ -126,7 +127,7 @@ def _hidden(after: Estimate, confirmed: Sequence[Score], asked: Sequence[Score])
 
     What is a part of the rigid body there, as a rotor's inertia on a vertical first axis, no fit can tell.
     """
-    over = after.fit.sigma / noise_of(after)
+    over = over_noise(after)
     found = [s.candidate.term.law for s in confirmed]
     candidates = [s.candidate.term.law for s in asked]
     return [

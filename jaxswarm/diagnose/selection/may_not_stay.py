@@ -4,14 +4,17 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.level import reads_otherwise
 from jaxswarm.diagnose.decision.own_variables import left_of_own
+from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import (
     A_THIRD,
+    BENT_TOLD_BY_SHARE,
     CERTAIN,
     CERTAIN_ALONE,
     FAR_LESS,
     FOLLOWS_OWN,
     LOST,
     LOST_SHARE,
+    MORE_THAN_NOISE,
     NEAR,
     OF_TAKEN,
     OF_TAKEN_NEAR,
@@ -19,8 +22,8 @@ from jaxswarm.diagnose.decision.rules import (
     TOLD_BY_SHARE,
 )
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
-from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.doubt_of_motion import fall_without_noise, is_spring
 from jaxswarm.diagnose.selection.plainer import does_as_well, numbers_of
 from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
@@ -47,11 +50,6 @@ def _why_not(search: Search, step: Step) -> str | None:
     """Why an addition does not survive beside all the others; None if it does."""
     current, joint = search.current, step.score.joint
     return survives(_without(current, step), current, joint, search.other, search.rules)
-
-
-def _over_noise(current: Estimate) -> np.ndarray:
-    """What is left on every joint over its noise, (n,)."""
-    return current.fit.sigma / noise_of(current)
 
 
 def idle(search: Search) -> tuple[Step, str] | None:
@@ -91,9 +89,11 @@ def nothing(search: Search) -> tuple[Step, str] | None:
 
 
 def _unshown(current: Estimate, step: Step) -> str | None:
-    """Why an addition needs another log; None where it takes nearly all off its joint."""
+    """Why an addition needs another log; None where it takes enough off its joint."""
+    law = step.added.law
+    share = BENT_TOLD_BY_SHARE if law.linear and law.nonlinear else TOLD_BY_SHARE
     left = share_left(current, _without(current, step))[step.score.joint]
-    return None if left < 1.0 - TOLD_BY_SHARE else _NO_OTHER_LOG
+    return None if left < 1.0 - share else _NO_OTHER_LOG
 
 
 def outdone(search: Search) -> tuple[Step, str] | None:
@@ -126,9 +126,29 @@ def outdone(search: Search) -> tuple[Step, str] | None:
     return None
 
 
+def of_noise(search: Search) -> tuple[Step, str] | None:
+    """The first spring that filters noise of the positions and shows no link, and why; None if none does.
+
+    Asked are those without which their joint is near that noise.
+    """
+    current = search.current
+    for step in _standing(search):
+        joint = step.score.joint
+        if not is_spring(step.added):
+            continue
+        rest = _without(current, step)
+        near = over_noise(rest)[joint] < NEAR
+        if near and fall_without_noise(rest, current, joint, search.seed) < MORE_THAN_NOISE:
+            return (
+                step,
+                "filters the noise of the positions: with more of it, it takes off as much more",
+            )
+    return None
+
+
 def shadow(search: Search) -> tuple[Step, str] | None:
     """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
-    current, left = search.current, _over_noise(search.current)
+    current, left = search.current, over_noise(search.current)
     told = []
     for step in _standing(search):
         law = step.added.law
@@ -151,7 +171,7 @@ def shadow(search: Search) -> tuple[Step, str] | None:
 
 def stand_in(search: Search) -> tuple[Step, str] | None:
     """The addition of whose own variables most is left, and why it is no name; None if none is."""
-    current, left, told = search.current, _over_noise(search.current), []
+    current, left, told = search.current, over_noise(search.current), []
     for step in _standing(search):
         term = find_term(current, step.added)
         law, joint = term.law, term.joint
@@ -187,7 +207,7 @@ def _other_form(left: float, share: float, leaves: float) -> bool:
 
 def poor(search: Search) -> tuple[Step, str] | None:
     """The first addition instead of which a smooth function leaves far less, and why; None if none is."""
-    current, left = search.current, _over_noise(search.current)
+    current, left = search.current, over_noise(search.current)
     for step in _standing(search):
         law, joint = step.added.law, step.added.joint
         if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:

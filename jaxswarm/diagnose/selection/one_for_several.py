@@ -17,9 +17,9 @@ from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.evaluate import score_on
+from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ASKED_ALONE, LOUD, NEAR, PRICE
 from jaxswarm.diagnose.decision.worth import Score, passes
-from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.rivals_elsewhere import no_worse
@@ -43,9 +43,8 @@ def one_for_several(search: Search) -> bool:
 
 def _one_of_the_arm(search: Search) -> bool:
     """Put a law of the whole arm in the place of all that was added, if it explains more; whether it did."""
-    over = search.current.fit.sigma / noise_of(search.current)
     added = [k for k, step in enumerate(search.steps) if not step.added.law.everyday]
-    if not added or not (over > LOUD).any():
+    if not added or not (over_noise(search.current) > LOUD).any():
         return False
     kept, steps = search.steps[: added[0]], search.steps[added[0] :]
     if any(_of_the_arm(step.added) for step in steps):
@@ -133,7 +132,7 @@ def _explains_more(search: Search, steps: Sequence[Step], score: Score, after: E
     """
     current, joints = search.current, {step.score.joint for step in steps}
     more = score.candidate.size - sum(step.score.candidate.size for step in steps)
-    if (after.fit.sigma > NEAR * noise_of(after)).any() or does_as_well(current, after, more):
+    if (over_noise(after) > NEAR).any() or does_as_well(current, after, more):
         return False
     if any(cost(after, j, current) > PRICE * cost(current, j, current) for j in joints):
         return False

@@ -16,10 +16,10 @@ from jaxswarm.diagnose.decision.competing import (
     with_soft_joints,
 )
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR, Rules
 from jaxswarm.diagnose.decision.unexplained import find_unexplained
 from jaxswarm.diagnose.decision.worth import Score, passes
-from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.instead import leaves_less, replacement, simpler, surer
 from jaxswarm.diagnose.selection.pair import pair
@@ -60,7 +60,7 @@ def choose_again(
         if changed:
             return done, found, True
         steps = done
-    over = current.fit.sigma / noise_of(current)
+    over = over_noise(current)
     acted = {step.score.joint for step in steps}
     far = {j for j in acted if over[j] > NEAR}
     unclear = sorted(j for j in acted - far if over[j] > LOUD)

@@ -2,9 +2,12 @@
 
 from collections.abc import Callable, Sequence
 
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.selection.may_not_stay import (
     idle,
     nothing,
+    of_noise,
     outdone,
     poor,
     shadow,
@@ -20,7 +23,7 @@ from jaxswarm.effects.term import Term
 
 
 def take_back(search: Search) -> bool:
-    """Take back what may not stay; whether a law may now be found that one of these had kept out.
+    """Take back what may not stay; whether a law, or two, may now be found that one of these had kept out.
 
     A stop was told as a cubic spring, beside which no spring with a dead zone may stand, and the cubic spring
     was taken back as a law of another form: a residual of 59 times the noise, which the other one explains.
@@ -30,7 +33,7 @@ def take_back(search: Search) -> bool:
     before = list(search.steps)
     take_back_harm(search)
     hid = {t.joint for t in _gone(search, before)}
-    _take_back(search, lambda: outdone(search))
+    _take_back(search, lambda: outdone(search) or of_noise(search))
     take_back_events(search)
     take_back_shadows(search)
     take_back_stand_ins(search)
@@ -40,7 +43,17 @@ def take_back(search: Search) -> bool:
     search.barred |= {kind_of(t) for t in gone if t.joint in again}
     search.banned = {key for key in search.banned if key[1] not in again}
     search.settled = search.settled and not again
-    return bool(again)
+    return bool(again) or _may_be_two(search, gone)
+
+
+def _may_be_two(search: Search, gone: Sequence[Term]) -> bool:
+    """Whether a joint is far from its noise without what was taken back: two laws may hide each other there.
+
+    Friction of either direction stood in for friction by the position and a drag, and was taken back for that:
+    nobody asked for the two while it was there.
+    """
+    over = over_noise(search.current)
+    return any(t.joint is not None and over[t.joint] > NEAR for t in gone)
 
 
 def _gone(search: Search, before: Sequence[Step]) -> list[Term]:

@@ -15,9 +15,9 @@ from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_if_passing, score_terms
-from jaxswarm.diagnose.decision.rules import LOST, NEAR
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import NEAR, PAIR_LEAVES
 from jaxswarm.diagnose.decision.worth import Score, passes
-from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.plainer import does_as_well
 from jaxswarm.diagnose.selection.refit import refit, refit_in_place, refit_with
@@ -68,14 +68,15 @@ class _Pair:
 def add_two_laws(search: Search) -> bool:
     """Add two laws of one joint that explain all of it together, where nothing explains a part; whether any.
 
-    Asked are joints that are very far from their noise. The second law has to pass beside the first by a level
+    Asked are joints that are far from their noise. The second law has to pass beside the first by a level
     divided by the number of all pairs; the first beside the second, which then is no chance, by one divided by
-    the number of laws of their joint. Together they bring it near its noise: two that share what an unknown law
-    does leave more. What happens in one log only is not asked: it bends into anything.
+    the number of laws of their joint. Together they leave little more than the noise, a small part of what was
+    left: two that share what an unknown law does leave more. What happens in one log only is not asked: it
+    bends into anything.
     """
     current = search.current
-    over = current.fit.sigma / noise_of(current)
-    for joint in sorted((j for j in range(len(over)) if over[j] > LOST), key=lambda j: -over[j]):
+    over = over_noise(current)
+    for joint in sorted((j for j in range(len(over)) if over[j] > NEAR), key=lambda j: -over[j]):
         found = _best(_pairs(search, joint))
         if found is None:
             continue
@@ -131,7 +132,8 @@ def _partner(search: Search, one: Score, own: int, pairs: int) -> _Pair | None:
     ``own``, ``pairs``: Laws of the joint and pairs that are asked, for the level of the tests.
     """
     current, rules, seed = search.current, search.rules, search.seed
-    joint, near = one.joint, NEAR * noise_of(current)[one.joint]
+    joint = one.joint
+    most = min(NEAR, PAIR_LEAVES * over_noise(current)[joint])
     # Without the other it may come to values that no law has.
     middle = refit_in_place(current, one.candidate.term)
     folds = cross_fit(middle)
@@ -141,7 +143,7 @@ def _partner(search: Search, one: Score, own: int, pairs: int) -> _Pair | None:
         return None
     two, rivals = choose(passed, rules, folds)
     after = refit_with(middle, two)
-    if after is None or after.fit.sigma[joint] > near:
+    if after is None or over_noise(after)[joint] > most:
         return None
     if not has(one.candidate.term, after.model.terms):
         return None  # the second is all that the first is
