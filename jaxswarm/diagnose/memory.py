@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from jaxswarm.diagnose.candidates.link_lag import MOST_NUMBERS
+from jaxswarm.diagnose.candidates.thinned import interval_of
 from jaxswarm.identify.forward.columns import is_kept, numbers_of
 from jaxswarm.logs.motion import Motion
 from jaxswarm.memory import GIB, refuse_beyond_free
@@ -24,7 +25,8 @@ def needed(motions: Sequence[Motion]) -> float:
     numbers = 0.0
     for motion in motions:
         samples, joints = motion.q.shape
-        numbers += numbers_of(motion) if is_kept(motion) else 0
+        every = 1 if is_kept(motion) else interval_of(motion)
+        numbers += numbers_of(motion) / every if is_kept(motion, every) else 0
         numbers += min(samples * joints * _CURVES, _WITH * MOST_NUMBERS)
         numbers += samples * joints * (_SIGNALS + _TURNED * joints)
     return 8.0 * numbers / GIB

@@ -19,6 +19,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
+from jaxswarm.diagnose.candidates.thinned import usual_inertia
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.memory import joined
@@ -53,7 +54,7 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
         curves *= used[:, [j]] if own else used  # where nothing is fitted nothing is left
         return curves
 
-    inertia = float(np.median(np.abs(lin.sensed(j)[0].inertia(lin.pi))))
+    inertia = usual_inertia(lin.sensed(j)[0], lin.pi)
     tried = term.law_of(TransmissionLaw).lattice
     assert tried is not None  # every dead zone has it
     lattice = [(o["gap"], o["flank"]) for o in tried(inertia)]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from jaxswarm.diagnose.candidates.swings import swings
-from jaxswarm.diagnose.candidates.thinned import thinned
+from jaxswarm.diagnose.candidates.thinned import thinned, usual_inertia
 from jaxswarm.effects.deflection import substeps_of
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.term import Term, of_kind
@@ -135,7 +135,7 @@ def _by_lags(slopes: tuple[np.ndarray, ...], lags: np.ndarray) -> np.ndarray:
 def gears(law: TransmissionLaw, options: list[dict], sensed: Sensitivity, pi: np.ndarray) -> Gears:
     """What makes gears of options (m,) with the link's inertia on a log, as the fit has them."""
     # A gear is as stiff as the median inertia asks for: taken once, not for every option.
-    inertia = np.median(np.abs(sensed.inertia(pi)), keepdims=True)
+    inertia = np.array([usual_inertia(sensed, pi)])
     found = [law.gear(option, inertia) for option in options]
     k, d, gap, hard = (np.array([float(x) for x in own]) for own in zip(*found, strict=True))
     return k, d, gap, hard

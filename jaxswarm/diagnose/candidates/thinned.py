@@ -77,9 +77,9 @@ def thinned(motion: Motion, sensed: Sensitivity) -> tuple[Motion, Sensitivity]:
         motion: The log.
         sensed: What its torque does when a joint moves otherwise; it keeps what is found here.
     """
-    every = int(motion.rate * min(_INTERVAL, 1.0 / (_LEAST * motion.torque_cutoff)) + 0.01)
+    every = interval_of(motion)
     low = motion.decimator
-    if every < 2 or low.factor < every or not is_kept(motion):
+    if every < 2:
         return motion, sensed
     if every not in sensed.thinner:
         few = SparseDecimator(low.taps, low.factor, every)
@@ -87,9 +87,24 @@ def thinned(motion: Motion, sensed: Sensitivity) -> tuple[Motion, Sensitivity]:
         part = slice(0, every * few.given(rows), every)
         q, dq, ddq = (x[part] for x in (motion.q, motion.dq, motion.ddq))
         less = replace(motion, t=motion.t[part], q=q, dq=dq, ddq=ddq, tau=None, decimator=few)
-        own = sensed.averaged(less, lambda x: straight_between(x, every)[: len(less.t)])
+        own = sensed.averaged(less, every, lambda x: straight_between(x, every))
         sensed.thinner[every] = less, own
     return sensed.thinner[every]
+
+
+def interval_of(motion: Motion) -> int:
+    """Samples of a log from one that lags are tried on to the next; 1: all are, if fewer could not be kept."""
+    every = int(motion.rate * min(_INTERVAL, 1.0 / (_LEAST * motion.torque_cutoff)) + 0.01)
+    if every < 2 or motion.decimator.factor < every:
+        return 1
+    return every if is_kept(motion, every) else 1
+
+
+def usual_inertia(sensed: Sensitivity, pi: np.ndarray) -> float:
+    """Median size of a joint's own inertia along a log [kg m^2 or kg]; of a long one on few samples."""
+    if not is_kept(sensed.motion):
+        sensed = thinned(sensed.motion, sensed)[1]
+    return float(np.median(np.abs(sensed.inertia(pi))))
 
 
 def straight_between(x: np.ndarray, every: int) -> np.ndarray:

@@ -11,6 +11,7 @@ from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.link_lag import ROTOR_SHARES, gears, lag_torque
 from jaxswarm.diagnose.candidates.options import best_option, chosen, placed, share_of
+from jaxswarm.diagnose.candidates.thinned import usual_inertia
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.link_lag import unseen_rows
@@ -33,8 +34,8 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """
     law, j = term.law_of(TransmissionLaw), term.index
     crossing = law.gap is not None
-    inertia = lin.sensed(j)[0].inertia(lin.pi)
-    if np.median(np.abs(inertia)) < 1e-6:
+    inertia = usual_inertia(lin.sensed(j)[0], lin.pi)
+    if inertia < 1e-6:
         return None
     memory, residuals = lin.memory, lin.residuals(j)
     known = memory.recall(term, residuals)
@@ -71,14 +72,14 @@ def lagging_candidate(lin: Linearization, term: Term) -> Candidate | None:
     )
 
 
-def _options(term: Term, inertia: np.ndarray, shares) -> list[dict[str, float]]:
+def _options(term: Term, inertia: float, shares) -> list[dict[str, float]]:
     """The lattice within the law's bounds.
 
     Beside the law's parameters every option has the rotor's ``share`` of the joint's inertia.
     """
     law = term.law_of(TransmissionLaw)
     assert law.lattice is not None  # what extends no other law has it
-    options = law.lattice(float(np.median(np.abs(inertia))))
+    options = law.lattice(inertia)
     if law.gap is not None:
         options = options[::_THINNED]
     inside = [_within_bounds(term, option) for option in options]

@@ -68,9 +68,9 @@ def numbers_of(motion: Motion) -> int:
     return samples * joints * (10 * joints + 3 * 10 * joints * (joints + 1) // 2)
 
 
-def is_kept(motion: Motion) -> bool:
-    """Whether the columns and derivatives of a log are few enough to be kept."""
-    return numbers_of(motion) <= _KEPT
+def is_kept(motion: Motion, every: int = 1) -> bool:
+    """Whether the columns and derivatives of a log, or on every few samples, are few enough to be kept."""
+    return numbers_of(motion) <= every * _KEPT
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from jaxswarm.identify.forward.columns import Rigid, is_kept
 from jaxswarm.logs.motion import Motion
+from jaxswarm.memory import joined
 from jaxswarm.robot.logged import rigid_columns
 from jaxswarm.robot.model import Robot
 
@@ -86,11 +87,30 @@ class Sensitivity:
         """What :meth:`at` gives, of a stretch of the log alone: its columns are made for that."""
         return self._torques(self._columns(part), pi, joints)
 
-    def averaged(self, motion: Motion, mean: Callable[[np.ndarray], np.ndarray]) -> "Sensitivity":
-        """The same on fewer samples, a motion of its own, by what ``mean`` makes of columns (T, ...)."""
-        other = Sensitivity(self.robot, motion, self.joint)
-        vars(other)["_made"] = _Columns(*map(mean, self._whole))
+    def averaged(
+        self, motion: Motion, every: int, mean: Callable[[np.ndarray], np.ndarray]
+    ) -> "Sensitivity":
+        """The same on every few samples, a motion of its own, by what ``mean`` makes of columns (T, ...).
+
+        A mean reaches to the samples next to it that are given: of a long log some of them are made at a time.
+        """
+        other, count = Sensitivity(self.robot, motion, self.joint), len(motion.t)
+        if is_kept(self.motion):
+            made = _Columns(*(mean(x)[:count] for x in self._whole))
+        else:
+            made = self._averaged_in_parts(count, every, mean)
+        vars(other)["_made"] = made
         return other
+
+    def _averaged_in_parts(
+        self, count: int, every: int, mean: Callable[[np.ndarray], np.ndarray]
+    ) -> _Columns:
+        parts: list[_Columns] = []
+        for first in range(0, count, BLOCK // every):
+            last, before = min(count, first + BLOCK // every), min(first, 1)
+            whole = self._columns(slice((first - before) * every, last * every))
+            parts.append(_Columns(*(mean(x)[before : last - first + before] for x in whole)))
+        return _Columns(*(joined(list(own), axis=0) for own in zip(*parts, strict=True)))
 
     def inertia(self, pi: np.ndarray) -> np.ndarray:
         """The joint's own inertia along the log, (T,)."""
@@ -187,7 +207,8 @@ def sensitivity_of(
         return Sensitivity(robot, motion, joint)
     if joint not in rigid.sensed:
         if not is_kept(motion):  # of a long log the torques of one joint are enough
-            rigid.sensed.clear()
+            for other in rigid.sensed.values():
+                other.asked.clear()
         full = rigid.full if is_kept(motion) else None
         return rigid.sensed.setdefault(joint, Sensitivity(robot, motion, joint, full))
     return rigid.sensed[joint]
