@@ -221,6 +221,24 @@ def test_strokes_of_one_direction_are_no_pushes(monkeypatch):
     assert "go by q_joint2 and dq_joint2" in why and "no event is needed" in why
 
 
+def test_two_passes_of_one_place_are_no_pushes_whichever_way_they_go(monkeypatch):
+    """Friction at a tooth was told as three contacts, to either side."""
+    search = told_as_contacts(push, 1)
+    own, t = search.steps[0].added, search.current.regression.t
+    there = np.interp(t, [0.0, 0.5 * LONG, LONG], [-1.0, 1.0, -1.0])  # once up, once down
+    table = {"q_joint2": there, "dq_joint2": np.gradient(there, t)}
+    table = {name: SimpleNamespace(raw=raw) for name, raw in table.items()}
+    monkeypatch.setattr(state_events, "table_of", lambda found: table)
+
+    def told(*begins):
+        events = [replace(own, values={**own.values, "start": b, "end": b + 1.5}) for b in begins]
+        return state_events._of_like_states(search.current, 1, events)
+
+    why = told(9.0, LONG - 10.5)
+    assert why is not None and "go by q_joint2:" in why
+    assert told(9.0, LONG - 6.0) is None
+
+
 def test_pushes_at_any_time_stay_events():
     search = told_as_contacts(push, 1)
     own = search.steps[0].added

@@ -148,7 +148,9 @@ def _of_like_states(current: Estimate, joint: int, events: Sequence[Term]) -> st
 
     A dashpot that acted one way beyond an angle was told as five contacts of one joint, each while that went
     this way: of the two long ones one did not predict the other's torque, so that no function of the motion
-    held, but none of them lay elsewhere. What is pushed feels it on the joints before it, too.
+    held, but none of them lay elsewhere. Nor need they go one way: friction at one place was told as three, to
+    either side, of which 0.81 lay nearest to one another by the position and 0.14 by the speed as well. What is
+    pushed feels it on the joints before it, too.
     """
     events = [event for event in events if _is_of_one(current, joint, event)]
     if len(events) < 2:
@@ -158,14 +160,14 @@ def _of_like_states(current: Estimate, joint: int, events: Sequence[Term]) -> st
         window[rows_within(current, event)] = number
     name, table = current.model.robot.joints[joint], table_of(current)
     asked = [one for one in (f"q_{name}", f"dq_{name}") if one in table]
-    states = np.stack([table[one].raw for one in asked], axis=1)
-    share, chance = told_by_states(states, window)
-    if share < LIKE_STATES or chance > BY_CHANCE:
-        return None
-    return (
-        f"is one of {len(events)} on {name} alone that go by {' and '.join(asked)}: {100 * share:.0f} % of "
-        "their time is nearest to another of them"
-    )
+    for some in dict.fromkeys((tuple(asked), tuple(asked[:1]))):
+        share, chance = told_by_states(np.stack([table[one].raw for one in some], axis=1), window)
+        if share >= LIKE_STATES and chance <= BY_CHANCE:
+            return (
+                f"is one of {len(events)} on {name} alone that go by {' and '.join(some)}: "
+                f"{100 * share:.0f} % of their time is nearest to another of them"
+            )
+    return None
 
 
 def _is_of_one(current: Estimate, joint: int, event: Term) -> bool:
