@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from elbow import ask, elbow_log, fitted
+from elbow import ask, elbow, elbow_log, fitted
+from planted import BAND, NOISE
 
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.decision.rules import Rules
@@ -13,7 +14,10 @@ from jaxswarm.diagnose.selection.one_for_several import one_for_several
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, parse_terms
+from jaxswarm.identify import estimate
+from jaxswarm.identify.synthetic import synthetic_log
+from jaxswarm.logs.motion import prepare
 
 BODY = {
     **{"m": 1.5, "mcx": 0.15, "mcy": 0.0, "mcz": 0.05},
@@ -22,12 +26,17 @@ BODY = {
 LOAD = Term("payload_change", values={**BODY, "start": 4.3, "end": 8.1})
 SPRING = Term("joint_spring", 1, values={"k": 12.0, "tau0": 1.0})
 DRAG = Term("quadratic_drag", 2, values={"c": 1.0})
+POWER = Term("nonlinear_viscous_friction", 2)
 
 
 def ended(truths, *joint_laws):
     """A search that has added laws of a joint, as if no other one had been proven."""
-    found = with_motion_noise(fitted(elbow_log(*truths)), 0)
-    joint = truths[0].joint
+    return with_laws(fitted(elbow_log(*truths)), truths[0].joint, *joint_laws)
+
+
+def with_laws(declared, joint, *joint_laws):
+    """The same of a fit of the declared model."""
+    found = with_motion_noise(declared, 0)
     search = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
     for law in joint_laws:
         before = search.current
@@ -62,6 +71,25 @@ def test_what_every_drive_has_stays():
     search.steps = [friction, step]
     assert one_for_several(search)
     assert [s.added.effect for s in search.steps] == [friction.added.effect, "payload_change"]
+
+
+@pytest.mark.parametrize("drag", [True, False])
+def test_a_power_of_the_speed_takes_the_place_of_all_that_a_joint_was_told(drag):
+    """It was told as viscous, dry and Stribeck friction; true viscous and dry friction beside a drag stay."""
+    friction = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
+    others = tuple(t for t in friction if t.joint != 2)
+    truths = [replace(t, values={"b": 2.0, "fc": 2.0}) for t in (friction if drag else others)]
+    truths.append(DRAG if drag else replace(POWER, values={"c": 6.0, "alpha": 0.35}))
+    log = synthetic_log(elbow(), truths, 1, noise=NOISE, duration=12.0, rate=125.0)
+    declared = estimate(elbow(), others, [prepare(log, BAND)], bounded=False)
+    last = DRAG.effect if drag else "stribeck_friction"
+    search = with_laws(declared, 2, "viscous_friction", "coulomb_friction", last)
+    assert one_for_several(search) is not drag
+    if not drag:
+        (step,) = search.steps
+        assert step.added.place == POWER.place
+        assert step.added.values["alpha"] == pytest.approx(0.35, abs=0.02)
+        assert not [t for t in search.current.model.terms if t.joint == 2 and t.law.everyday]
 
 
 def test_a_zero_that_is_off_takes_the_place_of_an_offset():

@@ -12,7 +12,7 @@ cable were told, whose eighteen standard errors the gain had as well but not in 
 little.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
@@ -60,13 +60,14 @@ def _one_of_the_arm(search: Search) -> bool:
 
 
 def _one_of_a_joint(search: Search) -> bool:
-    """Put one law of a joint in the place of several there, if it leaves as little; whether it did."""
+    """Put one law of a joint in the place of several there, if it leaves as little; whether it did.
+
+    In that of what every drive has, too, where that alone was not enough: friction by a power of the speed was
+    told as viscous, dry and Stribeck friction, of which the last one was taken back for its uncertain numbers.
+    """
     current, other = search.current, search.other
-    places = [step.added.joint if _lasts(step) else None for step in search.steps]
-    for joint in [j for j in dict.fromkeys(places) if j is not None and places.count(j) > 1]:
-        placed = list(zip(search.steps, places, strict=True))
-        steps = [s for s, place in placed if place == joint]
-        rest = [s for s, place in placed if place != joint]
+    for steps in _of_joints(search.steps):
+        joint, rest = steps[0].added.joint, [s for s in search.steps if s not in steps]
         before = refit(current, lacking(current.model.terms, [s.added for s in steps]))
         numbers = sum(s.score.candidate.size for s in steps)
         for score in _asked_alone(search, before, joint):
@@ -82,10 +83,22 @@ def _one_of_a_joint(search: Search) -> bool:
     return False
 
 
+def _of_joints(steps: Sequence[Step]) -> Iterator[list[Step]]:
+    """Several additions of a joint: laws that not every drive has, then those with what every drive has."""
+    lasting = [s for s in steps if s.added.joint is not None and _lasts(s)]
+    for joint in dict.fromkeys(s.added.joint for s in lasting):
+        own = [s for s in lasting if s.added.joint == joint]
+        special = [s for s in own if not s.added.law.everyday]
+        if len(special) > 1:
+            yield special
+        if special and len(own) > len(special):
+            yield own
+
+
 def _lasts(step: Step) -> bool:
-    """Whether a step added a law to a joint that is there all the time and that not every drive has."""
+    """Whether a step added a law that is there all the time."""
     law = step.added.law
-    return not (law.everyday or law.recurring or law.in_one_log or step.removed)
+    return not (law.recurring or law.in_one_log or step.removed)
 
 
 def _replace(search: Search, gone: Sequence[Step], steps: list[Step]) -> None:
