@@ -67,7 +67,7 @@ def _one_of_a_joint(search: Search) -> bool:
     """
     current, other = search.current, search.other
     for steps in _of_joints(search.steps):
-        joint, rest = steps[0].added.joint, [s for s in search.steps if s not in steps]
+        joint, rest = steps[0].added.index, [s for s in search.steps if s not in steps]
         before = refit(current, lacking(current.model.terms, [s.added for s in steps]))
         numbers = sum(s.score.candidate.size for s in steps)
         for score in _asked_alone(search, before, joint):
