@@ -69,7 +69,8 @@ def test_one_end_may_be_small_beside_the_torque_of_its_joint():
 def test_what_one_end_leaves_may_be_hidden_in_shared_bodies(monkeypatch):
     search = asked(*ENDS)
     sigma = search.current.fit.sigma
-    monkeypatch.setattr(both_ends, "noise_of", lambda found: sigma * np.array([1.0, 0.01]))
+    noise = sigma * np.array([1.0, 0.01])
+    monkeypatch.setattr(both_ends, "over_noise", lambda found: found.fit.sigma / noise)
     assert add_both_ends(search, [])
 
 

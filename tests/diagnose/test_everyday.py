@@ -88,13 +88,13 @@ def test_a_rotor_is_found_with_all_friction_in_one_step():
 
 
 def test_what_no_fit_can_tell_is_not_taken_along(monkeypatch):
-    monkeypatch.setattr(everyday, "noise_of", lambda after: np.ones(3))
+    monkeypatch.setattr(everyday, "over_noise", lambda after: np.full(3, 10.0))
     law = Term("rotor_inertia").law
     asked = [
         SimpleNamespace(candidate=SimpleNamespace(term=Term(law.name, j)), trained=trained)
         for j, trained in enumerate((0.5, 0.0, 0.2))
     ]
-    after = SimpleNamespace(fit=SimpleNamespace(sigma=np.full(3, 10.0)))
+    after = SimpleNamespace()
     assert _hidden(after, asked[:2], asked) == [asked[2]]
 
 

@@ -34,14 +34,24 @@ def test_what_is_needed_holds_the_columns_and_their_derivatives(motion):
 
 
 def test_a_long_log_needs_no_columns_of_all_its_samples(motion, monkeypatch):
-    long = replace(
-        motion, t=np.empty(250_000), q=np.empty((250_000, 7))
-    )  # a million samples at 1 kHz
+    # A million samples at 1 kHz, whose motion is slow.
+    long = replace(motion, t=np.arange(250_000) / 250.0, q=np.empty((250_000, 7)))
     assert memory.needed([long]) < 3.5
     columns = importlib.import_module("jaxswarm.identify.forward.columns")
     kept = memory.needed([motion])
     monkeypatch.setattr(columns, "_KEPT", 0)
     assert memory.needed([motion]) < kept
+
+
+def test_a_log_whose_few_samples_are_kept_needs_their_columns(motion):
+    """Those of seven joints at 1 kHz for 30 s on every fourth sample, which springs are tried on."""
+    low = replace(motion.decimator, factor=8)
+    t, q = np.arange(30_000) / 1e3, np.empty((30_000, 7))
+    fast = replace(motion, t=t, q=q, decimator=low, torque_cutoff=7.0)
+    wide = replace(fast, torque_cutoff=60.0)  # compared so far that all samples are asked
+    few = fast.q.size * (70 + 3 * 10 * 28) / 4
+    told = memory.needed([fast]) - memory.needed([wide])
+    assert told == pytest.approx(8.0 * few / 2**30)
 
 
 def test_too_large_is_refused_with_what_is_needed_and_what_there_is(motion, monkeypatch):
