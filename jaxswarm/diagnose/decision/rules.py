@@ -98,7 +98,8 @@ A_THIRD, FAR_LESS = 1.0 / 3.0, 0.25
 LOST, LOST_SHARE = 8.0, 0.96
 # Part of a joint's RMS error that two laws may leave which are added at once, each for the other's sake: of
 # friction by the load and a drag that hid each other at 3.7 times the noise a sixth was left.
-PAIR_LEAVES = 0.25
+# They are asked for beyond the second number times the noise: of less a quarter is below what any model leaves.
+PAIR_LEAVES, PAIR_ASKED = 0.25, 3.0
 # An event is none where a function of the motion predicts this share of what its joint lacks without any, and
 # takes as much off its windows: a cushion and a torque by the sum of two positions gave 0.97 to 1.0, 0 a push.
 BY_STATE = 0.6

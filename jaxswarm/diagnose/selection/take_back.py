@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from jaxswarm.diagnose.decision.remainder import over_noise
-from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.decision.rules import PAIR_ASKED
 from jaxswarm.diagnose.selection.may_not_stay import (
     idle,
     nothing,
@@ -53,7 +53,7 @@ def _may_be_two(search: Search, gone: Sequence[Term]) -> bool:
     nobody asked for the two while it was there.
     """
     over = over_noise(search.current)
-    return any(t.joint is not None and over[t.joint] > NEAR for t in gone)
+    return any(t.joint is not None and over[t.joint] > PAIR_ASKED for t in gone)
 
 
 def _gone(search: Search, before: Sequence[Step]) -> list[Term]:

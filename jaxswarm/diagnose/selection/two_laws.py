@@ -16,7 +16,7 @@ from jaxswarm.diagnose.candidates.position_laws import imitates
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_if_passing, score_terms
 from jaxswarm.diagnose.decision.remainder import over_noise
-from jaxswarm.diagnose.decision.rules import NEAR, PAIR_LEAVES
+from jaxswarm.diagnose.decision.rules import NEAR, PAIR_ASKED, PAIR_LEAVES
 from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.plainer import does_as_well
@@ -76,7 +76,9 @@ def add_two_laws(search: Search) -> bool:
     """
     current = search.current
     over = over_noise(current)
-    for joint in sorted((j for j in range(len(over)) if over[j] > NEAR), key=lambda j: -over[j]):
+    for joint in sorted(
+        (j for j in range(len(over)) if over[j] > PAIR_ASKED), key=lambda j: -over[j]
+    ):
         found = _best(_pairs(search, joint))
         if found is None:
             continue
