@@ -19,8 +19,8 @@ _CURVES, _WITH = 200, 6
 def needed(motions: Sequence[Motion]) -> float:
     """Memory [GiB] that a diagnosis of motions holds at its peak, beside the program's own half.
 
-    The columns of the rigid body and their derivatives by the motion of every joint where they are kept, the
-    curves of transmissions, and the signals themselves, on the working clock.
+    The columns of the rigid body and their derivatives by the motion of every joint where they are kept, or on
+    every few samples, the curves of transmissions, and the signals themselves, on the working clock.
     """
     numbers = 0.0
     for motion in motions:

@@ -26,8 +26,6 @@ from jaxswarm.identify import estimate
 from jaxswarm.logs.motion import prepare
 
 COARSE = 1e-4
-
-
 SPRING = Term("joint_elasticity", 0, values={"k": K, "d": D})
 
 

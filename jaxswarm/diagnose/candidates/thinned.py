@@ -95,9 +95,8 @@ def thinned(motion: Motion, sensed: Sensitivity) -> tuple[Motion, Sensitivity]:
 def interval_of(motion: Motion) -> int:
     """Samples of a log from one that lags are tried on to the next; 1: all are, if fewer could not be kept."""
     every = int(motion.rate * min(_INTERVAL, 1.0 / (_LEAST * motion.torque_cutoff)) + 0.01)
-    if every < 2 or motion.decimator.factor < every:
-        return 1
-    return every if is_kept(motion, every) else 1
+    fewer = 2 <= every <= motion.decimator.factor and is_kept(motion, every)
+    return every if fewer else 1
 
 
 def usual_inertia(sensed: Sensitivity, pi: np.ndarray) -> float:

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.folds.noise import noisy
+from jaxswarm.diagnose.selection.refit import left_on
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -63,12 +64,12 @@ def fall_without_noise(before: Estimate, after: Estimate, joint: int, seed: int 
         seed: Of the noise.
     """
     fits = (before, after)
-    told = _left(before, joint) - _left(after, joint)
+    told = left_on(before, joint) - left_on(after, joint)
     if told <= 0.0 or any(m.position_noise is None for m in after.motions):
         return 1.0
     try:
         noises = [(sign, seed + k) for k in range(_PAIRS) for sign in (1.0, -1.0)]
-        left = [[_left(_refitted(e, *noise), joint) for e in fits] for noise in noises]
+        left = [[left_on(_refitted(e, *noise), joint) for e in fits] for noise in noises]
     except Diverged:
         return 1.0
     one, two = np.mean(left, axis=0)
@@ -78,10 +79,6 @@ def fall_without_noise(before: Estimate, after: Estimate, joint: int, seed: int 
 def is_spring(term: Term) -> bool:
     """Whether a transmission gives way by a spring alone, without a dead zone."""
     return isinstance(term.law, TransmissionLaw) and term.law.gap is None
-
-
-def _left(found: Estimate, joint: int) -> float:
-    return float((found.fit.residual[:, joint] ** 2).sum())
 
 
 def _refitted(found: Estimate, sign: float, seed: int) -> Estimate:

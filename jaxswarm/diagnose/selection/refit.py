@@ -1,6 +1,5 @@
 """Fitting a model with other terms from where the current one stands."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -52,7 +51,7 @@ def refit_with(current: Estimate, chosen: Score, beyond: bool = True) -> Estimat
     after = _refit_without(current, chosen, law.contains + law.replaces, beyond)
     if after is None:
         return None
-    one, two = (float((e.fit.residual[:, joint] ** 2).sum()) for e in (current, after))
+    one, two = (left_on(e, joint) for e in (current, after))
     return _put_back(current, after) if 1.0 - two / one >= IN_PLACE * chosen.share else None
 
 
@@ -96,33 +95,27 @@ def _refit_without(
         return within >= WITHIN_BOUNDS * fall
 
     kept = [t for t in current.model.terms if not (t.joint == term.joint and t.effect in dropped)]
-    for start in starts(term, chosen.coefficients):
+
+    def fitted(begin: Term, rigid: np.ndarray | None = None) -> Estimate | None:
         try:
-            after = refit(current, (*kept, start), chosen.candidate.start)
+            after = refit(current, (*kept, begin), rigid)
         except Diverged:  # what was found to first order cannot be: a link runs away
+            return None
+        return after if stands(after) else None
+
+    for start in starts(term, chosen.coefficients):
+        after = fitted(start, chosen.candidate.start)
+        if after is None:
             continue
-        if stands(after):
-            again = _from_inside(current, kept, after, term)
-            return again if again is not None and stands(again) else after
+        begin = from_inside(after.model.terms[number_of(term, after.model.terms)])
+        again = None if begin is None else fitted(begin)
+        less = again is not None and _cost(again, after) < _cost(after, after)
+        return again if less else after
     return None
 
 
-def _from_inside(
-    current: Estimate, kept: Sequence[Term], after: Estimate, term: Term
-) -> Estimate | None:
-    """The fit once more from usual values where the term has run to a bound; None where that leaves no less."""
-    begin = from_inside(after.model.terms[number_of(term, after.model.terms)])
-    if begin is None:
-        return None
-    try:
-        again = refit(current, (*kept, begin))
-    except Diverged:
-        return None
-    return again if _cost(again, after) < _cost(after, after) else None
-
-
-def left_on(found: Estimate, joint: int | slice, weight: np.ndarray) -> float:
-    """Squared error of a joint, or of several, by the weights of the rows (T, n)."""
+def left_on(found: Estimate, joint: int | slice, weight: np.ndarray | float = 1.0) -> float:
+    """Squared error of a joint, or of several, by the weights of the rows (T, n), if any."""
     return float(np.square(found.fit.residual * weight)[:, joint].sum())
 
 
