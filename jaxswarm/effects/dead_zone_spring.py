@@ -30,7 +30,11 @@ register(
         parameters=(
             Parameter("k", "N m/rad", 0.0, 1e6, True, 10.0, "stiffness where it is taut"),
             Parameter("q0", "rad", -3.2, 3.2, False, 0.0, "middle of the slack part", lies="place"),
-            Parameter("gap", "rad", 0.0, 3.2, False, 0.3, "slack to either side", lies="width"),
+            Parameter(
+                *("gap", "rad", 0.0, 3.2, False, 0.3, "slack to either side"),
+                lies="width",
+                another_at=("lower",),
+            ),
         ),
         summary="k (abs(q - q0) - gap) sign(q - q0) beyond the gap: end stop, taut hose",
         reference="Slotine, Li 1991, Applied Nonlinear Control, sec. 5.2",

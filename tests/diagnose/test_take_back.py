@@ -288,8 +288,19 @@ def test_a_law_of_its_form_stays_whatever_else_is_missing(true, unknown):
     assert [s.added.effect for s in search.steps] == [true.effect]
 
 
-def test_of_a_ripple_more_orders_may_be_left():
+@pytest.mark.parametrize("orders", [1, 2])
+def test_a_ripple_of_which_more_orders_were_found_may_have_others(orders):
+    """One beside which no further order helps is none: a detent left 15 times the noise."""
     log = log_with(replace(RIPPLE, values={"sine": 2.0, "cosine": 0.0, "n": 9.0}))
+    search = told_as(RIPPLE, log, 1.0 * np.sin(18.0 * _position(log)))
+    search.steps = search.steps * orders
+    take_back_stand_ins(search)
+    assert len(search.steps) == (orders if orders > 1 else 0)
+    assert all("a law of another form" in why for _, why in search.refused)
+
+
+def test_a_ripple_beside_which_little_is_left_stays():
+    log = log_with(replace(RIPPLE, values={"sine": 4.0, "cosine": 0.0, "n": 9.0}))
     search = told_as(RIPPLE, log, 1.0 * np.sin(18.0 * _position(log)))
     take_back_stand_ins(search)
     assert [s.added.effect for s in search.steps] == ["torque_ripple"]
@@ -300,6 +311,7 @@ def test_half_of_what_a_smooth_function_explains_is_no_law():
     q = _position(log)
     bumps = 8.0 * np.exp(-(((q - 0.3) / 0.12) ** 2)) - 6.0 * np.exp(-(((q + 0.35) / 0.1) ** 2))
     search = told_as(RIPPLE, log, bumps)
+    search.steps = search.steps * 2  # as if more orders were known
     take_back_stand_ins(search)
     assert not search.steps
     assert "a function of q_joint2" in search.refused[0][1]

@@ -1,7 +1,8 @@
 r"""The decision: what a candidate is worth on time it was not fitted to, and whether that can be chance.
 
 Every block of time is predicted by the fit to the blocks of the other half, nonlinear parameters
-included. The gain of a block is how much the weighted squared error falls. A candidate passes if
+included. The gain of a block is how much the weighted squared error falls. A row of which the fit knows less
+than the noise of one row counts by what it knows (:func:`foretold`). A candidate passes if
 
 * what it predicts for unseen blocks is in the residual there: the slope of the residual on the prediction
   is positive beyond chance. Its standard error is the jackknife over blocks, which are longer than the
@@ -25,6 +26,7 @@ from jaxswarm.diagnose.decision.event import score_event
 from jaxswarm.diagnose.decision.judged import can_be, told_on
 from jaxswarm.diagnose.decision.significance import helped, share_of, slope_p_value
 from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.folds.foretold import foretold
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.effects.kinds import TransmissionLaw
@@ -55,7 +57,7 @@ def score(
         out = ~fold.train
         predicted, residual = candidate.view(free @ a), candidate.view(fold.residual)
         trained = max(trained, share_of(predicted[fold.train], residual[fold.train]))
-        predicted, residual = predicted[out], residual[out]
+        predicted, residual = (x[out] * foretold(fold)[out] for x in (predicted, residual))
         fall = residual**2 - (residual - predicted) ** 2
         np.add.at(gains, crossfit.block[out], fall)
         np.add.at(inner, crossfit.block[out], predicted * residual)

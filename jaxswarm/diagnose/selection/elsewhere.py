@@ -87,7 +87,7 @@ def residuals_on(
     times = _times(motion)
     seen = outside(times, _eventful(one, two, held, times))
     if slope_terms((*before.model.terms, *after.model.terms)):
-        seen &= ~unseen_rows(motion)[_inside(motion)]
+        seen &= ~unseen_rows(motion)[rows_inside(motion)]
     one, two = (np.where(held, 0.0, x)[seen] for x in (one, two))
     return one, two, _moving(motion)[seen]
 
@@ -117,8 +117,8 @@ def _both(
 def _held(motion: Motion, left: np.ndarray) -> np.ndarray:
     """Whether dry friction holds a joint on the rows of :func:`log_residual`, which leaves so much, (T, n)."""
     rest = standing([motion])
-    mixed = mixed_with([motion], rest)[0][_inside(motion)]
-    still = rest[0][_inside(motion)]
+    mixed = mixed_with([motion], rest)[0][rows_inside(motion)]
+    still = rest[0][rows_inside(motion)]
     return still & held_at_rest(left, [still], [mixed])
 
 
@@ -178,7 +178,7 @@ def compared(
     return *all_rows, falls[0] | falls[1], rise.sum(axis=0) > CERTAIN * doubt
 
 
-def _inside(motion: Motion) -> np.ndarray:
+def rows_inside(motion: Motion) -> np.ndarray:
     """The decimated rows of a log without its ends; all of them where nothing else is left."""
     kept = motion.t[motion.decimator.kept(len(motion.t))]
     inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)
@@ -187,12 +187,12 @@ def _inside(motion: Motion) -> np.ndarray:
 
 def _times(motion: Motion) -> np.ndarray:
     """Times [s] of the rows of :func:`log_residual`, (T,)."""
-    return motion.t[motion.decimator.kept(len(motion.t))][_inside(motion)]
+    return motion.t[motion.decimator.kept(len(motion.t))][rows_inside(motion)]
 
 
 def _moving(motion: Motion) -> np.ndarray:
     """Whether each joint moves at the rows of :func:`log_residual`, (T, n)."""
-    return is_moving(motion.dq)[motion.decimator.kept(len(motion.t))][_inside(motion)]
+    return is_moving(motion.dq)[motion.decimator.kept(len(motion.t))][rows_inside(motion)]
 
 
 def log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
@@ -201,7 +201,7 @@ def log_residual(found: Estimate, motion: Motion, model: Model | None = None) ->
     model = in_state_of(model or found.model, [motion])
     predicted = model_torque(model, motion)
     left = motion.decimator.apply(motion.tau - predicted)
-    return left[_inside(motion)]
+    return left[rows_inside(motion)]
 
 
 def expected(motion: Motion, noise: np.ndarray, *fits: Estimate) -> np.ndarray:

@@ -16,6 +16,7 @@ from jaxswarm.diagnose.decision.rules import (
     LOST_SHARE,
     MORE_THAN_NOISE,
     NEAR,
+    OF_SEVERAL,
     OF_TAKEN,
     OF_TAKEN_NEAR,
     STRUCTURE,
@@ -170,12 +171,19 @@ def shadow(search: Search) -> tuple[Step, str] | None:
 
 
 def stand_in(search: Search) -> tuple[Step, str] | None:
-    """The addition of whose own variables most is left, and why it is no name; None if none is."""
+    """The addition of whose own variables most is left, and why it is no name; None if none is.
+
+    A ripple of which more orders were found may have others. Very far from the noise one alone, beside which no
+    further order helps, is none where it left a fair part of its joint: a detent at one place was told as one.
+    """
     current, left, told = search.current, over_noise(search.current), []
     for step in _standing(search):
         term = find_term(current, step.added)
         law, joint = term.law, term.joint
-        if law.in_one_log or law.everyday or law.several or joint is None:
+        if law.in_one_log or law.everyday or joint is None:
+            continue
+        orders = [s for s in search.steps if (s.added.effect, s.added.joint) == (law.name, joint)]
+        if law.several and (left[joint] < LOST or len(orders) > 1):
             continue
         share, p_value = left_of_own(current, search.folds, term, search.seed)
         # Near the noise it takes as sure a proof as that of the law itself.
@@ -183,7 +191,7 @@ def stand_in(search: Search) -> tuple[Step, str] | None:
         if share < STRUCTURE or p_value * tests > search.rules.significance:
             continue
         leaves = share_left(current, _without(current, step))[joint]
-        if _other_form(left[joint], share, leaves):
+        if _other_form(left[joint], share, leaves) and (not law.several or leaves > OF_SEVERAL):
             told.append((share, joint, step))
     if not told:
         return None

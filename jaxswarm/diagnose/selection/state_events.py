@@ -12,6 +12,7 @@ from jaxswarm.diagnose.decision.unexplained import Unexplained, find_unexplained
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.event_at_rest import held_within, like_other_rests, rows_within
+from jaxswarm.diagnose.selection.event_elsewhere import of_place
 from jaxswarm.diagnose.selection.refit import refit, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, with_errors
@@ -58,7 +59,12 @@ def event_of_state(search: Search) -> tuple[Step, str] | None:
     for joint in sorted({step.score.joint for step in events}):
         own = [step for step in events if step.score.joint == joint]
         terms = [step.added for step in own]
-        why = _by_function(search, joint, terms) or _of_like_states(current, joint, terms)
+        alone = [event for event in terms if _is_of_one(current, joint, event)]
+        why = (
+            _by_function(search, joint, terms)
+            or _of_like_states(current, joint, alone)
+            or of_place(current, joint, alone, search.other)
+        )
         if why:
             return own[0], f"{why}: no event is needed"
     return None
@@ -152,7 +158,6 @@ def _of_like_states(current: Estimate, joint: int, events: Sequence[Term]) -> st
     either side, of which 0.81 lay nearest to one another by the position and 0.14 by the speed as well. What is
     pushed feels it on the joints before it, too.
     """
-    events = [event for event in events if _is_of_one(current, joint, event)]
     if len(events) < 2:
         return None
     window = np.full(len(current.regression.t), -1)
