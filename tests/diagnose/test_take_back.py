@@ -109,6 +109,32 @@ def test_nearly_all_is_one_whatever_is_left():
     assert [s.added.effect for s in search.steps] == ["joint_spring"]
 
 
+@pytest.mark.parametrize(("elsewhere", "stays"), [(12.0, False), (0.6, True)])
+def test_a_small_part_stays_where_another_log_shows_it(elsewhere, stays):
+    """A spring took 0.13 off another log of an arm that swayed on its base, at 2.6 times the noise."""
+    search = searched(12.0)
+    log = log_with(replace(OFFSET, values={"tau0": 1.5}), motion_seed=11)
+    tau = log.tau.copy()
+    tau[:, 1] += elsewhere * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5)
+    search.other = (prepare(replace(log, tau=tau), BAND),)
+    take_back_shadows(search)
+    assert bool(search.steps) == stays
+    assert all("on other motion" in why for _, why in search.refused)
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_what_is_taken_back_twice_is_asked_no_more(times):
+    """A spring and a lever on a spring took each other's place, and were taken back, for ever."""
+    search = searched(12.0)
+    steps, current = search.steps, search.current
+    for _ in range(times):
+        search.steps, search.current, search.crossfit = steps, current, cross_fit(current)
+        take_back(search)
+        assert not search.steps
+    assert search.gone == {OFFSET.identity}
+    assert search.barred == ({OFFSET.identity} if times > 1 else set())
+
+
 @pytest.mark.parametrize("unknown", [0.0, 12.0])
 def test_the_folds_are_those_of_the_model_that_is_left(unknown):
     search = searched(unknown)

@@ -195,6 +195,9 @@ class Known:
     def lateness_beside_a_line(self, sigma, joint):
         return self.lateness(sigma)
 
+    def lateness_beside_its_place(self, sigma, joint):
+        return self.lateness(sigma)
+
     def lateness_in_motion(self, sigma):
         return self.lateness(sigma)
 
@@ -334,6 +337,7 @@ def test_a_joint_that_tells_nothing_makes_no_other_one_late(arm):
     rough.lateness_in_motion = lambda sigma: rough.lateness_beside_a_line(sigma, 0)
     rough.lateness_without_noise = rough.lateness_in_motion
     rough.lateness_without_friction = rough.lateness_beside_a_line
+    rough.lateness_beside_its_place = rough.lateness_beside_a_line
     robot = SimpleNamespace(num_joints=3, joints=("a", "b", "c"))
     assert late_torque(robot, rough, rough, INTERVAL) is None
 
@@ -346,6 +350,6 @@ def test_the_other_joint_of_two_is_the_clock():
     pair.lateness_in_parts = lambda sigma, parts: [late] * parts
     pair.lateness_beside_a_line = lambda sigma, joint: late
     pair.lateness_in_motion = pair.lateness_without_noise = lambda sigma: late
-    pair.lateness_without_friction = pair.lateness_beside_a_line
+    pair.lateness_without_friction = pair.lateness_beside_its_place = pair.lateness_beside_a_line
     found = late_torque(SimpleNamespace(num_joints=2, joints=("a", "b")), pair, pair, INTERVAL)
     assert found is not None and "b is 12 ms late" in found.what

@@ -13,7 +13,6 @@ from jaxswarm.diagnose.decision.rules import (
     FAR_LESS,
     FOLLOWS_OWN,
     LOST,
-    LOST_SHARE,
     MORE_THAN_NOISE,
     NEAR,
     OF_SEVERAL,
@@ -37,12 +36,12 @@ from jaxswarm.identify.estimation.estimate import Estimate
 _NO_OTHER_LOG = "no other log shows it: record another motion and pass it with --validation"
 
 
-def _standing(search: Search) -> list[Step]:
+def standing(search: Search) -> list[Step]:
     """The additions that the model has: a later one may have taken an earlier one's place, a lag a delay's."""
     return [step for step in search.steps if has(step.added, search.current.model.terms)]
 
 
-def _without(current: Estimate, step: Step) -> Estimate:
+def model_without(current: Estimate, step: Step) -> Estimate:
     """The model without an addition, and with what it took the place of."""
     return refit_once(current, terms_before(step, current.model.terms))
 
@@ -50,7 +49,7 @@ def _without(current: Estimate, step: Step) -> Estimate:
 def _why_not(search: Search, step: Step) -> str | None:
     """Why an addition does not survive beside all the others; None if it does."""
     current, joint = search.current, step.score.joint
-    return survives(_without(current, step), current, joint, search.other, search.rules)
+    return survives(model_without(current, step), current, joint, search.other, search.rules)
 
 
 def idle(search: Search) -> tuple[Step, str] | None:
@@ -65,7 +64,7 @@ def idle(search: Search) -> tuple[Step, str] | None:
     """
     current = search.current
     least = CERTAIN if search.other else CERTAIN_ALONE
-    for step in _standing(search):
+    for step in standing(search):
         law, known = step.added.law, with_errors(step.added, current)
         if law.in_one_log or law.everyday or known is None or is_certain(*known, least):
             continue
@@ -81,7 +80,7 @@ def nothing(search: Search) -> tuple[Step, str] | None:
     Friction by a power of the speed wanted to be below zero beside a push of 18 s, and stood in the report as
     0.0 +- 1.7 N m.
     """
-    for step in _standing(search):
+    for step in standing(search):
         term = find_term(search.current, step.added)
         linear = () if term.law.everyday else term.law.linear
         if linear and not any(term.values[p.name] for p in linear):
@@ -93,7 +92,7 @@ def _unshown(current: Estimate, step: Step) -> str | None:
     """Why an addition needs another log; None where it takes enough off its joint."""
     law = step.added.law
     share = BENT_TOLD_BY_SHARE if law.linear and law.nonlinear else TOLD_BY_SHARE
-    left = share_left(current, _without(current, step))[step.score.joint]
+    left = share_left(current, model_without(current, step))[step.score.joint]
     return None if left < 1.0 - share else _NO_OTHER_LOG
 
 
@@ -104,14 +103,14 @@ def outdone(search: Search) -> tuple[Step, str] | None:
     rows they left 1.4 times as much of held-out time, and stood in the report with that. Nor is one that leaves
     no less than what it contains, as friction of each direction does whose halves have become one.
     """
-    for step in _standing(search):
+    for step in standing(search):
         law, current = step.added.law, search.current
         asked = set(law.contains) - set(law.extends)
         inner = [t for t in step.removed if t.effect in asked]
         if inner:
             saved = numbers_of(find_term(current, step.added))
             saved -= sum(len(t.law.parameters) for t in step.removed)
-            if saved > 0 and does_as_well(_without(current, step), current, saved):
+            if saved > 0 and does_as_well(model_without(current, step), current, saved):
                 names = " and ".join(t.effect for t in inner)
                 return step, f"leaves no less than {names} any more"
         plain = [
@@ -133,11 +132,11 @@ def of_noise(search: Search) -> tuple[Step, str] | None:
     Asked are those without which their joint is near that noise.
     """
     current = search.current
-    for step in _standing(search):
+    for step in standing(search):
         joint = step.score.joint
         if not is_spring(step.added):
             continue
-        rest = _without(current, step)
+        rest = model_without(current, step)
         near = over_noise(rest)[joint] < NEAR
         if near and fall_without_noise(rest, current, joint, search.seed) < MORE_THAN_NOISE:
             return (
@@ -147,29 +146,6 @@ def of_noise(search: Search) -> tuple[Step, str] | None:
     return None
 
 
-def shadow(search: Search) -> tuple[Step, str] | None:
-    """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
-    current, left = search.current, over_noise(search.current)
-    told = []
-    for step in _standing(search):
-        law = step.added.law
-        acts = {step.score.joint, step.added.joint}
-        far = [j for j in acts if j is not None and left[j] > NEAR]
-        if law.in_one_log or law.everyday or not far:
-            continue
-        leaves = share_left(current, _without(current, step))
-        for j in far:
-            lost = left[j] > LOST and not law.several
-            told.append((1.0 - leaves[j], LOST_SHARE if lost else search.rules.share, j, step))
-    told = [item for item in told if item[0] < item[1]]
-    if not told:
-        return None
-    share, _, joint, step = min(told, key=lambda item: item[0])
-    name = current.model.robot.joints[joint]
-    part = f"takes {100 * share:.0f} % off the squared error of {name}"
-    return step, f"{part}, which stays {left[joint]:.1f} times its noise"
-
-
 def stand_in(search: Search) -> tuple[Step, str] | None:
     """The addition of whose own variables most is left, and why it is no name; None if none is.
 
@@ -177,7 +153,7 @@ def stand_in(search: Search) -> tuple[Step, str] | None:
     further order helps, is none where it left a fair part of its joint: a detent at one place was told as one.
     """
     current, left, told = search.current, over_noise(search.current), []
-    for step in _standing(search):
+    for step in standing(search):
         term = find_term(current, step.added)
         law, joint = term.law, term.joint
         if law.in_one_log or law.everyday or joint is None:
@@ -190,7 +166,7 @@ def stand_in(search: Search) -> tuple[Step, str] | None:
         tests = max(1, search.asked) if left[joint] < NEAR else 1
         if share < STRUCTURE or p_value * tests > search.rules.significance:
             continue
-        leaves = share_left(current, _without(current, step))[joint]
+        leaves = share_left(current, model_without(current, step))[joint]
         if _other_form(left[joint], share, leaves) and (not law.several or leaves > OF_SEVERAL):
             told.append((share, joint, step))
     if not told:
@@ -216,11 +192,11 @@ def _other_form(left: float, share: float, leaves: float) -> bool:
 def poor(search: Search) -> tuple[Step, str] | None:
     """The first addition instead of which a smooth function leaves far less, and why; None if none is."""
     current, left = search.current, over_noise(search.current)
-    for step in _standing(search):
+    for step in standing(search):
         law, joint = step.added.law, step.added.joint
         if law.in_one_log or law.everyday or joint is None or left[joint] < NEAR:
             continue
-        rest = _without(current, step)
+        rest = model_without(current, step)
         leaves = share_left(current, rest)[joint]
         if leaves < A_THIRD:
             continue

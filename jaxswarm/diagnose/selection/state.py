@@ -25,7 +25,8 @@ class Search:
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
         unproven: Those of them that were refused by what every joint tells: on other motion, or by noisy rows.
-        barred: Identities of terms that were taken back for another law's, and are not asked any more.
+        gone: Kinds of terms that were taken back once.
+        barred: Those that were so twice, or for another law's, and are not asked any more.
         kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
         unseen: By joint, waves that were refused beside its model as no whole period of them is seen.
         outdone: Laws that were refused for them.
@@ -57,6 +58,7 @@ class Search:
     steps: list[Step] = field(default_factory=list)
     banned: set = field(default_factory=set)
     unproven: set = field(default_factory=set)
+    gone: set = field(default_factory=set)
     barred: set = field(default_factory=set)
     kept_out: set = field(default_factory=set)
     unseen: dict[int | None, Score] = field(default_factory=dict)

@@ -10,9 +10,9 @@ from jaxswarm.diagnose.selection.may_not_stay import (
     of_noise,
     outdone,
     poor,
-    shadow,
     stand_in,
 )
+from jaxswarm.diagnose.selection.shadow import shadow
 from jaxswarm.diagnose.selection.state import Search, kind_of
 from jaxswarm.diagnose.selection.state_events import event_of_nothing, event_of_state, time_of_state
 from jaxswarm.diagnose.selection.step import Step
@@ -40,7 +40,10 @@ def take_back(search: Search) -> bool:
     gone = _gone(search, before)
     again = {t.joint for t in gone} & (search.kept_out | hid)
     search.kept_out -= again
-    search.barred |= {kind_of(t) for t in gone if t.joint in again}
+    kinds = {kind_of(t) for t in gone}
+    # A spring and a lever on a spring took each other's place for ever.
+    search.barred |= {kind_of(t) for t in gone if t.joint in again} | kinds & search.gone
+    search.gone |= kinds
     search.banned = {key for key in search.banned if key[1] not in again}
     search.settled = search.settled and not again
     return bool(again) or _may_be_two(search, gone)
@@ -100,10 +103,10 @@ def take_back_shadows(search: Search) -> None:
     What is missing there has no name, and what goes along with a part of it has no better one: an encoder's
     eccentricity took a fifth off what another joint had left, an eighth off its own, which a soft gear left at
     5.6 times the noise (q10). The part is that which a law has to take off the joint where it shows most, and
-    nearly all where what is left is very far above the noise. What lowers the error of another log is shown.
+    nearly all where what is left is very far above the noise. What takes as much off another log is shown: on
+    an arm that swayed on its base, at 2.6 times the noise, a spring that was none took 0.13 off there.
     """
-    if not search.other:
-        _take_back(search, lambda: shadow(search))
+    _take_back(search, lambda: shadow(search))
 
 
 def take_back_stand_ins(search: Search) -> None:

@@ -69,6 +69,9 @@ _HALVES, _PARTS = 2, 6
 # 36 and 37 ms on two worlds, of which without the line 2 are left. Of 34 torques made 20 ms late on clean
 # arms and such that lack a law, 0.65 to 1.12 is left, and of 103 others that were told none is lost.
 _BESIDE_A_LINE = 0.5
+# Nor of what goes by the joint's position, which a stop that it runs into does as sharply as a torque jumps: at
+# this part of it, to the same side.
+_BESIDE_ITS_PLACE = 0.5
 # In motion alone this part of it is told at least, to the same side: while a joint with true stiction is held,
 # its drive winds up, which looks early. Of 49 torques made 20 ms late 0.83 to 1.16 is left; of four on joints
 # that stick 0.33 to 0.55.
@@ -161,6 +164,8 @@ def _told(model: Rough, rules: Sequence[_Clear], interval: float) -> _Told:
         clear |= agreed & beyond & gained & (logged.left < rule.leaves)
     for j in map(int, np.flatnonzero(clear)):
         clear[j] = _apart_beside_a_line(model, sigma, j) / apart[j] >= _BESIDE_A_LINE
+    for j in map(int, np.flatnonzero(clear)):
+        clear[j] = _apart_beside_its_place(model, sigma, j) / apart[j] >= _BESIDE_ITS_PLACE
     if clear.any():
         clear[clear] = _apart_in_motion(model, sigma)[clear] / apart[clear] >= _IN_MOTION
     if clear.any():
@@ -192,6 +197,11 @@ def _apart(found: Lateness) -> np.ndarray:
 def _apart_beside_a_line(model: Rough, sigma: np.ndarray, joint: int) -> float:
     """By how much a joint is late against the others [s], where its strongest line is not asked."""
     return float(_apart(model.lateness_beside_a_line(sigma, joint))[joint])
+
+
+def _apart_beside_its_place(model: Rough, sigma: np.ndarray, joint: int) -> float:
+    """By how much a joint is late against the others [s], where what goes by its position is not asked."""
+    return float(_apart(model.lateness_beside_its_place(sigma, joint))[joint])
 
 
 def _apart_in_motion(model: Rough, sigma: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import scipy
 
 from jaxswarm.decomposition import lstsq, thin_svd
 from jaxswarm.identify.checks.lateness import Lateness, late_by
-from jaxswarm.identify.checks.rough_columns import Wave, slow_rows, strongest_line
+from jaxswarm.identify.checks.rough_columns import Place, Wave, slow_rows, strongest_line
 from jaxswarm.identify.checks.rough_fit import (
     DEPENDENT,
     DRY,
@@ -52,6 +52,10 @@ class Rough(RoughFit):
         weights = lstsq(factor / scale, left) / scale
         hertz = strongest_line(self.samples.t, self._block(joint) @ weights)
         return Rough(self._robot, self.samples, Wave(joint, hertz)).lateness(sigma)
+
+    def lateness_beside_its_place(self, sigma: np.ndarray, joint: int) -> Lateness:
+        """The same, where what goes by the position of a joint, from 0, is taken off as well."""
+        return Rough(self._robot, self.samples, Place(joint)).lateness(sigma)
 
     def lateness_in_motion(self, sigma: np.ndarray) -> Lateness:
         """The same by the ``sigma`` of above, without the rows of every joint in which it hardly moves."""

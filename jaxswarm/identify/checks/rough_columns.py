@@ -19,6 +19,8 @@ _STUCK = 0.2
 _STEP, _AT_ONCE = 0.2, 256
 # A line has this part of a period in the log at least: what is slower is a drift.
 _LEAST_PERIODS = 0.5
+# Degree up to which a torque may go by a position: a stop at the end of the way has less.
+_DEGREE = 8
 
 
 class Wave(NamedTuple):
@@ -28,13 +30,19 @@ class Wave(NamedTuple):
     hertz: float
 
 
+class Place(NamedTuple):
+    """The way of a joint, from 0, along which a torque may be any function of its position."""
+
+    joint: int
+
+
 class Columns(NamedTuple):
     """What the torques of a log are fitted by, row by row.
 
     Attributes:
         rigid: The links' (R, n, p).
         own: Of every joint viscous and dry friction, offset, spring and rotor, (R, n, k).
-        memory: What else looks like a delay: bristles, and a wave of a joint that has one, (R, n, e).
+        memory: What else looks like a delay: bristles, and what a joint is asked beside, (R, n, e).
         dry: How many columns of dry friction a joint has, among them in a fine model drag, which is one at the
             usual speed.
     """
@@ -50,18 +58,20 @@ class Columns(NamedTuple):
         return self.rigid.shape[2], self.own.shape[2], self.memory.shape[2]
 
 
-def columns_of(robot: Robot, samples: Samples, speed: np.ndarray, wave: Wave | None) -> Columns:
+def columns_of(
+    robot: Robot, samples: Samples, speed: np.ndarray, beside: Wave | Place | None
+) -> Columns:
     """The columns of a log.
 
     Args:
         robot: Kinematics.
         samples: Motion and torque.
         speed: RMS speed of the joints [rad/s or m/s], (n,).
-        wave: A line to be taken off a joint; None: none.
+        beside: What is to be taken off a joint: a line, or what goes by its position; None: nothing.
     """
     remembered = bristles(samples.q)
     widths = _WIDTH, *(_FINE_WIDTHS if samples.parts else ())
-    shapes = len(widths) + bool(samples.parts)
+    dry_ones = len(widths) + bool(samples.parts)
 
     def rigid_of(part: slice) -> np.ndarray:
         return rigid_columns(robot, samples.q[part], samples.dq[part], samples.ddq[part])
@@ -75,11 +85,25 @@ def columns_of(robot: Robot, samples: Samples, speed: np.ndarray, wave: Wave | N
         return np.stack([dq, *dry, np.ones_like(dq), q, samples.ddq[part]], axis=2)
 
     memory = samples.rows(lambda part: remembered[part])
-    if wave is not None:
-        line = np.zeros((*memory.shape[:2], 2))
-        line[:, wave.joint] = _sine_and_cosine(samples.t, np.array([wave.hertz]))[:, 0].T
-        memory = np.concatenate([memory, line], axis=2)
-    return Columns(samples.rows(rigid_of), samples.rows(laws_of), memory, shapes)
+    if beside is not None:
+        shapes_of = _line if isinstance(beside, Wave) else _along
+        told = shapes_of(samples, beside)
+        own = np.zeros((*memory.shape[:2], told.shape[1]))
+        own[:, beside.joint] = told
+        memory = np.concatenate([memory, own], axis=2)
+    return Columns(samples.rows(rigid_of), samples.rows(laws_of), memory, dry_ones)
+
+
+def _line(samples: Samples, wave: Wave) -> np.ndarray:
+    """Sine and cosine of a line, (R, 2)."""
+    return _sine_and_cosine(samples.t, np.array([wave.hertz]))[:, 0].T
+
+
+def _along(samples: Samples, place: Place) -> np.ndarray:
+    """Functions of a joint's position beside an offset and a spring, (R, m)."""
+    q = samples.rows(lambda part: samples.q[part, place.joint, None, None])[:, 0, 0]
+    from_middle = (q - 0.5 * (q.max() + q.min())) / max(0.5 * np.ptp(q), 1e-300)
+    return np.polynomial.legendre.legvander(from_middle, _DEGREE)[:, 2:]
 
 
 def slow_rows(samples: Samples, joint: int, speed: float) -> np.ndarray:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxswarm.decomposition import thin_svd
-from jaxswarm.identify.checks.rough_columns import Wave, columns_of
+from jaxswarm.identify.checks.rough_columns import Place, Wave, columns_of
 from jaxswarm.identify.checks.samples import Samples
 from jaxswarm.identify.checks.sound import Tried
 from jaxswarm.identify.estimation.factors import narrow_factor
@@ -43,14 +43,14 @@ class RoughFit:
     Args:
         robot: Kinematics.
         samples: The motion, and the torques as logged.
-        wave: A line that delays are asked beside; None: none.
+        beside: A line, or a joint's way, that delays are asked beside; None: nothing.
     """
 
-    def __init__(self, robot: Robot, samples: Samples, wave: Wave | None = None):
+    def __init__(self, robot: Robot, samples: Samples, beside: Wave | Place | None = None):
         self.samples, self._robot = samples, robot
         self.speed = np.sqrt(np.mean(samples.dq**2, axis=0))
         self.spread = np.maximum(samples.tau.std(axis=0), 1e-12)
-        self._columns = columns_of(robot, samples, self.speed, wave)
+        self._columns = columns_of(robot, samples, self.speed, beside)
         self._dry = self._columns.dry
         self._size, self._own, self._memory = self._columns.sizes
         self._rows = len(samples.tau)

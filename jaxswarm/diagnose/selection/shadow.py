@@ -1,0 +1,51 @@
+"""What takes a small part off a joint that stays far above its noise: it goes along with what is missing."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import LOST, LOST_SHARE, NEAR, SMALL_PART
+from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
+from jaxswarm.diagnose.selection.may_not_stay import model_without, standing
+from jaxswarm.diagnose.selection.refit import share_left
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.logs.motion import Motion
+
+
+def shadow(search: Search) -> tuple[Step, str] | None:
+    """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
+    current, left = search.current, over_noise(search.current)
+    told = []
+    for step in standing(search):
+        law = step.added.law
+        acts = {step.score.joint, step.added.joint}
+        far = [j for j in acts if j is not None and left[j] > NEAR]
+        if law.in_one_log or law.everyday or not far:
+            continue
+        rest = model_without(current, step)
+        taken = 1.0 - share_left(current, rest)
+        if search.other:
+            taken = np.where(taken < SMALL_PART, _most_elsewhere(rest, current, search.other), 1.0)
+        for j in far:
+            lost = left[j] > LOST and not law.several and not search.other
+            told.append((taken[j], LOST_SHARE if lost else search.rules.share, j, step))
+    told = [item for item in told if item[0] < item[1]]
+    if not told:
+        return None
+    share, _, joint, step = min(told, key=lambda item: item[0])
+    name = current.model.robot.joints[joint]
+    where = " on other motion" if search.other else ""
+    part = f"takes {100 * share:.0f} % off the squared error of {name}{where}"
+    return step, f"{part}, which stays {left[joint]:.1f} times its noise"
+
+
+def _most_elsewhere(before: Estimate, after: Estimate, other: Sequence[Motion]) -> np.ndarray:
+    """The largest part (n,) that an addition takes off the squared error of another log."""
+    falls = [
+        1.0 - (two / np.maximum(one, 1e-300)) ** 2
+        for one, two, *_ in errors_elsewhere(before, after, other)
+    ]
+    return np.max(falls, axis=0)
