@@ -86,8 +86,7 @@ def columns_of(
 
     memory = samples.rows(lambda part: remembered[part])
     if beside is not None:
-        shapes_of = _line if isinstance(beside, Wave) else _along
-        told = shapes_of(samples, beside)
+        told = _line(samples, beside) if isinstance(beside, Wave) else _along(samples, beside)
         own = np.zeros((*memory.shape[:2], told.shape[1]))
         own[:, beside.joint] = told
         memory = np.concatenate([memory, own], axis=2)
