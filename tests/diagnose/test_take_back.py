@@ -21,6 +21,7 @@ from jaxswarm.diagnose.selection.step import Step, competitors, find_term
 from jaxswarm.diagnose.selection.take_back import (
     take_back,
     take_back_events,
+    take_back_harm,
     take_back_idle,
     take_back_nothing,
     take_back_shadows,
@@ -120,6 +121,19 @@ def test_a_small_part_stays_where_another_log_shows_it(elsewhere, stays):
     take_back_shadows(search)
     assert bool(search.steps) == stays
     assert all("on other motion" in why for _, why in search.refused)
+
+
+@pytest.mark.parametrize(("there", "stays"), [(60.0, True), (0.0, False)])
+def test_a_law_that_raises_the_error_of_its_own_joint_elsewhere_is_taken_back(there, stays):
+    """Of its own joint it need not be certain: friction at places was one by the position while rows stuck."""
+    search = told_as(SPRING, log_with(replace(SPRING, values={"k": 60.0, "tau0": -6.0})), 0.0)
+    spring = () if not there else (replace(SPRING, values={"k": there, "tau0": -6.0}),)
+    search.other = (prepare(log_with(*spring, motion_seed=11), BAND),)
+    found = reasons.raises_its_own(search)
+    assert (found is None) == stays
+    assert stays or "raises the error of joint2 on" in found[1]
+    take_back_harm(search)
+    assert bool(search.steps) == stays
 
 
 @pytest.mark.parametrize("times", [1, 2])

@@ -10,6 +10,7 @@ from jaxswarm.diagnose.selection.may_not_stay import (
     of_noise,
     outdone,
     poor,
+    raises_its_own,
     stand_in,
 )
 from jaxswarm.diagnose.selection.shadow import shadow
@@ -70,7 +71,9 @@ def take_back_harm(search: Search) -> None:
 
     def wrong() -> tuple[Step, str] | None:
         told = search.declared, search.steps, search.current
-        return harmful(*told, search.other) or (None if search.other else unpredicted(*told))
+        if found := harmful(*told, search.other):
+            return found
+        return raises_its_own(search) if search.other else unpredicted(*told)
 
     _take_back(search, wrong)
 
