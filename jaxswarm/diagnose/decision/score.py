@@ -57,7 +57,8 @@ def score(
         out = ~fold.train
         predicted, residual = candidate.view(free @ a), candidate.view(fold.residual)
         trained = max(trained, share_of(predicted[fold.train], residual[fold.train]))
-        predicted, residual = (x[out] * foretold(fold)[out] for x in (predicted, residual))
+        known = foretold(fold.project[out])
+        predicted, residual = predicted[out] * known, residual[out] * known
         fall = residual**2 - (residual - predicted) ** 2
         np.add.at(gains, crossfit.block[out], fall)
         np.add.at(inner, crossfit.block[out], predicted * residual)
