@@ -2,6 +2,7 @@
 
 from jaxswarm.diagnose.decision.rules import NEEDED
 from jaxswarm.diagnose.selection.beside_sign import is_told_from_sign
+from jaxswarm.diagnose.selection.load_size import is_no_larger_than_its_arm
 from jaxswarm.diagnose.selection.tenable import (
     can_be,
     can_be_as_wrong,
@@ -30,5 +31,6 @@ def holds(after: Estimate, term: Term, fall: float, beyond: bool) -> bool:
     physical = physical and can_swing(after, fitted) and can_be_as_wrong(fitted)
     physical = physical and can_be_resolved(after, fitted, errors) and is_itself(fitted)
     physical = physical and is_told_from_sign(after, fitted)
+    physical = physical and is_no_larger_than_its_arm(after, fitted, errors)
     # A coefficient may be uncertain beside those it is confounded with, and the law still be needed.
     return physical and (not beyond or is_certain(fitted, errors) or fall > NEEDED)
