@@ -110,9 +110,9 @@ BY_STATE = 0.6
 # them, where windows placed at random have as much by no more than this chance. Five contacts that
 # were a dashpot of one direction had 0.61, random ones 0.05 and 0.43 at most.
 LIKE_STATES, BY_CHANCE = 0.5, 0.01
-# Nor is one of a joint alone where the joint comes to the same places again, in other logs as well, and the
-# first part of its torque is left there in the second part of these visits: a detent, which a log came through
-# once, had it in all eleven; of pushes of one joint none has it in more than a third.
+# Nor is one of a joint alone where the joint comes to the same places again, in other logs at least twice, and
+# the first part of its torque is left there in the second part of all these visits: a detent, which a log came
+# through once, had it in both of another one's. Who is pushed once has it in none.
 AS_MUCH, MOST_VISITS = 0.5, 2.0 / 3.0
 # Nor is one whose joints hardly move meanwhile and whose torque is within this multiple of the RMS that their
 # other rests are left with: within two standard deviations of what friction does at rest.
