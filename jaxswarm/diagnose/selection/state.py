@@ -25,7 +25,7 @@ class Search:
         steps: What was added, in order.
         banned: Identities of terms that were refused on the model as it is.
         unproven: Those of them that were refused by what every joint tells: on other motion, or by noisy rows.
-        gone: Kinds of terms that were taken back once.
+        gone: Kinds of terms of a joint that were taken back once.
         barred: Those that were so twice, or for another law's, and are not asked any more.
         kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
         unseen: By joint, waves that were refused beside its model as no whole period of them is seen.

@@ -41,8 +41,8 @@ def take_back(search: Search) -> bool:
     gone = _gone(search, before)
     again = {t.joint for t in gone} & (search.kept_out | hid)
     search.kept_out -= again
-    kinds = {kind_of(t) for t in gone}
-    # A spring and a lever on a spring took each other's place for ever.
+    # A spring and a lever on a spring took each other's place for ever; of pushes any may be another one.
+    kinds = {kind_of(t) for t in gone if t.joint is not None}
     search.barred |= {kind_of(t) for t in gone if t.joint in again} | kinds & search.gone
     search.gone |= kinds
     search.banned = {key for key in search.banned if key[1] not in again}
