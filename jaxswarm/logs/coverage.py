@@ -92,9 +92,18 @@ def period_of(log: Log) -> float | None:
     return repeats_after(log.t, log.q)
 
 
+def step_of_repeats(t: np.ndarray) -> float:
+    """Steps [s] in which the motion at times (T,) is asked whether it repeats itself.
+
+    >>> round(step_of_repeats(np.arange(0.0, 20.0, 0.004)), 6)
+    0.004
+    """
+    return max(float(np.median(np.diff(t))), float(t[-1] - t[0]) / _GRID)
+
+
 def repeats_after(t: np.ndarray, positions: np.ndarray) -> float | None:
     """The same of positions (T, n) at times (T,)."""
-    step = max(float(np.median(np.diff(t))), (t[-1] - t[0]) / _GRID)
+    step = step_of_repeats(t)
     clock = np.arange(t[0], t[-1], step)
     q = np.column_stack([np.interp(clock, t, column) for column in positions.T])
     dq = np.column_stack([velocity(clock, column) for column in q.T])

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import jax
 import numpy as np
@@ -11,7 +12,7 @@ from planted import BAND
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.candidates.tone import tonal_candidate
+from jaxswarm.diagnose.candidates.tone import _alone, tonal_candidate
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
@@ -73,6 +74,29 @@ def test_its_frequency_is_told_between_the_lines_of_the_spectrum(part):
     found = fitted(shaken(log, hertz))
     told = tonal_candidate(Linearization(found, cross_fit(found)), Term("periodic_force", 1))
     assert told.term.values["hertz"] == pytest.approx(hertz, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("turn", "share", "told"),
+    [
+        (0.1, 0.999, True),
+        (0.1, 0.9, False),
+        (0.2, 0.6, True),
+        (0.01, 0.999, False),
+        (0.0, 0.9999, False),
+    ],
+)
+def test_a_tone_nearly_in_step_is_one_where_what_does_not_repeat_is_far_more_than_it_leaves(
+    turn, share, told
+):
+    """A force of 46 times the noise, 0.14 of a turn ahead when the motion repeated itself, had no name."""
+    t, period = np.arange(0.0, 20.0, 0.004), 5.0
+    base = 2.0 * np.pi / period
+    # Fast enough that a function of the motion may have any line.
+    q = np.stack([np.sin(base * t) + 0.2 * np.sin(9 * base * t), np.cos(2 * base * t)], axis=1)
+    dq = np.gradient(q, t, axis=0)
+    motion = SimpleNamespace(t=t, q=q, dq=dq, ddq=np.gradient(dq, t, axis=0), rate=250.0)
+    assert _alone(motion, (18.0 + turn) / period, share) == told
 
 
 def test_it_is_of_its_own_log_alone():
@@ -140,7 +164,9 @@ def test_a_motion_that_repeats_itself_hides_a_multiple_of_its_frequency():
         return tonal_candidate(stand, Term("periodic_force", 1))
 
     assert asked(1.0) is None
-    assert asked(1.03) is None
+    assert asked(1.005) is None
+    # A twentieth of a turn each time, which is far more than noise leaves.
+    assert asked(1.03).term.values["hertz"] == pytest.approx(1.03, abs=0.003)
     # Nothing of a motion of 0.5 Hz has a line beyond its cubes alone.
     assert asked(2.0).term.values["hertz"] == pytest.approx(2.0, abs=0.01)
     assert asked(HERTZ).term.values["hertz"] == pytest.approx(HERTZ, abs=0.01)
