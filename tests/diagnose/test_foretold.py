@@ -7,6 +7,7 @@ import pytest
 from planted import BAND, DECLARED, NOISE, RATE, blank, small_arm
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
+from jaxswarm.diagnose.decision.common_error import p_value_beside_fit
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.folds.foretold import foretold
 from jaxswarm.diagnose.folds.noise import with_motion_noise
@@ -60,6 +61,7 @@ def test_the_only_move_of_a_joint_says_nothing_against_a_load(jogged):
     one = scored(jogged)
     assert abs(one.candidate.term.values["start"] - PICKED_UP) < 0.5
     assert one.p_value < 1e-6 and one.share > 0.99 and one.gain > 0.0
+    assert p_value_beside_fit(one, cross_fit(jogged)) < 1e-6
 
 
 def test_with_every_row_alike_it_might_have_been_chance(jogged, monkeypatch):

@@ -18,6 +18,7 @@ import scipy
 
 from jaxswarm.diagnose.decision.significance import certainty
 from jaxswarm.diagnose.decision.worth import Score
+from jaxswarm.diagnose.folds.foretold import foretold
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 
@@ -44,8 +45,10 @@ def shared_error(item: Score, crossfit: CrossFit) -> float:
     shared = own = 0.0
     for fold, free in zip(crossfit.halves, parts[1:], strict=True):
         a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
-        unseen = candidate.view(free @ a)[~fold.train][:, joints]
-        reached = np.einsum("tjb,tj->b", fold.project[~fold.train][:, joints], unseen)
+        project = fold.project[~fold.train][:, joints]
+        # As a slope weighs it.
+        unseen = candidate.view(free @ a)[~fold.train][:, joints] * foretold(project) ** 2
+        reached = np.einsum("tjb,tj->b", project, unseen)
         shared += float(reached @ reached)
         own += float((unseen**2).sum())
     return shared / max(own, 1e-300)
