@@ -162,7 +162,7 @@ def test_a_ridge_loses_no_digits_to_its_squares(ridge):
     exact = np.linalg.lstsq(rows, np.append(residual, np.zeros(20)), rcond=None)[0]
     nothing, none = np.zeros((len(free), 0)), np.zeros(0)
     train = np.ones(len(free), bool)
-    rows = JointRows(train, nothing, nothing[:0], residual, none, none, np.zeros((0, 0)), none)
+    rows = JointRows(train, nothing, nothing[:0], residual, none, np.zeros((0, 0)), none)
     np.testing.assert_allclose(rows.coefficients(free, ridge)[0], exact, rtol=1e-10, atol=1e-14)
 
 

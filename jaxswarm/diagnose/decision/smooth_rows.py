@@ -118,9 +118,8 @@ def held_out_share(halves: Sequence[JointRows], block: np.ndarray, rows: np.ndar
     gains, before = np.zeros((ways, count)), 0.0
     inner, square = np.zeros((ways, count)), np.zeros((ways, count))
     for half in halves:
-        r, own = half.unseen * half.known, block[~half.train]
-        for way, all_said in enumerate(half.predicted(rows[half.train], rows[~half.train])):
-            said = all_said * half.known
+        r, own = half.unseen, block[~half.train]
+        for way, said in enumerate(half.predicted(rows[half.train], rows[~half.train])):
             gains[way] += np.bincount(own, r**2 - (r - said) ** 2, count)
             inner[way] += np.bincount(own, said * r, count)
             square[way] += np.bincount(own, said**2, count)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from jaxswarm.diagnose.folds.foretold import foretold
 from jaxswarm.diagnose.folds.partial_out import Fold
 
 # Ridges that are tried, in units of the mean squared column. Less than the first fits the noise of one half and
@@ -30,7 +29,6 @@ class JointRows:
         train: Rows it was fitted to, (T,).
         inside, outside: Rows of the model's factor, (T1, b) and (T2, b).
         residual, unseen: Weighted residual of both.
-        known: How much the fit says of the rows outside, (T2,), see :func:`foretold`.
         twice: What is taken off the squares of columns, :math:`2 - P^T P`, (b, b).
         told: What the model's factor says of the residual, (b,).
     """
@@ -40,7 +38,6 @@ class JointRows:
     outside: np.ndarray
     residual: np.ndarray
     unseen: np.ndarray
-    known: np.ndarray
     twice: np.ndarray
     told: np.ndarray
 
@@ -83,8 +80,4 @@ def joint_rows(fold: Fold, joint: int) -> JointRows:
     inside = known[train]
     twice = 2.0 * np.eye(inside.shape[1]) - inside.T @ inside
     told = inside.T @ residual[train]
-    outside = known[~train]
-    unseen = residual[~train]
-    return JointRows(
-        train, inside, outside, residual[train], unseen, foretold(outside), twice, told
-    )
+    return JointRows(train, inside, known[~train], residual[train], residual[~train], twice, told)
