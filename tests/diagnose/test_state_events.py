@@ -310,9 +310,10 @@ def test_an_event_that_is_a_rest_is_taken_back(monkeypatch):
 
 def load(log):
     """Something heavy is picked up after twelve seconds [N m]."""
-    return np.where(log.t > 12.0, 1.0, 0.0)[:, None] * np.stack(
-        [2.0 * np.cos(log.q[:, 0]), 0.0 * log.t], axis=1
-    )
+    body = dict.fromkeys(("mcy", "mcz", "Ixy", "Ixz", "Iyz"), 0.0)
+    body |= {"m": 0.6, "mcx": 0.06, "Ixx": 0.002, "Iyy": 0.01, "Izz": 0.01}
+    held = Term("payload_change", values=body | {"start": 12.0, "end": 1e5, "log": 0.0})
+    return log_with(held, duration=LONG).tau - log_with(duration=LONG).tau
 
 
 @pytest.mark.parametrize("of_its_value, told", [(0.1, 1), (0.4, 0)])
