@@ -11,6 +11,7 @@ lumped into the moving link they sit on, and what is fixed to the base has no dy
 import dataclasses
 
 import jax
+import numpy as np
 
 from jaxswarm.nodes import node
 
@@ -54,6 +55,11 @@ class Robot:
     def num_joints(self) -> int:
         """Number of moving joints n."""
         return len(self.joints)
+
+    @property
+    def length(self) -> float:
+        """Length of all links together [m]."""
+        return float(np.linalg.norm(np.asarray(self.translation), axis=1).sum())
 
     def replace(self, **changes) -> "Robot":
         """Return a copy with fields replaced, e.g. ``robot.replace(parameters=identified)``."""

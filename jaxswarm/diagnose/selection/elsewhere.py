@@ -84,12 +84,12 @@ def residuals_on(
     an event was, nor a joint that dry friction holds.
     """
     one, two, held = _both(before, after, motion)
-    times = _times(motion)
+    times = at_rows(motion, motion.t)
     seen = outside(times, _eventful(one, two, held, times))
     if slope_terms((*before.model.terms, *after.model.terms)):
-        seen &= ~unseen_rows(motion)[rows_inside(motion)]
+        seen &= ~unseen_rows(motion)[_inside(motion)]
     one, two = (np.where(held, 0.0, x)[seen] for x in (one, two))
-    return one, two, _moving(motion)[seen]
+    return one, two, at_rows(motion, is_moving(motion.dq))[seen]
 
 
 def event_windows(
@@ -100,7 +100,7 @@ def event_windows(
     What happened there, such as a contact, is in neither model, and hides what the rest of the log shows: a
     push of 0.8 s had true Stribeck friction of another log refused.
     """
-    times = _times(motion).copy()
+    times = at_rows(motion, motion.t)
     # What lasts to the first or last row that is compared may last to that end of the log.
     times[[0, -1]] = motion.t[[0, -1]]
     return _eventful(*_both(before, after, motion), times)
@@ -117,8 +117,8 @@ def _both(
 def _held(motion: Motion, left: np.ndarray) -> np.ndarray:
     """Whether dry friction holds a joint on the rows of :func:`log_residual`, which leaves so much, (T, n)."""
     rest = standing([motion])
-    mixed = mixed_with([motion], rest)[0][rows_inside(motion)]
-    still = rest[0][rows_inside(motion)]
+    mixed = mixed_with([motion], rest)[0][_inside(motion)]
+    still = rest[0][_inside(motion)]
     return still & held_at_rest(left, [still], [mixed])
 
 
@@ -178,21 +178,16 @@ def compared(
     return *all_rows, falls[0] | falls[1], rise.sum(axis=0) > CERTAIN * doubt
 
 
-def rows_inside(motion: Motion) -> np.ndarray:
+def _inside(motion: Motion) -> np.ndarray:
     """The decimated rows of a log without its ends; all of them where nothing else is left."""
     kept = motion.t[motion.decimator.kept(len(motion.t))]
     inside = (kept > kept[0] + _ENDS) & (kept < kept[-1] - _ENDS)
     return inside if inside.any() else np.ones_like(inside)
 
 
-def _times(motion: Motion) -> np.ndarray:
-    """Times [s] of the rows of :func:`log_residual`, (T,)."""
-    return motion.t[motion.decimator.kept(len(motion.t))][rows_inside(motion)]
-
-
-def _moving(motion: Motion) -> np.ndarray:
-    """Whether each joint moves at the rows of :func:`log_residual`, (T, n)."""
-    return is_moving(motion.dq)[motion.decimator.kept(len(motion.t))][rows_inside(motion)]
+def at_rows(motion: Motion, x: np.ndarray) -> np.ndarray:
+    """What is known of all samples (T, ...) at the rows of :func:`log_residual`, (T', ...)."""
+    return x[motion.decimator.kept(len(motion.t))][_inside(motion)]
 
 
 def log_residual(found: Estimate, motion: Motion, model: Model | None = None) -> np.ndarray:
@@ -201,7 +196,7 @@ def log_residual(found: Estimate, motion: Motion, model: Model | None = None) ->
     model = in_state_of(model or found.model, [motion])
     predicted = model_torque(model, motion)
     left = motion.decimator.apply(motion.tau - predicted)
-    return left[rows_inside(motion)]
+    return left[_inside(motion)]
 
 
 def expected(motion: Motion, noise: np.ndarray, *fits: Estimate) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.rules import AS_MUCH, MOST_VISITS
 from jaxswarm.diagnose.decision.smooth_rows import table_of
-from jaxswarm.diagnose.selection.elsewhere import log_residual, rows_inside
+from jaxswarm.diagnose.selection.elsewhere import at_rows, log_residual
 from jaxswarm.diagnose.selection.event_at_rest import rows_within
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -68,8 +68,7 @@ def of_place(
 
 def _states(motion: Motion, joint: int) -> np.ndarray:
     """Position and velocity of a joint at the rows of :func:`log_residual`, (T, 2)."""
-    kept = motion.decimator.kept(len(motion.t))
-    return np.stack([motion.q[kept, joint], motion.dq[kept, joint]], axis=1)[rows_inside(motion)]
+    return at_rows(motion, np.stack([motion.q[:, joint], motion.dq[:, joint]], axis=1))
 
 
 def _left_at(there: np.ndarray, states: np.ndarray, left: np.ndarray) -> Iterator[float]:

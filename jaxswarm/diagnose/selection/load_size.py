@@ -24,7 +24,7 @@ def is_no_larger_than_its_arm(found: Estimate, term: Term, errors: dict[str, flo
     if not isinstance(law, BodyChange) or law.body is None or not law.window:
         return True
     doubt = {name: CERTAIN * float(np.nan_to_num(error)) for name, error in errors.items()}
-    mass, radius = abs(term.values["m"]) + doubt["m"], _RADIUS * _length(found)
+    mass, radius = abs(term.values["m"]) + doubt["m"], _RADIUS * found.model.robot.length
     way = np.sign(term.values["m"])
     moments = all(
         abs(term.values[name]) <= mass * radius + doubt[name] for name in ("mcx", "mcy", "mcz")
@@ -34,8 +34,3 @@ def is_no_larger_than_its_arm(found: Estimate, term: Term, errors: dict[str, flo
         for name in ("Ixx", "Iyy", "Izz")
     )
     return moments and inertias
-
-
-def _length(found: Estimate) -> float:
-    """Of all links together [m]."""
-    return float(np.linalg.norm(np.asarray(found.model.robot.translation), axis=1).sum())

@@ -28,7 +28,10 @@ def shadow(search: Search) -> tuple[Step, str] | None:
         rest = model_without(current, step)
         taken = 1.0 - share_left(current, rest)
         if search.other:
-            taken = np.where(taken < SMALL_PART, _most_elsewhere(rest, current, search.other), 1.0)
+            small = taken < SMALL_PART
+            taken = np.ones_like(taken)
+            if small[far].any():
+                taken[small] = _most_elsewhere(rest, current, search.other)[small]
         for j in far:
             lost = left[j] > LOST and not law.several and not search.other
             told.append((taken[j], LOST_SHARE if lost else search.rules.share, j, step))

@@ -16,7 +16,7 @@ from jaxswarm.identify.checks.guess import Guess, OtherRobot, Zero
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples
-from jaxswarm.identify.checks.sound import NONE, UNRELATED, Tried, is_sound, may_be
+from jaxswarm.identify.checks.sound import NONE, UNLESS, UNRELATED, Tried, is_sound, may_be
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
@@ -191,10 +191,10 @@ def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
         f"{guess.what}: as logged {driven}rigid body and friction leave {100 * logged.size:.2g} % of the "
         f"torque, without it {100 * found.size:.2g} %"
     )
-    if guess.check in _SIGNS and not drove and found.size > _LEAVES_MUCH * logged.size:
-        what += ", unless something else that is missing looks so"
-        return Finding(guess.check, what, guess.remedy, refused=False)
-    return Finding(guess.check, what, guess.remedy, refused=not guess.told_only)
+    may_be_else = guess.check in _SIGNS and not drove and found.size > _LEAVES_MUCH * logged.size
+    what += UNLESS if may_be_else else ""
+    refused = not (guess.told_only or may_be_else)
+    return Finding(guess.check, what, guess.remedy, refused=refused)
 
 
 def unrelated(rough: Rough) -> Finding | None:

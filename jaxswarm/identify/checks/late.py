@@ -15,6 +15,7 @@ import numpy as np
 from jaxswarm.identify.checks.lateness import Lateness
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_fit import STRICTEST
+from jaxswarm.identify.checks.sound import UNLESS
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
@@ -143,7 +144,7 @@ def late_torque(robot: Robot, rough: Rough, fine: Rough, interval: float) -> Fin
     )
     if np.exp(2.0 * most[j]) < 1.0 - _REFUSED:
         return Finding("late_torque", what, "Shift this column of the log")
-    what += ", unless something else that is missing looks so"
+    what += UNLESS
     return Finding(
         "late_torque", what, "If no effect explains it, shift this column", refused=False
     )

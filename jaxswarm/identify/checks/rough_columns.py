@@ -100,15 +100,19 @@ def _line(samples: Samples, wave: Wave) -> np.ndarray:
 
 def _along(samples: Samples, place: Place) -> np.ndarray:
     """Functions of a joint's position beside an offset and a spring, (R, m)."""
-    q = samples.rows(lambda part: samples.q[part, place.joint, None, None])[:, 0, 0]
+    q = _of_joint(samples, samples.q, place.joint)
     from_middle = (q - 0.5 * (q.max() + q.min())) / max(0.5 * np.ptp(q), 1e-300)
     return np.polynomial.legendre.legvander(from_middle, _DEGREE)[:, 2:]
 
 
 def slow_rows(samples: Samples, joint: int, speed: float) -> np.ndarray:
     """Whether a joint of an RMS speed hardly moves on the rows, (R,): there it may stick."""
-    own = samples.rows(lambda part: samples.dq[part, joint, None, None])[:, 0, 0]
-    return np.abs(own) < _STUCK * speed
+    return np.abs(_of_joint(samples, samples.dq, joint)) < _STUCK * speed
+
+
+def _of_joint(samples: Samples, signal: np.ndarray, joint: int) -> np.ndarray:
+    """A joint's part of a signal (T, n), row by row, (R,)."""
+    return samples.rows(lambda part: signal[part, joint, None, None])[:, 0, 0]
 
 
 def strongest_line(t: np.ndarray, values: np.ndarray) -> float:

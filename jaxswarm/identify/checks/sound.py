@@ -11,6 +11,8 @@ NONE = 0.05
 # Share of the torque left, on the geometric mean over the joints, from which on motion explains nothing. Pure
 # noise leaves all of it, the worst clean log 0.3.
 UNRELATED = 0.5
+# Of what may be a law that is missing, and no fault of the log.
+UNLESS = ", unless something else that is missing looks so"
 # A torque's scale is believed where it leaves less than this share of its own joint's torque: of one that is
 # badly explained, as one that hardly moved on a clean log of 16 s, nothing is known, and the others bend.
 _SCALE_LEAVES = 0.15

@@ -28,7 +28,7 @@ def wrong_unit(robot: Robot, samples: Samples) -> Finding | None:
     if not 1.0 / _OTHER_UNIT < ratio < _OTHER_UNIT:
         what = f"the torques are {ratio:.3g} times those of the masses in the robot's file"
         return Finding("torque_unit", what, _UNIT)
-    length = float(np.linalg.norm(np.asarray(robot.translation), axis=1).sum())
+    length = robot.length
     unit = _of_a_kilogram(rigid, 0.5 * length / robot.num_joints)
     if unit == 0.0:
         return None
