@@ -8,6 +8,20 @@ from jaxswarm.robot.model import Robot
 # Coordinates of the base: turns [rad] about base x and, carried by that, about base y.
 TURNS = 2
 
+# Poses over which the inertia of an arm about its base is averaged.
+_POSES = 64
+
+
+def poses(robot: Robot) -> np.ndarray:
+    """Poses (m, n) of an arm spread evenly over the turns of its joints, with slides at zero.
+
+    >>> from jaxswarm.robot import emps, rx60
+    >>> poses(rx60()).shape, poses(emps()).any()
+    ((64, 3), np.False_)
+    """
+    turns = np.random.default_rng(0).uniform(-np.pi, np.pi, size=(_POSES, robot.num_joints))
+    return np.where([kind == "revolute" for kind in robot.kinds], turns, 0.0)
+
 
 def hinged(robot: Robot) -> Robot:
     """The robot on hinges about base x and y, without mass of their own, through the base's origin.

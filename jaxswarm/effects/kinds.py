@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxswarm.effects.base import Effect
+from jaxswarm.effects.body_change import BodyChange as BodyChange
 from jaxswarm.effects.deflection import contact_stiffness
 from jaxswarm.effects.measurement_law import MeasurementLaw as MeasurementLaw
 from jaxswarm.effects.parameter import refuse_unknown
-from jaxswarm.effects.ramp import ramp
 from jaxswarm.effects.sample import Sample
 
 
@@ -135,73 +134,6 @@ class TransmissionLaw(Effect):
                 f"effect {self.name!r} is a transmission: it needs scope 'joint', a lattice (what is around "
                 f"the law it extends, if it does), no linear parameter, and {sorted(needed)} among its "
                 "parameters"
-            )
-
-
-@dataclass(frozen=True)
-class BodyChange(Effect):
-    """Another gravity or another rigid body.
-
-    Attributes:
-        gravity: ``gravity(p, gravity) -> gravity`` [m/s^2], (3,).
-        body: ``body(p) -> (10,)``: inertial parameters added to the last link, its ten parameters in
-            their standard order.
-        placement: ``placement(p) -> (2, 2)``: shift [m] of a joint in its parent along two directions across
-            its own axis, and turns [rad] about them, the first of which lies across its parent's axis too.
-        compliance: ``compliance(p) -> (2,)``: turns of the base about its x and y axes per moment that it
-            holds there [rad/(N m)].
-        window: Whether the body is carried between the times ``start`` and ``end`` [s] of one log only, told
-            by the parameter ``log`` from zero; then its inertial parameters are linear.
-    """
-
-    gravity: Callable[[Mapping, jax.Array], jax.Array] | None = None
-    body: Callable[[Mapping], jax.Array] | None = None
-    placement: Callable[[Mapping], jax.Array] | None = None
-    compliance: Callable[[Mapping], jax.Array] | None = None
-    window: bool = False
-
-    @property
-    def shows_on_own_joint(self) -> bool:
-        """A joint that sits elsewhere is felt by those before it as well."""
-        return False
-
-    @property
-    def changes_rigid_columns(self) -> bool:
-        """They depend on gravity and geometry, not on the links' parameters."""
-        return self.gravity is not None or self.placement is not None
-
-    def free(self, values: Mapping[str, float]) -> tuple:
-        """A body is found in one linear step, but for when it was carried."""
-        return () if self.body is not None and not self.window else super().free(values)
-
-    def candidate_names(self, joints: tuple[str, ...]) -> list[str]:
-        """All parameters of the body or the gravity."""
-        return [p.name for p in (self.linear or self.parameters)]
-
-    def weight(self, p: Mapping, t: jax.Array) -> jax.Array:
-        """How much of the body is carried at times t: all of it, but outside of its window."""
-        if not self.window:
-            return jnp.ones_like(t)
-        return ramp(t, p["start"]) * (1.0 - ramp(t, p["end"]))
-
-    def check(self) -> None:
-        """Refuse a change of nothing, of several things, or of a single joint's gravity or body."""
-        super().check()
-        ways = (self.gravity, self.body, self.placement, self.compliance)
-        told = [x for x in ways if x is not None]
-        linear = self.window or self.compliance is not None
-        scope = "global" if self.placement is None else "joint"
-        if self.scope != scope or len(told) != 1 or bool(self.linear) != linear:
-            raise ValueError(
-                f"effect {self.name!r} is a change of the body: it needs exactly one of gravity, body, "
-                "placement and compliance, scope 'global' ('joint' for a placement), and linear parameters "
-                "for a body in a window and a compliance only"
-            )
-        own = len(self.linear or self.parameters)
-        if self.body is not None and not (self.reference_only and own == 10):
-            raise ValueError(
-                f"effect {self.name!r} adds to the last link, which every fit finds as a whole: it needs "
-                "reference_only=True and ten inertial parameters"
             )
 
 

@@ -27,10 +27,6 @@ from jaxswarm.simulate.plant import Plant
 # Friction by load is a fixed point: the load depends on accelerations and these on friction. Each
 # round shrinks the error by the friction coefficient.
 LOAD_ROUNDS = 4
-# Damping ratio of an arm that sways on its base: that of bolted steel.
-SWAY_DAMPING = 0.03
-# Inertia of the base itself, of the arm's about it: without any, a first joint about the same axis has no hold.
-BASE_INERTIA = 0.1
 AMBIENT = 25.0  # deg C, the temperature at which temperature_friction vanishes
 
 
@@ -83,7 +79,7 @@ def rest(
     motor_q, motor_dq = (x[:0] for x in (q, dq))
     if plant.soft:  # one by one: an index array would be a gather
         motor_q, motor_dq = (jnp.stack([x[j] for j in plant.soft]) for x in (q, dq))
-    if plant.swaying:
+    if plant.base is not None:
         turns = _settled(plant, q)
         motor_q = jnp.concatenate([motor_q, turns])
         motor_dq = jnp.concatenate([motor_dq, 0.0 * turns])
@@ -124,7 +120,7 @@ def accelerations(plant: Plant, state: State, drive: Drive, t, sincos: SinCos) -
         for entry, j in zip(own, bodies, strict=True):
             matrix[i][j] = entry
     free = [sp.minus(drive.external[i], bias[i]) for i in range(n)] + [0.0] * len(soft)
-    free += _base_torques(plant, state, mass, bias)
+    free += _base_torques(plant, state, bias)
     for k, joint in enumerate(soft):
         twist = state.motor_q[k] - state.q[joint]
         spring = transmission_torque(plant, joint, twist, state.motor_dq[k] - state.dq[joint])
@@ -157,13 +153,13 @@ def accelerations(plant: Plant, state: State, drive: Drive, t, sincos: SinCos) -
 def _equations(plant: Plant, state: State, t, sincos: SinCos) -> tuple[list[list], list]:
     """Mass matrix and bias of the links, and after them of a base that gives way, as entries."""
     robot = plant.robot_at(t)
-    if not plant.swaying:
+    if plant.base is None:
         return equations_of_motion(robot, state.q, state.dq, sincos=sincos)
     s = len(plant.soft)
     q, dq = (*state.motor_q[s:], *state.q), (*state.motor_dq[s:], *state.dq)
     mass, bias = equations_of_motion(hinged(robot), q, dq, sincos=sincos)
     for k in range(TURNS):
-        mass[k][k] = (1.0 + BASE_INERTIA) * mass[k][k]
+        mass[k][k] = sp.plus(mass[k][k], plant.base.inertia[k])
     order = [*range(TURNS, len(q)), *range(TURNS)]
     return [[mass[i][j] for j in order] for i in order], [bias[i] for i in order]
 
@@ -172,18 +168,17 @@ def _settled(plant: Plant, q: jax.Array) -> jax.Array:
     """Turns (2,) of a base on which an arm stands still, to first order."""
     rest = jnp.zeros((q.shape[0] + TURNS, *q.shape[1:]), q.dtype)
     _, bias = equations_of_motion(hinged(plant.robot_at(0.0)), rest.at[TURNS:].set(q), rest)
-    return jnp.stack([0.0 * q[0] - plant.compliance[k] * bias[k] for k in range(TURNS)])
+    assert plant.base is not None  # asked for of such a one
+    return jnp.stack([0.0 * q[0] - bias[k] / plant.base.stiffness[k] for k in range(TURNS)])
 
 
-def _base_torques(plant: Plant, state: State, mass: list[list], bias: list) -> list[sp.Entry]:
+def _base_torques(plant: Plant, state: State, bias: list) -> list[sp.Entry]:
     """Torques on the turns of the base beside its mass: of its springs and dampers, less the bias."""
-    if not plant.swaying:
+    if plant.base is None:
         return []
-    told = []
+    base, told = plant.base, []
     for k in range(-TURNS, 0):
-        stiffness = 1.0 / plant.compliance[k]
-        damping = 2.0 * SWAY_DAMPING * jnp.sqrt(stiffness * mass[k][k])
-        held = stiffness * state.motor_q[k] + damping * state.motor_dq[k]
+        held = base.stiffness[k] * state.motor_q[k] + base.damping[k] * state.motor_dq[k]
         told.append(sp.minus(-held, bias[k]))
     return told
 

@@ -34,10 +34,9 @@ from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.errors import InputError
 from jaxswarm.nodes import node
 from jaxswarm.robot.model import Robot
+from jaxswarm.simulate.soft_base import Base, base_of
 
 FLANK_FREQUENCY = 100.0  # Hz, of a motor on the flank of a backlash whose stiffness is not given
-# Compliance [rad/(N m)] below which a base is taken to have this one: firmer costs shorter steps and no more.
-FIRM = 1e-7
 
 
 # An effect in its place is a term of a model: what was identified can be simulated as it is.
@@ -53,27 +52,18 @@ class Plant:
         robot: The rigid body, global effects included.
         acting: The effects that are no part of the robot itself.
         width: (n,), width of every joint's smooth sign tanh(dq / width) in rad/s or m/s.
+        base: The springs that it stands on; its turns follow the motors of the soft joints. None: it is firm.
     """
 
     robot: Robot
     acting: tuple[Acting, ...]
     width: jax.Array | np.ndarray
+    base: Base | None = None
 
     @property
     def soft(self) -> tuple[int, ...]:
         """Joints whose motor moves apart from the link."""
         return tuple(sorted({a.joint for a in of_kind(self.acting, TransmissionLaw)}))
-
-    @property
-    def swaying(self) -> bool:
-        """Whether the base gives way: its turns follow the motors of the soft joints."""
-        return any(a.law.compliance is not None for a in of_kind(self.acting, BodyChange))
-
-    @property
-    def compliance(self) -> jax.Array:
-        """Turns of the base per moment [rad/(N m)], (2,), a firm axis one that hardly gives way."""
-        ways = [a for a in of_kind(self.acting, BodyChange) if a.law.compliance is not None]
-        return jnp.maximum(sum(a.law.compliance(a.values) for a in ways), FIRM)
 
     @property
     def remembering(self) -> tuple[Any, ...]:
@@ -145,6 +135,9 @@ def make_plant(
     plant = Plant(robot, (), np.broadcast_to(widths, (robot.num_joints,)))
     for acting in placed:
         plant = put_on(acting.law, plant, acting)
+    for acting in of_kind(plant.acting, BodyChange):
+        if acting.law.compliance is not None:
+            plant = plant.replace(base=base_of(plant.robot, acting))
     _check_rotors(plant)
     return plant
 

@@ -64,9 +64,10 @@ def log_of(torque: np.ndarray, t, q, dq) -> Log:
     )
 
 
-def log_on_soft_base(cx: float, cy: float) -> Log:
-    """The base swings on springs of 1/c [N m/rad], damped to a tenth."""
+def log_on_soft_base(cx: float, cy: float, inertia: float = 0.0) -> Log:
+    """The base, of an inertia [kg m^2], swings on springs of 1/c [N m/rad], damped to a tenth."""
     model = on_hinges()
+    model.armature = np.r_[inertia, inertia, np.zeros(3)]
     data = model.createData()
     t, q, dq, ddq = given_motion()
     stiffness, none = 1.0 / np.array([cx, cy]), np.zeros(2)

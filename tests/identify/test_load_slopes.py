@@ -29,6 +29,9 @@ GAIN = Term("drive_gain", 1, values={"gain": 1.3})
 DRAG = Term("viscous_friction", 1, values={"b": 3.0})
 BENT = Term("torque_constant_saturation", 1, values={"c": 0.02})
 SOFT = Term("base_compliance", values={"cx": 2e-3, "cy": 1e-3})
+SWINGING = Term(
+    "base_compliance", values={"cx": 2e-5, "cy": 1e-5, "fx": 9.0, "fy": 12.0, "zeta": 0.05}
+)
 LATE = Term("time_delay", None, values={"seconds": 0.004})
 
 
@@ -58,6 +61,7 @@ def log_with(*terms, noise=NOISE):
         (DRAG, BENT),
         (DRAG, FRICTION, BENT, LATE),
         (SOFT,),
+        (SWINGING,),
     ],
     ids=[
         "formula",
@@ -67,6 +71,7 @@ def log_with(*terms, noise=NOISE):
         "bent",
         "bent and late",
         "soft base",
+        "swinging base",
     ],
 )
 def test_columns_and_slopes_are_the_derivative_of_the_torque(terms):
@@ -116,7 +121,7 @@ def test_what_a_soft_base_keeps_of_a_motion_serves_all_parameters(monkeypatch):
     load_slopes(arm, (SOFT,), motion, WIDTH, pi, rigid)
     other = replace(SOFT, values={"cx": 5e-4, "cy": 3e-3})
     plain = load_slopes(arm, (other,), motion, WIDTH, 1.2 * pi + 0.01)
-    monkeypatch.setattr(compliance, "_moments_along", None)
+    monkeypatch.setattr(compliance, "SwayResponse", None)
     again = load_slopes(arm, (other,), motion, WIDTH, 1.2 * pi + 0.01, rigid)
     np.testing.assert_allclose(again, plain, atol=1e-12 * np.abs(plain).max())
 

@@ -5,9 +5,12 @@ import numpy as np
 import pinocchio as pin
 from arms import two_joint_arm
 
+from jaxswarm.effects import get_law
+from jaxswarm.effects.hinged_base import poses
 from jaxswarm.robot.trig import polynomial_sincos
 from jaxswarm.simulate import Acting, Drive, accelerations, make_plant, rest
-from jaxswarm.simulate.acceleration import BASE_INERTIA, SWAY_DAMPING, State
+from jaxswarm.simulate.acceleration import State
+from jaxswarm.simulate.soft_base import BASE_INERTIA
 
 SOFT = {"cx": 2e-4, "cy": 1e-4}
 
@@ -39,13 +42,30 @@ def test_an_arm_on_a_soft_base_accelerates_as_in_pinocchio():
     links, base = accelerations(plant, state, drive, 0.0, polynomial_sincos)
     place = np.r_[turns, q]
     stiffness = 1.0 / np.array([SOFT["cx"], SOFT["cy"]])
-    mass = np.diag(pin.crba(model, model.createData(), place))[:2]
-    model.armature = np.r_[BASE_INERTIA * mass, 0, 0]
+    mean = mean_inertia(robot)
+    model.armature = np.r_[BASE_INERTIA * mean, 0, 0]
     data = model.createData()
-    mass = mass + BASE_INERTIA * mass
-    held = -stiffness * turns - 2 * SWAY_DAMPING * np.sqrt(stiffness * mass) * swing
+    damping = 2 * get_law("base_compliance").nominal()["zeta"]
+    held = -stiffness * turns - damping * np.sqrt(stiffness * 1.1 * mean) * swing
     wanted = pin.aba(model, data, place, np.r_[swing, dq], np.r_[held, tau])
     np.testing.assert_allclose(np.r_[base, links], wanted, rtol=1e-6, atol=1e-6)
+
+
+def mean_inertia(robot) -> np.ndarray:
+    """About the axes of its base, over the poses that a swing is told of."""
+    model = on_hinges(robot)
+    every = (pin.crba(model, model.createData(), np.r_[0, 0, q]) for q in poses(robot))
+    return np.mean([np.diag(mass)[:2] for mass in every], axis=0)
+
+
+def test_its_base_has_the_inertia_with_which_it_swings_as_often_as_is_told():
+    robot, often, zeta = two_joint_arm(), np.array([5.0, 4.0]), 0.1
+    told = {**SOFT, "fx": often[0], "fy": often[1], "zeta": zeta}
+    base = make_plant(robot, [Acting("base_compliance", values=told)]).base
+    omega, stiffness = 2 * np.pi * often, 1.0 / np.array([SOFT["cx"], SOFT["cy"]])
+    whole = base.inertia + mean_inertia(robot)
+    np.testing.assert_allclose(np.sqrt(stiffness / whole), omega, rtol=1e-9)
+    np.testing.assert_allclose(base.damping / whole, 2 * zeta * omega, rtol=1e-9)
 
 
 def test_it_starts_where_its_weight_turns_the_base():

@@ -78,18 +78,25 @@ def thinned(motion: Motion, sensed: Sensitivity) -> tuple[Motion, Sensitivity]:
         sensed: What its torque does when a joint moves otherwise; it keeps what is found here.
     """
     every = interval_of(motion)
-    low = motion.decimator
     if every < 2:
         return motion, sensed
     if every not in sensed.thinner:
-        few = SparseDecimator(low.taps, low.factor, every)
-        rows = len(low.kept(len(motion.t)))
-        part = slice(0, every * few.given(rows), every)
-        q, dq, ddq = (x[part] for x in (motion.q, motion.dq, motion.ddq))
-        less = replace(motion, t=motion.t[part], q=q, dq=dq, ddq=ddq, tau=None, decimator=few)
+        less, _ = every_few(motion, every)
         own = sensed.averaged(less, every, lambda x: straight_between(x, every))
         sensed.thinner[every] = less, own
     return sensed.thinner[every]
+
+
+def every_few(motion: Motion, every: int) -> tuple[Motion, slice]:
+    """A log on every few samples, one of them if fewer were less than its rows, and which these are."""
+    low = motion.decimator
+    if not 2 <= every <= low.factor:
+        return motion, slice(None)
+    few = SparseDecimator(low.taps, low.factor, every)
+    rows = len(low.kept(len(motion.t)))
+    part = slice(0, every * few.given(rows), every)
+    q, dq, ddq = (x[part] for x in (motion.q, motion.dq, motion.ddq))
+    return replace(motion, t=motion.t[part], q=q, dq=dq, ddq=ddq, tau=None, decimator=few), part
 
 
 def interval_of(motion: Motion) -> int:

@@ -5,8 +5,9 @@ from dataclasses import replace
 import jax
 import numpy as np
 
-from jaxswarm.decomposition import lstsq, thin_svd
+from jaxswarm.decomposition import thin_svd
 from jaxswarm.diagnose.candidates.candidate import Candidate
+from jaxswarm.diagnose.candidates.compliant_base import compliant_base
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.own_motion import own_slopes
 from jaxswarm.diagnose.candidates.window import windowed_candidate
@@ -16,17 +17,12 @@ from jaxswarm.effects.misreading import misreading_slopes
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.forward.body import body_basis
 from jaxswarm.identify.forward.columns import is_kept, low_columns
-from jaxswarm.identify.forward.compliance import felt_once_swayed
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.link_lag import read_motion
 from jaxswarm.identify.forward.placement import placement_columns
-from jaxswarm.identify.forward.sway_response import compliance_along
 from jaxswarm.identify.forward.written_down import report_own
 from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns
-
-# What a number that is further fitted has to take off, in squares of its standard error: two of them squared.
-_SAVED = 4.0
 
 
 def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
@@ -131,7 +127,7 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate | None:
         columns = lin.stack(moved)
         return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
     if law.compliance is not None:
-        return _compliant_base(lin, term)
+        return compliant_base(lin, term)
     if law.gravity is not None:
         columns = lin.crossfit.weigh(_gravity_columns(lin, term))
     else:
@@ -140,48 +136,6 @@ def body_candidate(lin: Linearization, term: Term) -> Candidate | None:
         if law.window:
             return windowed_candidate(lin, term, columns)
     return Candidate(replace(term, values=neutral), lin.on_all(columns), columns.shape[2])
-
-
-def _compliant_base(lin: Linearization, term: Term) -> Candidate:
-    """A base that gives way, to first order about the model's masses, and about those that it alone feels.
-
-    The moment of a base holds masses that no joint of a level arm feels, such as those of its first link, which
-    stand in the model at any value: what they change follows as columns with free coefficients, as for a tilt.
-    Without them a base that left the first joint with 8.6 times its noise took 0.23 off, and a spring was told;
-    with them it takes 0.95.
-    """
-    law = term.law_of(BodyChange)
-    fresh = felt_once_swayed(lin.arm, lin.found.fit.base.unfelt[: len(lin.pi)])
-
-    def swayed(k):
-        at = lin.arm, lin.moved[k], lin.pi, lin.found.motions[k]
-        return lin.reported(k, compliance_along(law, *at, fresh))
-
-    own, further = np.split(lin.stack(swayed), [len(law.linear)], axis=2)
-    beside = _beside(lin, own, further, fresh.shape[1])
-    if beside is None:
-        return Candidate(term, lin.on_all(own), own.shape[2])
-    columns = np.concatenate([own, beside], axis=2)
-    return Candidate(term, lin.on_all(columns), len(law.linear) + fresh.shape[1])
-
-
-def _beside(
-    lin: Linearization, own: np.ndarray, further: np.ndarray, numbers: int
-) -> np.ndarray | None:
-    """Further columns (T, n, m) without what a law's own (T, n, k) say; None if not worth their numbers.
-
-    So the coefficients of its own are those that it has alone, from where a fit begins. Worth it is what takes
-    off more than two standard errors for each number.
-    """
-    fold = lin.crossfit.whole
-    free, more = (fold.free_part(x).reshape(-1, x.shape[2]) for x in (own, further))
-    rest = fold.residual.ravel() - free @ lstsq(free, fold.residual.ravel(), rcond=1e-9)
-    said = lstsq(free, more, rcond=1e-9)
-    apart = more - free @ said
-    size = np.maximum(np.linalg.norm(apart, axis=0), 1e-300)
-    left = rest - apart @ (lstsq(apart / size, rest, rcond=1e-6) / size)
-    price = 1.0 + _SAVED * numbers / lin.crossfit.effective
-    return further - own @ said if rest @ rest > price * (left @ left) else None
 
 
 def _directions(lin: Linearization, term: Term) -> np.ndarray:

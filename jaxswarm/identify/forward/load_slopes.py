@@ -93,11 +93,12 @@ def load_slopes(
             own = _by_columns((by_full[part], by_still[part]), loads)
             total[rows, :, first : len(pi)] += seen(own, t.index)
         row = rows.stop
-    # Where the links do as the log says, a fit asks for the same moments at every step.
-    kept = body.rigid.swayed if body.rigid is not None and is_kept(motion) else None
-    for t in (t for t in acting if t.joint is None):
-        swayed = compliance_slopes(t, body.arm, body.moved, pi, motion, kept)
-        total[:, :, : len(pi)] += low.apply(report(terms, motion, swayed))
+    for t, start, end in zip(terms, ends[:-1], ends[1:], strict=True):
+        if t.joint is None and t in acting:
+            by_body, bends = compliance_slopes(t, body)
+            total[:, :, : len(pi)] += low.apply(report(terms, motion, by_body))
+            if bends is not None:
+                total[:, :, start:end] += low.apply(report(terms, motion, bends))
     for t, slope in ((t, _bent(t, load)) for t in acting if distorted((t,))):
         for u, start, end in zip(terms, ends[:-1], ends[1:], strict=True):
             if isinstance(u.law, TorqueLaw) and u.joint == t.joint and u.acts_in(log):

@@ -6,6 +6,7 @@ The order in which a torque comes about fixes the order here: the links move beh
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -169,7 +170,10 @@ def true_torque(
             pi[-10:] = body_basis(term.law) @ own
             whole += carried(term, body.motion)[:, None] * body.torque(pi)
         else:
-            whole += _supplied(term, body, width, load) @ own
+            # How far a base turns decides how it swings.
+            linear = zip(term.linear_names(body.motion.joints), map(float, own), strict=True)
+            told = replace(term, values={**term.values, **dict(linear)})
+            whole += _supplied(told, body, width, load) @ own
     return whole
 
 
@@ -198,7 +202,7 @@ def _supplied(term: Term, body: Body, width: Sequence[float], load: Load | None)
     """Columns (T, n, k) of a term on the working clock, with those that follow from the rigid body."""
     law = term.law
     if isinstance(law, BodyChange) and law.compliance is not None:
-        return compliance_columns(law, body.arm, body.moved, body.pi, body.motion)
+        return compliance_columns(term, body)
     if isinstance(law, BodyChange) and law.window:
         return carried(term, body.motion)[:, None, None] * (body.last @ body_basis(law))
     return own_columns(term, body.motion, width, load)

@@ -10,14 +10,23 @@ The moment of the base, whose share the turn is, is linear in them too, so that 
 parameters that load the base and those that are carried by it. The six responses are made once for all of them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import numpy as np
 
 from jaxswarm.effects.hinged_base import TURNS, hinged
 from jaxswarm.effects.kinds import BodyChange
+from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.base_swing import (
+    below_cutoff,
+    inertia_along,
+    softness,
+    softness_by,
+    swings,
+    swung,
+)
 from jaxswarm.identify.forward.columns import Moved
-from jaxswarm.identify.forward.compliance import moment_along, softness_by
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.logged import BLOCK, rigid_torques
 from jaxswarm.robot.model import Robot
@@ -25,53 +34,122 @@ from jaxswarm.robot.model import Robot
 _LEVEL = np.zeros(TURNS)
 
 
-def compliance_along(
-    law: BodyChange,
-    arm: Robot,
-    moved: Moved,
-    pi: np.ndarray,
-    motion: Motion,
-    directions: np.ndarray,
-) -> np.ndarray:
-    """Torque by the linear parameters of a compliance, and its derivatives along rigid parameters.
+class SwayResponse:
+    """What turns of the base do to the torque of a log, by rigid parameters and along them.
+
+    A body is a sum of ``every`` with weights (m,).
 
     Args:
-        law, arm, moved, pi, motion: As for :func:`~jaxswarm.identify.forward.compliance.compliance_columns`.
-        directions: Of rigid parameters, (10 n, r).
-
-    Returns:
-        (T, n, k + r k): the torque by each of the k parameters, then its derivatives direction by direction.
+        arm: The robot in its gravity.
+        moved: Motion of the links, q, dq, ddq, each (T, n).
+        motion: The log, for its rate and the cutoff of its torque.
+        every: Rigid parameters, (10 n, m).
+        again: Whether more than one compliance or body is asked for: the responses are kept.
     """
-    softness = softness_by(law)
-    every = np.column_stack([pi, directions])
-    robot, count = hinged(arm), len(moved[0])
-    # Of a long log some samples at a time: the torques of all masses are many times the motion.
-    parts = [slice(start, start + BLOCK) for start in range(0, count, BLOCK)]
-    moments = [_moment(robot, [x[part] for x in moved], every) for part in parts]
-    along = moment_along(np.concatenate(moments, axis=1).T, motion)
-    # By turn and derivative, and by what loads the base.
-    sway = -along.T.reshape(TURNS, -1, 3, count).transpose(2, 0, 1, 3)
-    found = np.empty((count, arm.num_joints, len(softness) * every.shape[1]))
-    for part in parts:
-        felt = _felt(arm, robot, moved[0][part], moved[1][part], every)
-        for k, soft in enumerate(softness):
-            given = (sway[..., part] * soft[:, None, None]).reshape(3 * TURNS, every.shape[1], -1)
-            found[part, :, k :: len(softness)] = _bilinear(felt, given).transpose(2, 0, 1)
-    return found
+
+    def __init__(
+        self, arm: Robot, moved: Moved, motion: Motion, every: np.ndarray, again: bool = False
+    ):
+        self.arm, self.moved, self.motion, self.every, self.again = arm, moved, motion, every, again
+        self.robot, count = hinged(arm), len(moved[0])
+        # Of a long log some samples at a time: the torques of all masses are many times the motion.
+        self.parts = [slice(start, start + BLOCK) for start in range(0, count, BLOCK)]
+        held = [_moment(self.robot, [x[part] for x in moved], every) for part in self.parts]
+        moments = np.concatenate(held, axis=1).T.reshape(count, TURNS, -1)
+        self.moments = below_cutoff(moments, motion)
+        self.kept: dict[int, np.ndarray] = {}
+        self.last: tuple[np.ndarray, dict[int, np.ndarray]] = np.empty(0), {}
+
+    @cached_property
+    def inertias(self) -> np.ndarray:
+        """What the base swings with, less its mean, (T, 2, 2, m)."""
+        return inertia_along(self.arm, self.moved[0], self.every)
+
+    def columns(self, term: Term, body: np.ndarray) -> np.ndarray:
+        """Torque by the linear parameters of a compliance, (T, n, k)."""
+        sways = (self._turns(soft, term, body) for soft in softness_by(term.law_of(BodyChange)))
+        return self._torques([s[..., None] for s in sways], body)
+
+    def bends(self, term: Term, body: np.ndarray) -> np.ndarray:
+        """What the torque gains by these beside its columns, (T, n, k).
+
+        The softer a base, the more the inertia of the arm slows its swing.
+        """
+        push, inertia = self._turns(softness(term), term, body)[:, 2], self.inertias @ body
+        held = np.einsum("tab,tb->ta", inertia, push)[..., None]
+        sways = []
+        for soft in softness_by(term.law_of(BodyChange)):
+            still = np.zeros((len(push), 3, TURNS, 1))
+            sways.append(swung(still, self.motion, inertia, term, -held * soft[:, None]))
+        return self._torques(sways, body)
+
+    def slopes(self, term: Term, body: np.ndarray) -> np.ndarray:
+        """Derivative of the torque of a compliance with its values along every body, (T, n, m)."""
+        return self._along(softness(term), term, body)
+
+    def further(self, term: Term, body: np.ndarray) -> np.ndarray:
+        """Derivatives of the columns along every body, (T, n, m k), body by body."""
+        found = [self._along(soft, term, body) for soft in softness_by(term.law_of(BodyChange))]
+        return np.stack(found, axis=3).reshape(*found[0].shape[:2], -1)
+
+    def _turns(self, soft: np.ndarray, term: Term, body: np.ndarray) -> np.ndarray:
+        """Turns (T, 3, 2) of a base that holds a body with a softness (2,) about both axes."""
+        still = -(self.moments @ body) * soft
+        if not swings(term):
+            return still
+        return swung(still[..., None], self.motion, self.inertias @ body, term)[..., 0]
+
+    def _along(self, soft: np.ndarray, term: Term, body: np.ndarray) -> np.ndarray:
+        sway = self._turns(soft, term, body)
+        by = -self.moments * soft[:, None]
+        if swings(term):
+            more = np.einsum("tabm,tb->tam", self.inertias, sway[:, 2]) * -softness(term)[:, None]
+            by = swung(by, self.motion, self.inertias @ body, term, more)
+        found = np.empty((len(sway), self.arm.num_joints, self.every.shape[1]))
+        for number, part in enumerate(self.parts):
+            felt, own = self._felt(number), self._of(number, body)
+            pairs = zip(felt, own, *map(_by_turn, (sway[part, ..., None], by[part])), strict=True)
+            # One turn or derivative after the other: all together they are six times as large.
+            total = np.zeros(felt.shape[1:])
+            for each, whole, turn, turns in pairs:
+                total += each * turn
+                total += whole[:, None] * turns
+            found[part] = total.transpose(2, 0, 1)
+        return found
+
+    def _torques(self, sways: Iterable[np.ndarray], body: np.ndarray) -> np.ndarray:
+        """Torque (T, n, k) by turns of the base with two derivatives, (T, 3, 2, 1) each."""
+        sway = np.concatenate(list(sways), axis=3)
+        found = np.empty((len(sway), self.arm.num_joints, sway.shape[3]))
+        for number, part in enumerate(self.parts):
+            own = self._of(number, body)
+            found[part] = np.einsum("snt,skt->tnk", own, _by_turn(sway[part]))
+        return found
+
+    def _of(self, number: int, body: np.ndarray) -> np.ndarray:
+        """Torque by each turn of the base and its derivatives, of a body, (6, n, T); the last is kept."""
+        if not self.again:
+            return body @ self._felt(number)
+        if not np.array_equal(body, self.last[0]):
+            self.last = body.copy(), {}
+        if number not in self.last[1]:
+            self.last[1][number] = body @ self._felt(number)
+        return self.last[1][number]
+
+    def _felt(self, number: int) -> np.ndarray:
+        """Torque by each turn of the base and its derivatives, by every body, (6, n, m, T)."""
+        if number in self.kept:
+            return self.kept[number]
+        part, (q, dq, _) = self.parts[number], self.moved
+        felt = _felt(self.arm, self.robot, q[part], dq[part], self.every)
+        if self.again:
+            self.kept[number] = felt
+        return felt
 
 
-def _bilinear(felt: np.ndarray, sway: np.ndarray) -> np.ndarray:
-    """What a sway does to the torque, and both changes of it along each direction, (n, 1 + r, T).
-
-    Args:
-        felt: Torque by each turn, of the parameters and each direction, (6, n, 1 + r, T).
-        sway: Turns and derivatives by the moment of the parameters and of each direction, (6, 1 + r, T).
-    """
-    total = np.zeros(felt.shape[1:])
-    for by, turn in zip(felt, sway, strict=True):
-        total += by[:, :1] * turn
-        total[:, 1:] += by[:, 1:] * turn[0]
-    return total
+def _by_turn(sway: np.ndarray) -> np.ndarray:
+    """Turns and derivatives (T, 3, 2, m) as signals, (6, m, T)."""
+    return np.ascontiguousarray(sway.reshape(len(sway), 3 * TURNS, -1).transpose(1, 2, 0))
 
 
 def _moment(robot: Robot, moved: Sequence[np.ndarray], every: np.ndarray) -> np.ndarray:
