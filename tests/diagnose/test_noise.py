@@ -125,3 +125,21 @@ def test_rows_beside_a_jump_between_two_samples_are_known_to_a_part_of_it(clean)
     known = noise(jump_noise=jump, sharp_noise=sharp)
     told = np.maximum(jump, sharp)  # a jump is sharp, and counts once
     np.testing.assert_allclose(known, np.hypot(quiet, told), rtol=1e-9)
+
+
+def test_what_is_steady_is_noise_up_to_a_small_part_of_the_torque(clean):
+    """A joint that rubs at narrow places for moments was left with 29 times its sensor's, and told near it."""
+    none, size = (
+        0.0 * clean.motions[0].sharp_noise,
+        np.sqrt((clean.regression.torque**2).mean(axis=0)),
+    )
+    still = {"sharp_noise": none, "jump_noise": none, "model_noise": none}
+
+    def noise(steady):
+        motion = replace(clean.motions[0], steady_noise=steady, **still)
+        return row_noise(replace(clean, motions=(motion,)))[0]
+
+    sensor = noise(0.0 * size)
+    np.testing.assert_allclose(noise(2.0 * sensor), 2.0 * sensor, rtol=1e-9)
+    most = np.hypot(sensor, np.maximum(0.01 * size, 10.0 * sensor))
+    np.testing.assert_allclose(noise(0.2 * size), most, rtol=1e-9)

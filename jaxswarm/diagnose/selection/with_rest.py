@@ -32,8 +32,9 @@ from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.standing import held, mixed_with, standing
 from jaxswarm.logs.motion import Motion
 
-# Rounds of the second search beyond the steps of the first: what every drive has, clocks, and one law.
-_MORE_ROUNDS = 3
+# Rounds of the second search beyond the steps of the first: what every drive has, clocks, and one law, after
+# one that it contains (a bristle, then one whose friction falls with speed).
+_MORE_ROUNDS = 4
 
 
 def with_rest(
@@ -65,15 +66,18 @@ def with_rest(
     """
     rest = standing(motions)
     left_out = _left_out(search, rest)
-    loud = over_noise(search.current).max() > NEAR
+    over = over_noise(search.current)
+    loud = over.max() > NEAR
     if not left_out.any() or search.budget.spent or not (search.steps or loud):
         return search
     search.progress("asking whether a law shows where joints rest")
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]
     if search.sticking and not loud and not _asks_for_more(search, every, left_out):
         return search
-    # A model that is far from the noise in motion gets there by what rest shows, or not at all.
-    most = _MORE_ROUNDS + (0 if loud else len(search.steps))
+    # What is far from the noise in motion gets there by what rest shows, or not at all; of other joints the
+    # same laws are to be found once more.
+    near = [s for s in search.steps if s.added.joint is None or over[s.added.index] <= NEAR]
+    most = _MORE_ROUNDS + len(near)
     goes_on = partial(_may_explain, rest, mixed_with(motions, rest))
     again = searched(every, most, goes_on, give_up_if_it_sticks)
     nothing = not again.steps and not loud  # what was near with something added lacked it
