@@ -45,8 +45,11 @@ def _swayed(lin: Linearization, term: Term, fresh: np.ndarray) -> Candidate:
 
     def swayed(k):
         response = SwayResponse(lin.arm, lin.moved[k], lin.found.motions[k], every)
-        by = response.further(term, alone)[:, :, len(law.linear) :]
-        return lin.reported(k, np.concatenate([response.columns(term, alone), by], axis=2))
+        made = response.further(term, alone)
+        # What the body is by itself is no direction of masses.
+        return lin.reported(
+            k, np.delete(made, np.s_[len(law.linear) : 2 * len(law.linear)], axis=2)
+        )
 
     own, further = np.split(lin.stack(swayed), [len(law.linear)], axis=2)
     size = len(law.linear) + len(law.swinging(term.values))

@@ -85,12 +85,11 @@ class SwayResponse:
 
     def slopes(self, term: Term, body: np.ndarray) -> np.ndarray:
         """Derivative of the torque of a compliance with its values along every body, (T, n, m)."""
-        return self._along(softness(term), term, body)
+        return self._along([softness(term)], term, body)[:, :, 1:]
 
     def further(self, term: Term, body: np.ndarray) -> np.ndarray:
-        """Derivatives of the columns along every body, (T, n, m k), body by body."""
-        found = [self._along(soft, term, body) for soft in softness_by(term.law_of(BodyChange))]
-        return np.stack(found, axis=3).reshape(*found[0].shape[:2], -1)
+        """The columns, then their derivatives along every body, (T, n, k + m k), body by body."""
+        return self._along(softness_by(term.law_of(BodyChange)), term, body)
 
     def _turns(self, soft: np.ndarray, term: Term, body: np.ndarray) -> np.ndarray:
         """Turns (T, 3, 2) of a base that holds a body with a softness (2,) about both axes."""
@@ -99,22 +98,34 @@ class SwayResponse:
             return still
         return swung(still[..., None], self.motion, self.inertias @ body, term)[..., 0]
 
-    def _along(self, soft: np.ndarray, term: Term, body: np.ndarray) -> np.ndarray:
-        sway = self._turns(soft, term, body)
+    def _turns_by(
+        self, soft: np.ndarray, term: Term, body: np.ndarray, sway: np.ndarray
+    ) -> np.ndarray:
+        """Derivatives (T, 3, 2, m) along every body of these turns, which are ``sway``."""
         by = -self.moments * soft[:, None]
-        if swings(term):
-            more = np.einsum("tabm,tb->tam", self.inertias, sway[:, 2]) * -softness(term)[:, None]
-            by = swung(by, self.motion, self.inertias @ body, term, more)
-        found = np.empty((len(sway), self.arm.num_joints, self.every.shape[1]))
+        if not swings(term):
+            return by
+        more = np.einsum("tabm,tb->tam", self.inertias, sway[:, 2]) * -softness(term)[:, None]
+        return swung(by, self.motion, self.inertias @ body, term, more)
+
+    def _along(self, softs: Sequence[np.ndarray], term: Term, body: np.ndarray) -> np.ndarray:
+        """Torque by each softness (2,) of k, then its derivatives along every body, (T, n, k + m k)."""
+        sways = [self._turns(soft, term, body) for soft in softs]
+        bys = [self._turns_by(soft, term, body, s) for soft, s in zip(softs, sways, strict=True)]
+        size = len(softs) * (1 + self.every.shape[1])
+        found = np.empty((len(sways[0]), self.arm.num_joints, size))
         for number, part in enumerate(self.parts):
-            felt, own = self._felt(number), self._of(number, body)
-            pairs = zip(felt, own, *map(_by_turn, (sway[part, ..., None], by[part])), strict=True)
-            # One turn or derivative after the other: all together they are six times as large.
-            total = np.zeros(felt.shape[1:])
-            for each, whole, turn, turns in pairs:
-                total += each * turn
-                total += whole[:, None] * turns
-            found[part] = total.transpose(2, 0, 1)
+            felt = self._felt(number)
+            own = self._of(number, body, felt)
+            for k, (sway, by) in enumerate(zip(sways, bys, strict=True)):
+                turn, turns = _by_turn(sway[part, ..., None]), _by_turn(by[part])
+                # One turn or derivative after the other: all together they are six times as large.
+                total = np.zeros(felt.shape[1:])
+                for each, whole, one, others in zip(felt, own, turn, turns, strict=True):
+                    total += each * one
+                    total += whole[:, None] * others
+                found[part, :, k] = np.einsum("snt,st->tn", own, turn[:, 0])
+                found[part, :, len(softs) + k :: len(softs)] = total.transpose(2, 0, 1)
         return found
 
     def _torques(self, sways: Iterable[np.ndarray], body: np.ndarray) -> np.ndarray:
@@ -122,18 +133,18 @@ class SwayResponse:
         sway = np.concatenate(list(sways), axis=3)
         found = np.empty((len(sway), self.arm.num_joints, sway.shape[3]))
         for number, part in enumerate(self.parts):
-            own = self._of(number, body)
+            own = self._of(number, body, self._felt(number))
             found[part] = np.einsum("snt,skt->tnk", own, _by_turn(sway[part]))
         return found
 
-    def _of(self, number: int, body: np.ndarray) -> np.ndarray:
+    def _of(self, number: int, body: np.ndarray, felt: np.ndarray) -> np.ndarray:
         """Torque by each turn of the base and its derivatives, of a body, (6, n, T); the last is kept."""
         if not self.again:
-            return body @ self._felt(number)
+            return body @ felt
         if not np.array_equal(body, self.last[0]):
             self.last = body.copy(), {}
         if number not in self.last[1]:
-            self.last[1][number] = body @ self._felt(number)
+            self.last[1][number] = body @ felt
         return self.last[1][number]
 
     def _felt(self, number: int) -> np.ndarray:
