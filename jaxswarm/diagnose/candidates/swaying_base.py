@@ -25,9 +25,9 @@ from jaxswarm.identify.forward.written_down import report
 _FREQUENCIES, _DAMPING = np.geomspace(3.0, 16.0, 7), 0.1
 _TRIED, _FIRST, _THEN = 4, 5, 10
 # Shares that a turn by the moment alone takes off some joint, and a second one, from which on a swing is asked
-# for: of four arms on bases of 5 to 10 Hz they were 0.27 to 0.71 and 0.1 to 0.45, of logs with other effects up
-# to 0.04. Of a single slide a swing said what a rotor and its friction do. And what it may leave of what is left
-# without: of such arms 0.2 to 0.6, where none was seen 0.96.
+# for: of four arms on bases of 5 to 10 Hz they were 0.27 to 0.71 and 0.1 to 0.45, of logs with other effects
+# up to 0.04. Of a single slide a swing said what a rotor and its friction do. And what it may leave of what is
+# left without: of such arms 0.2 to 0.6, where none was seen 0.96.
 _ASKED, _TOO, _LEFT = 0.1, 0.05, 0.93
 # Samples in a period of the torque's cutoff, or of the fastest swing, that it is sought on.
 _SAMPLES = 12.0
