@@ -164,6 +164,10 @@ class Effect:
         """The nonlinear parameters that a fit moves from these values."""
         return tuple(p for p in self.nonlinear if p.fitted and not values.get(p.hidden_by))
 
+    def silent(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """Names of parameters that do nothing at these values: a report tells of the others."""
+        return ()
+
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns of a model multiply, in their order."""
         return [p.name for p in self.linear]

@@ -52,6 +52,11 @@ class BodyChange(Effect):
             return tuple(p for p in self.nonlinear if p.name in moving)
         return () if self.body is not None and not self.window else super().free(values)
 
+    def silent(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """Those of a swing that does not show."""
+        shown = self.swinging(values)
+        return tuple(name for name in self.swing or () if name not in shown)
+
     def swinging(self, values: Mapping[str, float]) -> tuple[str, ...]:
         """Parameters of the swing that show: frequencies below their upper bounds, and the damping of such."""
         if self.swing is None:

@@ -15,6 +15,7 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.step import find_term
+from jaxswarm.effects import get_law
 from jaxswarm.effects.hinged_base import poses
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward import sway_response
@@ -22,6 +23,7 @@ from jaxswarm.identify.forward.base_swing import below_cutoff, swung
 from jaxswarm.identify.forward.body import Body
 from jaxswarm.identify.forward.compliance import compliance_columns, compliance_slopes
 from jaxswarm.identify.forward.sway_response import SwayResponse
+from jaxswarm.identify.report.summary import term_parameters
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot import logged
@@ -79,6 +81,16 @@ STILL = Term("base_compliance", values={"cx": 1.0, "cy": 0.0})
 SWINGING = Term(
     "base_compliance", values={"cx": 2e-5, "cy": 1e-5, "fx": 9.0, "fy": 12.0, "zeta": 0.05}
 )
+
+
+def test_a_swing_that_does_not_show_is_not_told():
+    values = get_law("base_compliance").nominal()
+    assert term_parameters(Term("base_compliance", values=values), elbow()).keys() == {
+        *("cx", "cy", "kx", "ky")
+    }
+    slow = Term("base_compliance", values={**values, "fy": 8.0})
+    assert {"fy", "zeta"} < term_parameters(slow, elbow()).keys()
+    assert [p.name for p in slow.law.free(slow.values)] == ["fy", "zeta"]
 
 
 def body_of_the_elbow() -> Body:

@@ -108,10 +108,14 @@ def unidentified(found: Estimate) -> list[dict]:
 
 
 def term_parameters(term: Term, robot: Robot, errors: dict[str, float] | None = None) -> dict:
-    """Parameters of a term with value, standard error and unit, derived ones and torques included."""
+    """Parameters of a term with value, standard error and unit, derived ones and torques included.
+
+    Those that do nothing at its values are left out.
+    """
     law: Effect = term.law
     kind = "revolute" if term.joint is None else robot.kinds[term.joint]
-    rows = [(p.name, term.values[p.name], physical_unit(p.unit, kind)) for p in law.parameters]
+    told = [p for p in law.parameters if p.name not in law.silent(term.values)]
+    rows = [(p.name, term.values[p.name], physical_unit(p.unit, kind)) for p in told]
     if law.derived is not None:
         derived = law.derived(term.values).items()
         rows += [(name, value, physical_unit(unit, kind)) for name, (value, unit) in derived]
