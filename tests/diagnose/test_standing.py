@@ -248,7 +248,7 @@ def test_a_law_of_more_numbers_explains_rest_where_another_log_says_so(monkeypat
 
     def searched(*logs):
         ended = Search(found, found, Rules(), 0, Memory(), logs, lambda text: None, Budget())
-        ended.steps = [None]
+        ended.steps = [SimpleNamespace(added=Term("joint_spring", 0))]
         return ended
 
     first, second = (searched(*([motion] * (other is not None))) for _ in range(2))
