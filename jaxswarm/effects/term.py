@@ -1,7 +1,7 @@
 """Terms: which law acts on which joint, and the ``name[@joint[:partner]],...`` lists that declare them."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -127,6 +127,15 @@ class Term:
     def linear_names(self, joints: tuple[str, ...]) -> list[str]:
         """Names of the values that the columns multiply, in their order."""
         return self.law.linear_names(joints)
+
+    def with_linear(self, values: Iterable[float], joints: tuple[str, ...]) -> "Term":
+        """The term with other values for its columns, in their order.
+
+        >>> Term("viscous_friction", 0).with_linear(np.array([2.0]), ("a",)).values
+        {'b': 2.0}
+        """
+        own = zip(self.linear_names(joints), map(float, values), strict=True)
+        return replace(self, values={**self.values, **dict(own)})
 
 
 # Values are data of a compiled program, the rest is its structure.

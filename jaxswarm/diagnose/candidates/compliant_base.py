@@ -1,5 +1,7 @@
 """A base that gives way as a candidate, with the masses that only a base that sways feels."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from jaxswarm.decomposition import lstsq
@@ -9,6 +11,7 @@ from jaxswarm.diagnose.candidates.swaying_base import with_swing
 from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.identify.forward.compliance import felt_once_swayed
 from jaxswarm.identify.forward.sway_response import SwayResponse
 
@@ -25,27 +28,39 @@ def compliant_base(lin: Linearization, term: Term) -> Candidate:
     with them it takes 0.95.
     """
     fresh = felt_once_swayed(lin.arm, lin.found.fit.base.unfelt[: len(lin.pi)])
-    still = _swayed(lin, term, fresh)
-    if still.term.law_of(BodyChange).swinging(still.term.values):
-        return still
+    every = np.column_stack([lin.pi, fresh])
+    known: dict[int, SwayResponse] = {}
+
+    def response(k: int) -> SwayResponse:
+        if k in known:
+            return known[k]
+        motion = lin.found.motions[k]
+        made = SwayResponse(lin.arm, lin.moved[k], motion, every, again=is_kept(motion))
+        if is_kept(motion):  # that of a long log is a gigabyte, and is asked for once
+            known[k] = made
+        return made
+
+    still = _swayed(lin, term, response, fresh.shape[1])
     fold = lin.crossfit.whole
     free = fold.free_part(still.columns[0])
     soft = coefficients(free, fold)
     left = fold.residual - free @ soft
     told = with_swing(lin, term, left, soft[: len(term.law.linear)], fresh)
-    return still if told is term else _swayed(lin, told, fresh)
+    swings = told.law_of(BodyChange).swinging(told.values)
+    return _swayed(lin, told, response, fresh.shape[1]) if swings else still
 
 
-def _swayed(lin: Linearization, term: Term, fresh: np.ndarray) -> Candidate:
-    """A base with its values, and what masses that it alone feels change where they are worth it."""
-    law = term.law_of(BodyChange)
+def _swayed(
+    lin: Linearization, term: Term, response: Callable[[int], SwayResponse], numbers: int
+) -> Candidate:
+    """A base with its values, and what masses that it alone feels change where they are worth it.
 
-    every = np.column_stack([lin.pi, fresh])
-    alone = np.eye(every.shape[1])[0]
+    ``response``: of a log by its number, by the model's body and so many of those masses.
+    """
+    law, alone = term.law_of(BodyChange), np.eye(1 + numbers)[0]
 
     def swayed(k):
-        response = SwayResponse(lin.arm, lin.moved[k], lin.found.motions[k], every)
-        made = response.further(term, alone)
+        made = response(k).further(term, alone)
         # What the body is by itself is no direction of masses.
         return lin.reported(
             k, np.delete(made, np.s_[len(law.linear) : 2 * len(law.linear)], axis=2)
@@ -58,11 +73,11 @@ def _swayed(lin: Linearization, term: Term, fresh: np.ndarray) -> Candidate:
         soft = [term.values[p.name] for p in law.linear]
         beside = further.reshape(*own.shape[:2], -1, len(soft)) @ np.array(soft)
     else:
-        beside = _beside(lin, own, further, fresh.shape[1])
+        beside = _beside(lin, own, further, numbers)
     if beside is None:
         return Candidate(term, lin.on_all(own), size)
     columns = np.concatenate([own, beside], axis=2)
-    return Candidate(term, lin.on_all(columns), size + fresh.shape[1])
+    return Candidate(term, lin.on_all(columns), size + numbers)
 
 
 def _beside(

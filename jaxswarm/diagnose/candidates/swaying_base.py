@@ -5,17 +5,17 @@ moment alone took 0.1 to 0.3 of the squared error off, the swing 0.4 to 0.9. Its
 one by a part of the damping, so the lattice is of strongly damped swings, and Gauss-Newton steps follow.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import scipy
 
-from jaxswarm.decomposition import lstsq
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.thinned import every_few
+from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.forward.base_swing import LEAST
 from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.identify.forward.sway_response import SwayResponse
 from jaxswarm.identify.forward.written_down import report
@@ -53,9 +53,8 @@ def with_swing(
     *_, second, most = (0.0, *np.sort(shown))
     if term.law_of(BodyChange).swing is None or most < _LOOKED or len(shown) < term.law.min_joints:
         return term
-    if not all(
-        map(is_kept, lin.found.motions)
-    ):  # of a long log the responses are too large to be kept
+    # Of a long log the responses are too large to be kept.
+    if not all(map(is_kept, lin.found.motions)):
         return term
     residuals = np.concatenate([lin.residuals(j) for j in range(len(shown))], axis=1)
     known = lin.memory.recall(term, residuals)
@@ -106,8 +105,8 @@ class _Search:
         whole = np.diagonal(mean) - least
         whole = whole + _BASE * whole.mean()
         soft = 1.0 / (whole * (2.0 * np.pi * often) ** 2)
-        at_zero = np.maximum(whole - np.diagonal(mean), 0.2 * whole)
-        own = np.sqrt(1.0 / (soft * at_zero)) / (2.0 * np.pi)
+        usual = np.maximum(whole - np.diagonal(mean), LEAST * whole)
+        own = np.sqrt(1.0 / (soft * usual)) / (2.0 * np.pi)
         given = np.maximum(given, 1e-3 * np.abs(given).max())
         places = ([*soft, *own], [*given, often, often])
         return [np.clip(np.log([*p, _DAMPING]), self.lower, self.upper) for p in places]
@@ -122,48 +121,38 @@ class _Search:
 
     def likely(self, p: np.ndarray) -> tuple[float, np.ndarray]:
         """Squares that are left with the best multiple of the turn at a place, and the place with that."""
-        rest, free = self._rows(p)
-        times = _coefficients(free, rest)
-        there = p.copy()
+        fold, free = self.lin.crossfit.whole, self._free(p)
+        times = coefficients(free, fold)
+        left, there = fold.residual - free @ times, p.copy()
         if times[0] > 0.0:
             there[:2] += np.log(times[0])
-        return float(((rest - free @ times) ** 2).sum()), np.clip(there, self.lower, self.upper)
+        return float((left**2).sum()), np.clip(there, self.lower, self.upper)
 
     def left(self, p: np.ndarray) -> np.ndarray:
-        """Weighted rows that a model leaves with the base at a place; masses that it feels are free."""
-        rest, free = self._rows(p)
-        rest, masses = rest - free[:, 0], free[:, 1:]
-        return rest - masses @ _coefficients(masses, rest)
+        """Weighted rows (T' n,) that a model leaves with the base at a place; masses that it feels are free."""
+        fold, free = self.lin.crossfit.whole, self._free(p)
+        rest, masses = fold.residual - free[:, :, 0], free[:, :, 1:]
+        return (rest - masses @ coefficients(masses, fold, rest)).ravel()
 
-    def _rows(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What the model leaves (T' n,), and what the base changes of it, (T' n, 1 + r)."""
-        fold = self.lin.crossfit.whole
-        free = fold.free_part(self.columns(self.told(p)))
-        return fold.residual.ravel(), free.reshape(-1, free.shape[2])
+    def _free(self, p: np.ndarray) -> np.ndarray:
+        """What a base at a place changes of the weighted rows, beside the model, (T', n, 1 + r)."""
+        return self.lin.crossfit.whole.free_part(self.columns(self.told(p)))
 
     def columns(self, term: Term) -> np.ndarray:
         """Weighted torque by a base, and its derivatives along masses that it feels, (T', n, 1 + r)."""
-        rows, soft = [], np.array([term.values[p.name] for p in term.law.linear])
+        rows, terms = [], self.lin.found.model.terms
         for motion, response in zip(self.lin.found.motions, self.responses, strict=True):
-            made = response.slopes(term, self.alone)
-            made[:, :, 0] = response.columns(term, self.alone) @ soft
-            of_it = report(self.lin.found.model.terms, response.motion, made)
-            rows.append(
-                response.motion.decimator.apply(of_it)[: len(motion.decimator.kept(len(motion.t)))]
-            )
+            # What the body is by itself is no direction of masses.
+            made = np.delete(response.at(term, self.alone), 1, axis=2)
+            low = response.motion.decimator.apply(report(terms, response.motion, made))
+            rows.append(low[: len(motion.decimator.kept(len(motion.t)))])
         return self.lin.crossfit.weigh(np.concatenate(rows))
 
     def descend(self, p: np.ndarray, steps: int) -> np.ndarray:
         """The least squares from a place."""
         scale = np.array([0.1, 0.1, 0.1, 0.1, 1.0])
-        bounds: Sequence[np.ndarray] = (self.lower, self.upper)
+        bounds = (self.lower, self.upper)
         found = scipy.optimize.least_squares(
             self.left, p, bounds=bounds, x_scale=scale, diff_step=1e-4, max_nfev=steps
         )
         return found.x
-
-
-def _coefficients(columns: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Least-squares coefficients (k,) of columns (m, k) for rows (m,)."""
-    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    return lstsq(columns / size, rest, rcond=1e-6) / size

@@ -88,7 +88,7 @@ def thinned(motion: Motion, sensed: Sensitivity) -> tuple[Motion, Sensitivity]:
 
 
 def every_few(motion: Motion, every: int) -> tuple[Motion, slice]:
-    """A log on every few samples, one of them if fewer were less than its rows, and which these are."""
+    """A log on every few samples, and which these are: all where so few were less than its rows."""
     low = motion.decimator
     if not 2 <= every <= low.factor:
         return motion, slice(None)

@@ -174,8 +174,7 @@ def _finish(
     split = np.cumsum([10 * robot.num_joints, *(len(names) for names in named)])
     parts = np.split(theta, split)[1:]
     terms = tuple(
-        replace(t, values={**t.values, **dict(zip(names, map(float, own), strict=True))})
-        for t, names, own in zip(here.place.terms, named, parts, strict=False)
+        t.with_linear(own, robot.joints) for t, own in zip(here.place.terms, parts, strict=False)
     )
     model = Model(
         robot.replace(parameters=jnp.asarray(here.pi.reshape(-1, 10))),

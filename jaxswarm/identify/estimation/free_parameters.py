@@ -24,10 +24,9 @@ def with_values(place: Place, linear: np.ndarray, joints: tuple[str, ...]) -> Pl
     """The place with linear values (p,) in its terms, by which a distorted torque goes."""
     terms, k = [], 0
     for term in place.terms:
-        names = term.linear_names(joints)
-        own = dict(zip(names, map(float, linear[k : k + len(names)]), strict=True))
-        terms.append(replace(term, values={**term.values, **own}))
-        k += len(names)
+        count = len(term.linear_names(joints))
+        terms.append(term.with_linear(linear[k : k + count], joints))
+        k += count
     return Place(tuple(terms), place.width)
 
 

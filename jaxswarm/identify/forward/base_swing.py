@@ -26,7 +26,7 @@ from jaxswarm.robot.model import Robot
 
 # Part of the mean inertia below which that of the arm lowers it nowhere: masses that no joint feels may stand
 # in a model at any value, negative ones too.
-_LEAST = 0.2
+LEAST = 0.2
 
 
 def swings(term: Term) -> bool:
@@ -97,8 +97,8 @@ def _mass(
     own = omega**-2.0
     both = shows[:, None] & shows
     more = np.where(both, np.sqrt(soft[:, None] * soft) * inertia, 0.0)
-    along = np.maximum(own + np.diagonal(more, axis1=1, axis2=2), _LEAST * own)
-    most = (1.0 - _LEAST) * np.sqrt(along.prod(axis=1))
+    along = np.maximum(own + np.diagonal(more, axis1=1, axis2=2), LEAST * own)
+    most = (1.0 - LEAST) * np.sqrt(along.prod(axis=1))
     across = np.clip(more[:, 0, 1], -most, most)
     # The square roots made it symmetric: one axis drives the other by its own softness.
     ratio = np.sqrt(np.where(soft > 0.0, soft, 1.0))

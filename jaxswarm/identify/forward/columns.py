@@ -85,7 +85,7 @@ class Rigid:
         motion: The log.
         low: Through the decimator, shape (T', n, 10 n).
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
-        swayed: What :mod:`jaxswarm.identify.forward.compliance` found about the base's moments.
+        swayed: What :mod:`jaxswarm.identify.forward.compliance` found about turns of the base.
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
         moved: Motion of links that lag that was asked for last, by all that it follows from.
         laws: Decimated columns of laws by all that they follow from, the oldest first.

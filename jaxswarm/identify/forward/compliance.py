@@ -29,8 +29,9 @@ def compliance_columns(term: Term, body: Body) -> np.ndarray:
         term: A compliance; one that swings with its values.
         body: The rigid body along a log.
     """
-    if _is_known(body):
-        return _response(body).columns(term, body.pi)
+    kept = _kept(body)
+    if kept is not None:
+        return _response(body, kept).columns(term, body.pi)
     own = SwayResponse(body.arm, body.moved, body.motion, body.pi[:, None])
     return own.columns(term, np.ones(1))
 
@@ -46,24 +47,25 @@ def compliance_slopes(term: Term, body: Body) -> tuple[np.ndarray, np.ndarray | 
     Returns:
         By the rigid parameters, (T, n, 10 n), and by the linear ones of a base that swings, (T, n, k).
     """
-    response = _response(body)
+    response = _response(body, _kept(body))
     bends = response.bends(term, body.pi) if swings(term) else None
-    return response.slopes(term, body.pi), bends
+    return response.at(term, body.pi)[:, :, 1:], bends
 
 
-def _is_known(body: Body) -> bool:
-    """Whether links do as the log says, so that a fit asks for the same responses at every step."""
-    return body.rigid is not None and is_kept(body.motion)
+def _kept(body: Body) -> dict | None:
+    """What is kept of a log whose links do as it says: a fit asks for its responses at every step."""
+    if body.rigid is None or not is_kept(body.motion):
+        return None
+    return body.rigid.swayed
 
 
-def _response(body: Body) -> SwayResponse:
+def _response(body: Body, kept: dict | None) -> SwayResponse:
     """The responses to turns of the base by every rigid parameter."""
-    kept = body.rigid.swayed if body.rigid is not None and _is_known(body) else {}
-    if "response" not in kept:
-        every = np.eye(len(body.pi))
-        again = _is_known(body)
-        kept["response"] = SwayResponse(body.arm, body.moved, body.motion, every, again)
-    return kept["response"]
+    found = {} if kept is None else kept
+    if "response" not in found:
+        every, again = np.eye(len(body.pi)), is_kept(body.motion)
+        found["response"] = SwayResponse(body.arm, body.moved, body.motion, every, again)
+    return found["response"]
 
 
 def felt_once_swayed(arm: Robot, unfelt: np.ndarray) -> np.ndarray:

@@ -6,7 +6,6 @@ The order in which a torque comes about fixes the order here: the links move beh
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -171,8 +170,7 @@ def true_torque(
             whole += carried(term, body.motion)[:, None] * body.torque(pi)
         else:
             # How far a base turns decides how it swings.
-            linear = zip(term.linear_names(body.motion.joints), map(float, own), strict=True)
-            told = replace(term, values={**term.values, **dict(linear)})
+            told = term.with_linear(own, body.motion.joints)
             whole += _supplied(told, body, width, load) @ own
     return whole
 

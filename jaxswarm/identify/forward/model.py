@@ -101,10 +101,9 @@ def with_linear_values(model: Model, values: np.ndarray) -> Model:
     parameters = jnp.asarray(values[:k].reshape(-1, 10))
     terms = []
     for term in model.terms:
-        names = term.linear_names(model.robot.joints)
-        own = dict(zip(names, map(float, values[k : k + len(names)]), strict=True))
-        terms.append(replace(term, values={**term.values, **own}))
-        k += len(names)
+        count = len(term.linear_names(model.robot.joints))
+        terms.append(term.with_linear(values[k : k + count], model.robot.joints))
+        k += count
     return replace(model, robot=model.robot.replace(parameters=parameters), terms=tuple(terms))
 
 

@@ -10,7 +10,7 @@ The moment of the base, whose share the turn is, is linear in them too, so that 
 parameters that load the base and those that are carried by it. The six responses are made once for all of them.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -58,7 +58,7 @@ class SwayResponse:
         moments = np.concatenate(held, axis=1).T.reshape(count, TURNS, -1)
         self.moments = below_cutoff(moments, motion)
         self.kept: dict[int, np.ndarray] = {}
-        self.last: tuple[np.ndarray, dict[int, np.ndarray]] = np.empty(0), {}
+        self.last: tuple[np.ndarray, dict[int | str, np.ndarray]] = np.empty(0), {}
 
     @cached_property
     def inertias(self) -> np.ndarray:
@@ -75,7 +75,7 @@ class SwayResponse:
 
         The softer a base, the more the inertia of the arm slows its swing.
         """
-        push, inertia = self._turns(softness(term), term, body)[:, 2], self.inertias @ body
+        push, inertia = self._turns(softness(term), term, body)[:, 2], self._inertia(body)
         held = np.einsum("tab,tb->ta", inertia, push)[..., None]
         sways = []
         for soft in softness_by(term.law_of(BodyChange)):
@@ -83,9 +83,9 @@ class SwayResponse:
             sways.append(swung(still, self.motion, inertia, term, -held * soft[:, None]))
         return self._torques(sways, body)
 
-    def slopes(self, term: Term, body: np.ndarray) -> np.ndarray:
-        """Derivative of the torque of a compliance with its values along every body, (T, n, m)."""
-        return self._along([softness(term)], term, body)[:, :, 1:]
+    def at(self, term: Term, body: np.ndarray) -> np.ndarray:
+        """Torque of a compliance with its values, then its derivatives along every body, (T, n, 1 + m)."""
+        return self._along([softness(term)], term, body)
 
     def further(self, term: Term, body: np.ndarray) -> np.ndarray:
         """The columns, then their derivatives along every body, (T, n, k + m k), body by body."""
@@ -93,10 +93,14 @@ class SwayResponse:
 
     def _turns(self, soft: np.ndarray, term: Term, body: np.ndarray) -> np.ndarray:
         """Turns (T, 3, 2) of a base that holds a body with a softness (2,) about both axes."""
-        still = -(self.moments @ body) * soft
+        still = -self._of(body, "moments", lambda: self.moments @ body) * soft
         if not swings(term):
             return still
-        return swung(still[..., None], self.motion, self.inertias @ body, term)[..., 0]
+        return swung(still[..., None], self.motion, self._inertia(body), term)[..., 0]
+
+    def _inertia(self, body: np.ndarray) -> np.ndarray:
+        """What the base swings with under a body, less its mean, (T, 2, 2)."""
+        return self._of(body, "inertia", lambda: self.inertias @ body)
 
     def _turns_by(
         self, soft: np.ndarray, term: Term, body: np.ndarray, sway: np.ndarray
@@ -106,7 +110,7 @@ class SwayResponse:
         if not swings(term):
             return by
         more = np.einsum("tabm,tb->tam", self.inertias, sway[:, 2]) * -softness(term)[:, None]
-        return swung(by, self.motion, self.inertias @ body, term, more)
+        return swung(by, self.motion, self._inertia(body), term, more)
 
     def _along(self, softs: Sequence[np.ndarray], term: Term, body: np.ndarray) -> np.ndarray:
         """Torque by each softness (2,) of k, then its derivatives along every body, (T, n, k + m k)."""
@@ -116,7 +120,7 @@ class SwayResponse:
         found = np.empty((len(sways[0]), self.arm.num_joints, size))
         for number, part in enumerate(self.parts):
             felt = self._felt(number)
-            own = self._of(number, body, felt)
+            own = self._felt_of(body, number, felt)
             for k, (sway, by) in enumerate(zip(sways, bys, strict=True)):
                 turn, turns = _by_turn(sway[part, ..., None]), _by_turn(by[part])
                 # One turn or derivative after the other: all together they are six times as large.
@@ -133,19 +137,22 @@ class SwayResponse:
         sway = np.concatenate(list(sways), axis=3)
         found = np.empty((len(sway), self.arm.num_joints, sway.shape[3]))
         for number, part in enumerate(self.parts):
-            own = self._of(number, body, self._felt(number))
+            own = self._felt_of(body, number, self._felt(number))
             found[part] = np.einsum("snt,skt->tnk", own, _by_turn(sway[part]))
         return found
 
-    def _of(self, number: int, body: np.ndarray, felt: np.ndarray) -> np.ndarray:
-        """Torque by each turn of the base and its derivatives, of a body, (6, n, T); the last is kept."""
-        if not self.again:
-            return body @ felt
+    def _felt_of(self, body: np.ndarray, number: int, felt: np.ndarray) -> np.ndarray:
+        """Torque by each turn of the base and its derivatives, of a body, (6, n, T)."""
+        # Of a long log what every part makes is not kept.
+        return self._of(body, number, lambda: body @ felt) if self.again else body @ felt
+
+    def _of(self, body: np.ndarray, name: int | str, make: Callable[[], np.ndarray]) -> np.ndarray:
+        """What was made of a body under a name: of the last one it is kept."""
         if not np.array_equal(body, self.last[0]):
             self.last = body.copy(), {}
-        if number not in self.last[1]:
-            self.last[1][number] = body @ felt
-        return self.last[1][number]
+        if name not in self.last[1]:
+            self.last[1][name] = make()
+        return self.last[1][name]
 
     def _felt(self, number: int) -> np.ndarray:
         """Torque by each turn of the base and its derivatives, by every body, (6, n, m, T)."""
