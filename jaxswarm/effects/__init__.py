@@ -25,6 +25,7 @@ from jaxswarm.effects import offset_drift as offset_drift
 from jaxswarm.effects import payload_change as payload_change
 from jaxswarm.effects import periodic_force as periodic_force
 from jaxswarm.effects import position_friction as position_friction
+from jaxswarm.effects import relaxing_spring as relaxing_spring
 from jaxswarm.effects import torque_constant_saturation as torque_constant_saturation
 from jaxswarm.effects import torque_crosstalk as torque_crosstalk
 from jaxswarm.effects import torque_dead_band as torque_dead_band
