@@ -13,7 +13,11 @@ from jaxswarm.diagnose.decision.competing import beats, choose, difference, is_s
 from jaxswarm.diagnose.decision.judged import can_be
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.score import score
-from jaxswarm.diagnose.decision.significance import certainty, slope_p_value
+from jaxswarm.diagnose.decision.significance import (
+    certainty,
+    no_more_than,
+    slope_p_value,
+)
 from jaxswarm.diagnose.decision.worth import Score, passes, runners_up
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -107,6 +111,29 @@ def test_power_of_the_test():
     wave = np.sin(0.1 * np.arange(1200)).reshape(20, 60)
     y = 0.3 * wave + rng.normal(size=wave.shape)
     assert slope_p_value((wave * y).sum(axis=1), (wave**2).sum(axis=1)) < 1e-4
+
+
+def wild(waves, noise):
+    """p-values of predictions of twenty blocks, one of which is thirty times too large, as is and bounded."""
+    waves = waves * np.where(np.arange(20) == 7, 30.0, 1.0)[:, None]
+    sums = (noise * waves).sum(axis=1), (waves**2).sum(axis=1)
+    return slope_p_value(*sums), slope_p_value(*no_more_than((noise**2).sum(axis=1), *sums))
+
+
+def test_one_wild_block_does_not_hide_what_the_others_show():
+    rng = np.random.default_rng(2)
+    wave = np.sin(0.1 * np.arange(1200)).reshape(20, 60)
+    plain, bounded = wild(wave, wave + 0.5 * rng.normal(size=wave.shape))
+    assert plain > 0.01 and bounded < 1e-6
+
+
+def test_level_of_the_test_with_a_wild_block():
+    """Bounded by what was to be predicted, whatever its sign, chance is no likelier than it says."""
+    rng = np.random.default_rng(3)
+    wave = np.sin(0.1 * np.arange(1200)).reshape(20, 60)
+    p = np.array([wild(wave, rng.normal(size=wave.shape))[1] for _ in range(2000)])
+    for level in (0.05, 0.01):
+        assert np.mean(p < level) < level + 3.5 * np.sqrt(level / 2000)
 
 
 @pytest.fixture(scope="module")

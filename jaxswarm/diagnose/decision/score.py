@@ -24,7 +24,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.decision.event import score_event
 from jaxswarm.diagnose.decision.judged import can_be, told_on
-from jaxswarm.diagnose.decision.significance import helped, share_of, slope_p_value
+from jaxswarm.diagnose.decision.significance import helped, no_more_than, share_of, slope_p_value
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.foretold import foretold
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
@@ -48,8 +48,7 @@ def score(
     count = int(crossfit.block.max()) + 1
     joints = crossfit.weight.shape[1]
     gains = np.zeros((count, joints))
-    before = np.zeros(joints)
-    inner, square = np.zeros((count, joints)), np.zeros((count, joints))
+    inner, square, size = (np.zeros((count, joints)) for _ in range(3))
     signs, trained = [], 0.0
     for fold, free in zip(crossfit.halves, parts[1:], strict=True):
         a = coefficients(candidate.view(free), fold, candidate.view(fold.residual))
@@ -63,7 +62,9 @@ def score(
         np.add.at(gains, crossfit.block[out], fall)
         np.add.at(inner, crossfit.block[out], predicted * residual)
         np.add.at(square, crossfit.block[out], predicted**2)
-        before += (residual**2).sum(axis=0)
+        np.add.at(size, crossfit.block[out], residual**2)
+    inner, square = no_more_than(size, inner, square)
+    before = size.sum(axis=0)
     whole = coefficients(parts[0], crossfit.whole)
     per_joint = gains.sum(axis=0)
     blocks = gains.sum(axis=1)

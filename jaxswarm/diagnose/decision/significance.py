@@ -40,6 +40,28 @@ def slope_p_value(inner: np.ndarray, square: np.ndarray) -> float:
     return float(scipy.special.stdtr(count - 1, -inner.sum() / total / max(spread, 1e-300)))
 
 
+def no_more_than(
+    size: np.ndarray, inner: np.ndarray, square: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Sums over blocks as if no prediction were larger than what it predicts.
+
+    The fit to the other blocks may know little of a motion that one block alone holds: of a base that gives
+    way it predicted ten times the squares that were there, on one joint of one block in twenty, beside which
+    what was right about all others might have been chance (p = 0.04). Which way such a prediction points
+    counts, and no more.
+
+    Args:
+        size: Sum of squared residuals of every block, (B, ...).
+        inner: Sum of prediction times residual, (B, ...).
+        square: Sum of squared predictions, (B, ...).
+
+    >>> no_more_than(np.array([4.0, 4.0]), np.array([3.0, 8.0]), np.array([4.0, 64.0]))
+    (array([3., 2.]), array([4., 4.]))
+    """
+    times = np.sqrt(np.minimum(1.0, size / np.maximum(square, 1e-300)))
+    return times * inner, times**2 * square
+
+
 def helped(gains: np.ndarray) -> float:
     """Share of the blocks whose gain (B,) counts in which something is gained.
 
