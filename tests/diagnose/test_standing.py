@@ -284,6 +284,22 @@ def test_where_friction_holds_joints_for_moments_rest_has_to_ask_for_a_law(
     assert len(searched) == again
 
 
+@pytest.mark.parametrize(
+    ("loud", "more", "again"), [(1, False, 0), (1, True, 1), (0, False, 1)], ids=str
+)
+def test_rest_of_joints_near_their_noise_has_to_ask_for_a_law(monkeypatch, loud, more, again):
+    """On a measured arm one joint of which all rest was fitted was left at 2.01 times its noise."""
+    hidden = [Term("joint_spring", 0, values={"k": 8.0, "tau0": 2.0})] if more else []
+    motions = [prepare(stopping(0.0, 0, *hidden), BAND)]
+    out = leave_out(motions, standing(motions), np.array([True, False]))
+    found = with_motion_noise(estimate(small_arm(), blank(), out))
+    first = Search(found, found, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    searched = []
+    monkeypatch.setattr(with_rest_module, "over_noise", lambda found: np.eye(2)[loud] * 2.0 + 1.0)
+    with_rest(first, motions, lambda *of: searched.append(of) or first)
+    assert len(searched) == again
+
+
 @pytest.mark.parametrize(("law", "goes_on"), [("joint_spring", True), ("viscous_friction", False)])
 def test_rest_is_searched_on_only_for_what_acts_there(monkeypatch, law, goes_on):
     """Friction that motion had told was told again beside rest, for half of the time of four joints."""

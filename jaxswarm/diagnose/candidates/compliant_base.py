@@ -45,7 +45,7 @@ def compliant_base(lin: Linearization, term: Term) -> Candidate:
     free = fold.free_part(still.columns[0])
     soft = coefficients(free, fold)
     left = fold.residual - free @ soft
-    told = with_swing(lin, term, left, soft[: len(term.law.linear)], fresh)
+    told = with_swing(lin, term, left, soft[: len(term.law.linear)], response)
     swings = told.law_of(BodyChange).swinging(told.values)
     return _swayed(lin, told, response, fresh.shape[1]) if swings else still
 

@@ -5,6 +5,7 @@ moment alone took 0.1 to 0.3 of the squared error off, the swing 0.4 to 0.9. Its
 one by a part of the damping, so the lattice is of strongly damped swings, and Gauss-Newton steps follow.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,11 +20,15 @@ from jaxswarm.identify.forward.base_swing import LEAST
 from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.identify.forward.sway_response import SwayResponse
 from jaxswarm.identify.forward.written_down import report
+from jaxswarm.logs.motion import Motion
 
 # Frequencies [Hz] at the mean pose and the damping ratio that are looked at; how many of these are tried, the
 # Gauss-Newton steps of each, and of the best one.
 _FREQUENCIES, _DAMPING = np.geomspace(3.0, 16.0, 7), 0.1
 _TRIED, _FIRST, _THEN = 4, 5, 10
+# Multiple of the torque's cutoff up to which they are looked at: of 20 arms on bases of 5 to 10 Hz none swung
+# at more than 2.8 times it, and a swing far beyond what is compared is a turn by the moment alone.
+_BEYOND = 3.0
 # Share that a turn by the moment alone takes off some joint from which on swings are looked at; those from
 # which on, on this joint and a second one, they are tried: of four arms on bases of 5 to 10 Hz they were 0.27
 # to 0.71 and 0.1 to 0.45, of logs with other effects up to 0.04. What one that was looked at may leave to be
@@ -37,7 +42,11 @@ _BASE = 0.3
 
 
 def with_swing(
-    lin: Linearization, term: Term, left: np.ndarray, soft: np.ndarray, fresh: np.ndarray
+    lin: Linearization,
+    term: Term,
+    left: np.ndarray,
+    soft: np.ndarray,
+    response: Callable[[int], SwayResponse],
 ) -> Term:
     """A compliance with the swing that says most of what a model leaves; as it is where none is told.
 
@@ -46,7 +55,8 @@ def with_swing(
         term: A base that turns by the moment alone.
         left: Weighted rows (T', n) that it leaves.
         soft: Its linear parameters, (2,).
-        fresh: Directions (10 n, r) of masses that only a base that sways feels.
+        response: Of a log by its number, to turns under the model's body and masses that only a base that
+            sways feels.
     """
     residual = lin.crossfit.whole.residual
     shown = 1.0 - (left**2).sum(axis=0) / np.maximum((residual**2).sum(axis=0), 1e-300)
@@ -60,8 +70,8 @@ def with_swing(
     known = lin.memory.recall(term, residuals)
     if known is not None:
         return replace(term, values=known[0])
-    search = _Search(lin, term, fresh)
-    starts = [p for f in _FREQUENCIES for p in search.starts(f, soft)]
+    search = _Search(lin, term, response)
+    starts = [p for f in _excited(lin.found.motions) for p in search.starts(f, soft)]
     begun = sorted((search.likely(p) for p in starts), key=lambda one: one[0])
     told = term
     if min(most / _ASKED, second / _TOO) > 1.0 or begun[0][0] < _LIKELY * (residual**2).sum():
@@ -73,10 +83,16 @@ def with_swing(
     return told
 
 
+def _excited(motions: Sequence[Motion]) -> np.ndarray:
+    """The frequencies [Hz] looked at on some logs: the first, and all not far beyond their torque's."""
+    most = max(_BEYOND * m.torque_cutoff for m in motions)
+    return _FREQUENCIES[_FREQUENCIES <= max(most, _FREQUENCIES[0])]
+
+
 class _Search:
     """What a model leaves by the logarithms of a base's softnesses, frequencies and damping."""
 
-    def __init__(self, lin: Linearization, term: Term, fresh: np.ndarray):
+    def __init__(self, lin: Linearization, term: Term, response: Callable[[int], SwayResponse]):
         self.lin, self.term = lin, term
         law = term.law_of(BodyChange)
         assert law.swing is not None
@@ -85,13 +101,16 @@ class _Search:
         # A softness of nothing has no logarithm; at its upper bound a frequency is none.
         self.lower = np.log([max(bounds[n][0], 1e-9) for n in self.names])
         self.upper = np.log([bounds[n][1] for n in self.names]) - 1e-9
-        every = np.column_stack([lin.pi, fresh])
-        self.alone, self.responses = np.eye(every.shape[1])[0], []
-        for moved, motion in zip(lin.moved, lin.found.motions, strict=True):
+        self.responses = []
+        for k, (moved, motion) in enumerate(zip(lin.moved, lin.found.motions, strict=True)):
+            whole = response(k)
             few = motion.rate / (_SAMPLES * max(motion.torque_cutoff, _FREQUENCIES[-1]))
             less, part = every_few(motion, int(few))
-            q, dq, ddq = (x[part] for x in moved)
-            self.responses.append(SwayResponse(lin.arm, (q, dq, ddq), less, every, again=True))
+            if less is not motion:
+                q, dq, ddq = (x[part] for x in moved)
+                whole = SwayResponse(lin.arm, (q, dq, ddq), less, whole.every, again=True)
+            self.responses.append(whole)
+        self.alone = np.eye(self.responses[0].every.shape[1])[0]
 
     def starts(self, often: float, given: np.ndarray) -> list[np.ndarray]:
         """Where a swing of a frequency [Hz] at the mean pose begins, (5,) each.

@@ -53,9 +53,10 @@ def with_rest(
     Nor is it where friction was found to hold joints for moments too and rest asks for no other law of its
     joints: friction holds them then as well. On a measured arm of six joints the second search found the eight
     laws of the first, for half of the whole time. Without such moments it is made whatever rest asks for: that
-    asks for nothing beside a spring which had been told for a push, and a part of the push. It is given up
-    where what it would add does not act at rest: of four joints with stiction it found the viscous friction of
-    the first once more, for half of the whole time.
+    asks for nothing beside a spring which had been told for a push, and a part of the push. Nor is it made
+    where only joints are far from the noise whose rest is fitted, and that of the others asks for no law: the
+    measured arm has such a joint, too. It is given up where what it would add does not act at rest: of four
+    joints with stiction it found the viscous friction of the first once more, for half of the whole time.
 
     Args:
         search: A search that may have left out rest.
@@ -72,7 +73,8 @@ def with_rest(
         return search
     search.progress("asking whether a law shows where joints rest")
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]
-    if search.sticking and not loud and not _asks_for_more(search, every, left_out):
+    others = loud and not (left_out & (over > NEAR)).any()
+    if (others or (search.sticking and not loud)) and not _asks_for_more(search, every, left_out):
         return search
     # What is far from the noise in motion gets there by what rest shows, or not at all; of other joints the
     # same laws are to be found once more.
