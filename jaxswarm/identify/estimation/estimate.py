@@ -10,14 +10,15 @@ import numpy as np
 from jaxswarm.effects.kinds import MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.chosen import with_values_to_begin
+from jaxswarm.identify.estimation.derived import derived_errors
 from jaxswarm.identify.estimation.events import window_errors, with_event_torques
 from jaxswarm.identify.estimation.fitted import fitted, fitted_at_width, with_shapes
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
+    covariance_of,
     newton,
     settle,
-    standard_errors,
 )
 from jaxswarm.identify.estimation.held_rest import without_rest
 from jaxswarm.identify.estimation.least_squares import Fit, with_doubt
@@ -56,8 +57,8 @@ class Estimate:
         regression: Its rows.
         motions: The logs, as used.
         rigids: Rigid-body columns of every log in nominal gravity and motion.
-        std_errors: Standard error of every term parameter, one dictionary per term; NaN where a
-            parameter cannot be told from others.
+        std_errors: Standard error of every term parameter and derived value, one dictionary per term; NaN
+            where one cannot be told from others.
         refits: What :mod:`jaxswarm.diagnose.selection.refit` fitted from it, by terms with their values.
     """
 
@@ -188,16 +189,19 @@ def _finish(
     )
     placed = replace(here, place=Place(terms, here.place.width))
     doubted = [*moving, *held_widths]
-    columns, positions = standard_errors(problem, doubted, placed, linear_values(model))
-    errors = [
-        dict(zip(names, map(float, own), strict=True))
-        for names, own in zip(named, np.split(columns, split)[1:], strict=False)
+    covariance = covariance_of(problem, doubted, placed, linear_values(model))
+    places = [
+        dict(zip(n, range(k, k + len(n)), strict=True)) for n, k in zip(named, split, strict=False)
     ]
-    for free, error in zip(doubted, positions, strict=True):
+    scale = np.ones(len(covariance))
+    for place, free in enumerate(doubted, len(here.regression.names)):
         if free.term is not None:
-            slope = free.parameter.slope(terms[free.term].values[free.name])
-            errors[free.term][free.name] = float(error * slope)
-    for term, own in zip(terms, errors, strict=True):
+            places[free.term][free.name] = place
+            scale[place] = free.parameter.slope(terms[free.term].values[free.name])
+    covariance *= np.outer(scale, scale)
+    deviation = np.sqrt(np.diag(covariance))
+    errors = [{name: float(deviation[k]) for name, k in own.items()} for own in places]
+    for term, own, at in zip(terms, errors, places, strict=True):
         own.update({p.name: np.nan for p in term.law.free(term.values) if p.name not in own})
         pressed = flank_compression(arm_of(robot, terms), term, first, here.pi, problem.rigids[0])
         if pressed:
@@ -209,6 +213,8 @@ def _finish(
             apart = CLOCKS_APART * min(m.interval for m in problem.motions)
             own.update({p: float(np.hypot(value, apart)) for p, value in own.items()})
         own.update(dict.fromkeys(untold(term, own), np.nan))
+        block = covariance[np.ix_([*at.values()], [*at.values()])]
+        own.update(derived_errors(term, [*at], block, own))
     if any(t.law.recurring for t in terms):
         model, errors = with_event_torques(
             model, solution, here.regression, problem.motions, problem.rigids, errors

@@ -202,13 +202,14 @@ def apart_from(
     Positions both, such as those of single joints' widths from the one that they share.
     """
     step = _step(problem, held, here)
-    return step, standard_errors(problem, held, here, here.theta)[1]
+    doubt = covariance_of(problem, held, here, here.theta)
+    return step, np.sqrt(np.diag(doubt)[-len(held) :])
 
 
-def standard_errors(
+def covariance_of(
     problem: Problem, moving: list[FreeParameter], here: Settled, theta: np.ndarray
-):
-    """Standard errors of all columns (p,) and of the free parameters' positions (m,); NaN where inseparable."""
+) -> np.ndarray:
+    """Covariance (p + m, p + m) of all columns and of free parameters' positions; NaN where inseparable."""
     regression = here.regression
     if moving:
         pi = theta[: len(here.pi)]
@@ -233,7 +234,7 @@ def standard_errors(
         solution = fit(wide, sigma=here.solution.sigma)
     else:
         solution = with_doubt(here.solution, regression)
-    errors = np.full(len(solution.base.names), np.nan)
-    errors[solution.base.kept] = solution.std_error
-    count = len(regression.names)
-    return errors[:count], errors[count:]
+    names, kept = solution.base.names, solution.base.kept
+    covariance = np.full((len(names), len(names)), np.nan)
+    covariance[np.ix_(kept, kept)] = solution.covariance
+    return covariance

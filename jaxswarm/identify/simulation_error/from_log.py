@@ -192,7 +192,8 @@ def _with(found: Estimate, values: np.ndarray, std_error: np.ndarray) -> Estimat
             for name, column in zip(term.linear_names(joints), term.columns(joints), strict=True)
             if column in own
         }
-        errors.append({**old, **new})
+        # What is derived from them was told by the other errors.
+        errors.append({n: e for n, e in old.items() if n in term.values} | new)
     model = with_linear_values(found.model, solution.theta)
     model = replace(model, uncertainty=Uncertainty(names, solution.covariance))
     return replace(found, fit=solution, model=model, std_errors=tuple(errors))
