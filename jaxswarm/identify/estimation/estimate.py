@@ -12,7 +12,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.chosen import with_values_to_begin
 from jaxswarm.identify.estimation.derived import derived_errors
 from jaxswarm.identify.estimation.events import window_errors, with_event_torques
-from jaxswarm.identify.estimation.fitted import fitted, fitted_at_width, with_shapes
+from jaxswarm.identify.estimation.fitted import Fitted, fitted, fitted_at_width, with_shapes
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
@@ -27,6 +27,7 @@ from jaxswarm.identify.estimation.sign_width import (
     best_widths,
     width_groups,
 )
+from jaxswarm.identify.estimation.swing_starts import with_swings
 from jaxswarm.identify.estimation.usable import check_usable
 from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid, rigid_of
@@ -104,7 +105,7 @@ def estimate(
         Diverged: If the model's torque is not finite along a log, as where a link runs away.
     """
     check_usable(terms, motions)
-    terms = with_values_to_begin(terms, motions)
+    declared, terms = terms, with_values_to_begin(terms, motions)
     if rigids is None:
         rigids = [rigid_of(robot, m) for m in motions]
     if refine_width is None:
@@ -117,7 +118,11 @@ def estimate(
     problem = Problem(robot, tuple(motions), tuple(rigids), bounded)
     groups = width_groups(robot, terms, motions) if refine_width or not known_width else []
     fit = fitted if refine_width else fitted_at_width
-    problem, fits = with_shapes(problem, terms, near, width, pi, partial(fit, groups))
+
+    def of(terms: tuple[Term, ...]) -> tuple[Problem, Fitted]:
+        return with_shapes(problem, terms, near, width, pi, partial(fit, groups))
+
+    problem, fits = with_swings(declared, terms, of)
     return _named(problem, *fits)
 
 
