@@ -36,6 +36,9 @@ cubic_spring 27 (13 undecided with a joint_spring, all on the joint that carries
 or eight logs each and 33 of the three newest: 197 of 212; a torque_lag is undecided from a delay there (6 of
 7).
 
+relaxing_spring, which came after these: 30 of 30 logs at the ratio itself, 30 of 30 at two times, 40 of 40 at
+four, with nothing beside it.
+
 What they showed was mended after that, and those logs alone asked again: the four springs on levers had been
 taken back as none of their numbers is told from nothing, though the squared error is a hundredfold without
 them; four of the eleven forces are in step with a motion that has nothing near their frequency. The others
