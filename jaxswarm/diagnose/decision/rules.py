@@ -217,6 +217,10 @@ EVENTFUL = 30.0
 # While more is missing, a joint's error may grow by so much; what does so in the end is taken back.
 HARM_ON_THE_WAY = 1.5
 
+# What gained more than this part of the first change might have been it, and so many of such are tried. A load
+# of a slide gained 0.98 of its drive's gain, beside which springs and friction stood in for the rest.
+FIRST_NEAR, FIRST_TRIED = 0.95, 3
+
 # --- Formulas ------------------------------------------------------------------------------------------------
 # A formula reaches at least this part of what a smooth function of one or two variables explains.
 OF_SMOOTH = 0.8

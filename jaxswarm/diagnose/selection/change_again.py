@@ -13,6 +13,7 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import accepted, choose
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.rules import FIRST_NEAR, FIRST_TRIED
 from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.change_apply import (
     Change,
@@ -51,6 +52,14 @@ def beside(search: Search, others: Sequence[Picked]) -> Picked | None:
         return None
     chosen, _ = choose(passed, search.rules, crossfit)
     return as_picked(chosen, scores, crossfit)
+
+
+def might_have_been(search: Search, first: Picked) -> list[Picked]:
+    """What gained nearly as much as a first change when it was chosen, beside nothing: the nearest ones."""
+    _, worth, others = first
+    near = [s for s in others if s.gain > FIRST_NEAR * worth.gain][:FIRST_TRIED]
+    crossfit = held_folds(search.declared, search.declared)
+    return [as_picked(s, (worth, *others), crossfit) for s in near]
 
 
 def better(search: Search, trial: Sequence[Picked], now: Sequence[Picked]) -> bool:

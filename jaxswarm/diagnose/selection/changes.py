@@ -20,7 +20,13 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
-from jaxswarm.diagnose.selection.change_again import beside, better, is_change, worse
+from jaxswarm.diagnose.selection.change_again import (
+    beside,
+    better,
+    is_change,
+    might_have_been,
+    worse,
+)
 from jaxswarm.diagnose.selection.change_apply import (
     Change,
     Picked,
@@ -203,7 +209,8 @@ def _choose_again(search: Search, found: _Found) -> bool:
     """Ask who would be chosen for each change with the others in place; whether that led to others.
 
     One whom nobody would choose any more is left out. From another one the search is begun anew, as those
-    after it were chosen beside the first.
+    after it were chosen beside the first; and where none is another, from those that might have been the first:
+    laws that take a little of everything may stand together, each the best beside the others.
     """
     if found.settled or len(found.picked) < 2 or search.budget.spent:
         return False
@@ -218,6 +225,9 @@ def _choose_again(search: Search, found: _Found) -> bool:
                 found.take(search, others)
         elif new[0].term.identity != one[0].term.identity and _begin_with(search, found, new):
             break
+    if found.picked is former:
+        for new in might_have_been(search, former[0]):
+            _begin_with(search, found, new)
     return found.picked is not former
 
 
