@@ -16,6 +16,7 @@ from jaxswarm.diagnose.candidates.thinned import every_few
 from jaxswarm.diagnose.folds.free_parts import coefficients
 from jaxswarm.effects.kinds import BodyChange
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.swing_starts import MOST_LEFT
 from jaxswarm.identify.forward.base_swing import LEAST
 from jaxswarm.identify.forward.columns import is_kept
 from jaxswarm.identify.forward.sway_response import SwayResponse
@@ -32,9 +33,8 @@ _BEYOND = 3.0
 # Share that a turn by the moment alone takes off some joint from which on swings are looked at; those from
 # which on, on this joint and a second one, they are tried: of four arms on bases of 5 to 10 Hz they were 0.27
 # to 0.71 and 0.1 to 0.45, of logs with other effects up to 0.04. What one that was looked at may leave to be
-# tried where they are less: of an arm with 0.10 and 0.05 it left 0.55, and 0.28 in the end. And what a swing
-# may leave of what is left without: of such arms 0.2 to 0.6, where none was seen 0.96.
-_LOOKED, _ASKED, _TOO, _LIKELY, _LEFT = 0.04, 0.1, 0.05, 0.85, 0.93
+# tried where they are less: of an arm with 0.10 and 0.05 it left 0.55, and 0.28 in the end.
+_LOOKED, _ASKED, _TOO, _LIKELY = 0.04, 0.1, 0.05, 0.85
 # Samples in a period of the torque's cutoff, or of the fastest swing, that it is sought on.
 _SAMPLES = 12.0
 # Inertia of the base, and of what no joint feels, beside the arm's that the lattice is tried with.
@@ -77,7 +77,7 @@ def with_swing(
     if min(most / _ASKED, second / _TOO) > 1.0 or begun[0][0] < _LIKELY * (residual**2).sum():
         ends = (search.descend(p, _FIRST) for _, p in begun[:_TRIED])
         best = search.descend(min(ends, key=search.cost), _THEN)
-        if search.cost(best) < _LEFT * (left**2).sum():
+        if search.cost(best) < MOST_LEFT * (left**2).sum():
             told = search.told(best)
     lin.memory.keep(term, residuals, [told.values])
     return told
