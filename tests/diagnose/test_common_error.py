@@ -32,7 +32,7 @@ def crossfit(torque):
     weight, log = np.ones((T, 1)), np.zeros(T, int)
     block = np.arange(T) * BLOCKS // T
     one = np.ones(1)
-    return CrossFit(weight, log, block, folds[0], (folds[1], folds[2]), T, one, one, weight)
+    return CrossFit(weight, log, block, folds[0], (folds[1], folds[2]), T, one, one, one, weight)
 
 
 def asked(torque):

@@ -131,3 +131,24 @@ def test_torques_of_a_log_are_one_product_not_one_a_sample(joints, sets, monkeyp
     monkeypatch.setattr(sensitivity, "_times", lambda *at: seen.append(at) or times(*at))
     sensed.slopes(PI)
     assert len(seen) == 3  # a torque that nobody asks for is not made
+
+
+def test_a_log_keeps_what_the_arm_that_was_asked_for_last_feels(monkeypatch):
+    """An arm whose base is tilted is asked for by everybody: its differences are made once, not by each."""
+    motion = make_motion(ARM, length=40)
+    rigid, made = rigid_of(ARM, motion), []
+    plain = sensitivity.rigid_columns
+    monkeypatch.setattr(
+        sensitivity, "rigid_columns", lambda *a, **k: made.append(a) or plain(*a, **k)
+    )
+    tilted = ARM.replace(gravity=np.array([0.5, 0.0, -9.8]))
+    for arm in (tilted, tilted.replace(gravity=tilted.gravity.copy())):
+        for joint in range(2):
+            found = sensitivity_of(arm, motion, joint, rigid).at(PI)
+            for own, alone in zip(found, sensitivity_of(arm, motion, joint).at(PI), strict=True):
+                np.testing.assert_array_equal(own, alone)
+    # Five moved ones of each joint and one as logged: of all four that keep nothing, and once of what is kept.
+    assert len(made) == 4 * 6 + 2 * 5 + 1
+    straight = sensitivity_of(ARM, motion, 1, rigid).at(PI)
+    np.testing.assert_allclose(straight[0], motion.tau, atol=1e-9)
+    assert list(rigid.sensed) == [1] and not np.array_equal(straight[0], found[0])

@@ -120,7 +120,11 @@ def _on_all(
 
 
 def _sizes(crossfit: CrossFit, per_joint: np.ndarray, joint: int) -> tuple[float, float]:
-    """RMS torque that a gain (n,) is worth on a joint, over that of the noise and of the torque."""
+    """RMS torque that a gain (n,) is worth on a joint, over the noise of each row and over the torque.
+
+    Rows count by their noise. Over the noise of all rows a ripple that took 94 % off a joint at 10.7 times its
+    noise was too small to matter: at rest, where its sign may be any, its model was 18 times as uncertain.
+    """
     rms = np.sqrt(max(per_joint[joint], 0.0) / len(crossfit.weight))
     rms /= crossfit.weight[:, joint].max()
-    return float(rms / crossfit.noise[joint]), float(rms / max(crossfit.size[joint], 1e-300))
+    return float(rms / crossfit.quiet[joint]), float(rms / max(crossfit.size[joint], 1e-300))

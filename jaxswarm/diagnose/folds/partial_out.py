@@ -104,6 +104,7 @@ class CrossFit:
         halves: The two fits to alternating blocks.
         effective: Independent residuals in the data.
         noise: Standard deviation of the noise but for what is sharp, (n,).
+        quiet: The same of the rows that count most, (n,).
         size: RMS of the torque, (n,).
         timing: Part of the weights that the times of jumps leave events, (T, n).
         structure: What :mod:`jaxswarm.diagnose.decision.unexplained` found on it, by seed and joint.
@@ -116,6 +117,7 @@ class CrossFit:
     halves: tuple[Fold, Fold]
     effective: float
     noise: np.ndarray
+    quiet: np.ndarray
     size: np.ndarray
     timing: np.ndarray
     structure: dict = field(default_factory=dict, repr=False, compare=False)
@@ -170,15 +172,12 @@ def cross_fit(
         # What the widths take up is no change of the base parameters.
         slopes = slopes * weight[:, :, None]
         folds = [fold.with_columns(slopes, known=True) for fold in folds]
-    whole, first, second = folds
-    halves = (first, second)
-    torque_size, noise = regression.rms(regression.torque), regression.rms(doubt)
+    whole, halves = folds[0], (folds[1], folds[2])
     # Rows that are bounded already count for no less.
     timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
-    effective = error.size / length
-    return CrossFit(
-        weight, regression.log, block, whole, halves, effective, noise, torque_size, timing
-    )
+    rows = (weight, regression.log, block, whole, halves, error.size / length)
+    noise = regression.rms(doubt), doubt.min(axis=0)
+    return CrossFit(*rows, *noise, regression.rms(regression.torque), timing)
 
 
 def width_slopes(found: Estimate) -> np.ndarray:

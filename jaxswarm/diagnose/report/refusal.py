@@ -47,15 +47,16 @@ def refusal(item: Score, rules: Rules, asked: int, spent: bool = False) -> dict:
     }
 
 
-def worth_a_longer_log(refused: list[dict], joint: str) -> list[str]:
+def worth_a_longer_log(refused: list[dict], joint: str | None) -> list[str]:
     """What takes off most of a joint's error, passes all rules and would be added if more data said the same.
 
     Args:
         refused: Of ``not_added``.
-        joint: Name of a joint that is left with structure.
+        joint: Name of a joint that is left with structure; None asks for what acts on the whole arm.
     """
     return [
-        f"{item['effect']} would take off {percent(item['share_of_error'], 0)} of the error of {joint}, but in "
+        f"{item['effect']} would take off {percent(item['share_of_error'], 0)} of the error"
+        f"{f' of {joint}' if joint else ' on all joints together'}, but in "
         f"a log as short as this one that may be chance (p = {item['p_value']:.2g}): record a longer log, or "
         "another motion beside it."
         for item in refused

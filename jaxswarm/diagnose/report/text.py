@@ -205,6 +205,8 @@ def next_steps(result: dict) -> list[str]:
         )
     # A search that was cut short, or one that could show nothing, has not asked every law.
     if not (result.get("budget") or _unshown(result)):
+        if result["unexplained"]:
+            steps += worth_a_longer_log(result["not_added"], None)
         for u in result["unexplained"]:
             steps += look_at(u) + worth_a_longer_log(result["not_added"], u["joint"])
         steps += _not_searched(result)

@@ -19,8 +19,8 @@ from jaxswarm.robot.model import Robot
 _POSITION, _VELOCITY = 1e-5, 1e-2
 # Samples of a long log whose columns are made at a time.
 BLOCK = 8_192
-# Two threads that ask for the same columns make them once.
-_MAKING = Lock()
+# Two threads that ask for another arm at once let go of what the log keeps once.
+_KEEPING = Lock()
 
 
 class _Columns(NamedTuple):
@@ -51,6 +51,7 @@ class Sensitivity:
         full: Rigid columns where they are known, (T, n, 10 n).
         asked: Torques that were asked for last, by their parameters: many ask for the same.
         thinner: The same on every few samples, by how many, with those samples.
+        making: Held while columns are made: two threads that ask for the same make them once.
     """
 
     robot: Robot
@@ -59,6 +60,7 @@ class Sensitivity:
     full: np.ndarray | None = None
     asked: dict = field(default_factory=dict, repr=False, compare=False)
     thinner: dict = field(default_factory=dict, repr=False, compare=False)
+    making: Lock = field(default_factory=Lock, repr=False, compare=False)
 
     def at(self, pi: np.ndarray, joints: slice = slice(None)) -> tuple[np.ndarray, ...]:
         """Torque of joints and its three derivatives, (T, n) each, for rigid parameters (10 n,).
@@ -130,7 +132,7 @@ class Sensitivity:
 
     @property
     def _whole(self) -> _Columns:
-        with _MAKING:
+        with self.making:
             return self._made
 
     @cached_property
@@ -203,15 +205,37 @@ def sensitivity_of(
         joint: The joint.
         rigid: The log's rigid columns where they are known; it keeps what is found here.
     """
-    if rigid is None or not _same_arm(robot, rigid.robot):
+    if rigid is None:
         return Sensitivity(robot, motion, joint)
-    if joint not in rigid.sensed:
+    with _KEEPING:
+        return _kept(rigid, robot, motion, joint)
+
+
+def _kept(rigid: Rigid, robot: Robot, motion: Motion, joint: int) -> Sensitivity:
+    """What a log keeps of an arm; of the one that was asked for last.
+
+    An arm whose base is tilted, or one of whose links stands otherwise, is not the one that the columns were
+    made with. Made anew for everyone who asked, what it feels took a third of a diagnosis of seven joints.
+    """
+    kept = rigid.sensed
+    if any(not _same_arm(robot, own.robot) for own in list(kept.values())[:1]):
+        kept.clear()
+    if joint not in kept:
         if not is_kept(motion):  # of a long log the torques of one joint are enough
-            for other in rigid.sensed.values():
+            for other in kept.values():
                 other.asked.clear()
-        full = rigid.full if is_kept(motion) else None
-        return rigid.sensed.setdefault(joint, Sensitivity(robot, motion, joint, full))
-    return rigid.sensed[joint]
+        kept[joint] = Sensitivity(robot, motion, joint, _full(rigid, robot, motion))
+    return kept[joint]
+
+
+def _full(rigid: Rigid, robot: Robot, motion: Motion) -> np.ndarray | None:
+    """Rigid columns of an arm where they are known: the log's own, or those that another joint has made."""
+    if not is_kept(motion):
+        return None
+    if _same_arm(robot, rigid.robot):
+        return rigid.full
+    made = (vars(own).get("_made") for own in rigid.sensed.values())
+    return next((columns.full for columns in made if columns is not None), None)
 
 
 def _same_arm(one: Robot, other: Robot) -> bool:
