@@ -42,6 +42,7 @@ class Search:
         everyday, everyday_again: Whether what every drive has was asked already, and beside what was added.
         settled: Whether every choice was made again already.
         sticking: Joints whose rows are left out where friction holds them for a moment.
+        of_all_rows: Whether that was found of a model of all rows: a search with all of them comes no further.
         lent: The logs as they were before a law was asked for without some of their rows, which come back;
             None: that was not done yet; none: they came back.
         withdrawn, refused: As :class:`Diagnosis` tells them.
@@ -76,6 +77,7 @@ class Search:
     everyday_again: bool = False
     settled: bool = False
     sticking: set[int] = field(default_factory=set)
+    of_all_rows: bool = False
     lent: Sequence[Motion] | None = None
     withdrawn: tuple[Term, ...] = ()
     refused: list[tuple[Term, str]] = field(default_factory=list)

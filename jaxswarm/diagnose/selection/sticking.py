@@ -37,8 +37,10 @@ def leave_out_sticks(search: Search) -> bool:
     The sign keeps its width: it is what tells of the rows that are left out.
     """
     known = set(search.sticking)
+    every = search.lent is None and not any(_known(m).any() for m in search.current.motions)
     after = _fit_of_what_moves(search)
     if after is not None:
+        search.of_all_rows = search.of_all_rows or every
         held = search.sticking - known
         go_on_from(search, after, held)
         take_back_told_at_rest(search, held)

@@ -157,19 +157,27 @@ class Rigid:
         full, static = np.full((2, *q.shape[::-1]), np.nan)
         return Load(full.T, static.T), set()
 
-    def law(self, term: Term, width: Sequence[float], make: Callable[[], np.ndarray]) -> np.ndarray:
+    def law(
+        self,
+        term: Term,
+        width: Sequence[float],
+        make: Callable[[], np.ndarray],
+        reports: tuple = (),
+    ) -> np.ndarray:
         """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.
 
         Args:
             term: With its nonlinear parameters.
             width: Width of every joint's smooth sign, (n,).
             make: Makes them.
+            reports: How the torque of its joint is written down.
         """
         law = term.law
         if law.uses_load:
             return make()
         bent = tuple(term.values[p.name] for p in law.nonlinear)
-        place = (term.place, term.formula, bent, width[term.index] if law.uses_direction else None)
+        own_width = width[term.index] if law.uses_direction else None
+        place = (term.place, term.formula, bent, own_width, reports)
         return self.laws.of(place, make)
 
 

@@ -16,7 +16,7 @@ from jaxswarm.identify.forward.columns import Rigid, last_of, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.own_columns import own_columns, placed
-from jaxswarm.identify.forward.written_down import in_order, mixed, report, report_own
+from jaxswarm.identify.forward.written_down import in_order, mixed, on_joint, report, report_own
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -191,8 +191,10 @@ def _block(
     def own() -> np.ndarray:
         return low(report_own(terms, motion, term_columns(term, motion, width, load), term.index))
 
-    known = None if low is np.asarray or of_kind(terms, MeasurementLaw) else body.laws
-    made = own() if known is None else known.law(term, width, own)
+    known = None if low is np.asarray else body.laws
+    made = (
+        own() if known is None else known.law(term, width, own, valued(on_joint(terms, term.index)))
+    )
     return placed(made, term.index, motion.q.shape[1])
 
 

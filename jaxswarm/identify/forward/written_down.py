@@ -32,7 +32,7 @@ def report_own(terms: tuple[Term, ...], motion: Motion, own: np.ndarray, joint: 
     """Columns (T, k) that act on one joint as its drive and the clock report them."""
     if mixed(terms):
         return report(terms, motion, placed(own, joint, motion.q.shape[1]))[:, joint]
-    measured = [t for t in in_order(terms) if t.joint in (None, joint)]
+    measured = on_joint(terms, joint)
     size, own = len(own), filled(own) if measured else own
     for term in measured:
         own = np.asarray(term.law.report(term.values, own, 1.0 / motion.rate))
@@ -50,6 +50,11 @@ def mixed(terms: tuple[Term, ...]) -> bool:
 def in_order(terms: tuple[Term, ...]) -> list:
     """What a torque is written down by, the drives before their clock."""
     return sorted(of_kind(terms, MeasurementLaw), key=lambda t: t.law.turn)
+
+
+def on_joint(terms: tuple[Term, ...], joint: int) -> list:
+    """What the torque of a joint is written down by, where joints are not mixed."""
+    return [t for t in in_order(terms) if t.joint in (None, joint)]
 
 
 def lateness(terms: tuple[Term, ...]) -> float:
