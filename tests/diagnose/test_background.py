@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from planted import declared_fit, log_with
 
+from jaxswarm.diagnose.folds.bends import width_slopes
 from jaxswarm.diagnose.folds.noise import robust_weight
-from jaxswarm.diagnose.folds.partial_out import cross_fit, width_slopes
+from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.effects.term import Term
 
 

@@ -59,6 +59,25 @@ def test_it_is_asked_that_in_the_place_of_other_rows(monkeypatch, motion, found)
     assert given[0][-1] is give_up_if_it_sticks
 
 
+@pytest.mark.parametrize("rows", ["all", "moving", "lent"])
+def test_it_is_not_made_where_the_first_began_with_all_rows(monkeypatch, motion, found, rows):
+    """There it can only be given up: on a tilted base it found the tilt once more, for a third of the time."""
+    rest = np.zeros((len(found.regression.t), 2), bool)
+    rest[:50] = True
+    alone = leave_out([motion], [rest], np.ones(2, bool))
+    after = estimate(small_arm(), blank(), alone)
+    first = search_of(after if rows == "moving" else found)
+    first.lent = (motion,) if rows == "lent" else None
+    monkeypatch.setattr(sticking, "_fit_of_what_moves", lambda search: after)
+    monkeypatch.setattr(sticking, "take_back_told_at_rest", lambda *of: None)
+    assert sticking.leave_out_sticks(first) and first.of_all_rows == (rows == "all")
+    asked = []
+    monkeypatch.setattr(with_rest, "standing", lambda motions: [rest])
+    monkeypatch.setattr(with_rest, "over_noise", lambda found: np.array([3.0, 3.0]))
+    with_rest.with_rest(first, [motion], lambda *of: asked.append(of) or first)
+    assert bool(asked) == (rows != "all")
+
+
 def test_what_is_asked_in_the_end_is_given(monkeypatch, motion):
     asked = []
 

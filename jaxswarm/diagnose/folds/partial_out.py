@@ -19,14 +19,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy
 
+from jaxswarm.diagnose.folds.bends import bends
 from jaxswarm.diagnose.folds.blocks import blocks_of
 from jaxswarm.diagnose.folds.noise import event_doubt, row_doubt, row_weight
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.free_parameters import Place, tangents, width_parameter
-from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.estimation.sign_width import width_groups, width_range
-from jaxswarm.identify.forward.model import linear_values
 
 
 @dataclass(frozen=True)
@@ -168,8 +165,8 @@ def cross_fit(
     everything = np.ones(len(torque), dtype=bool)
     odd = block % 2 == 1
     folds = [_fold(columns, torque, rows, size) for rows in (everything, odd, ~odd)]
-    if not frozen and (slopes := width_slopes(found)).shape[2]:
-        # What the widths take up is no change of the base parameters.
+    if not frozen and (slopes := bends(found)).shape[2]:
+        # What widths and times take up is no change of the base parameters.
         slopes = slopes * weight[:, :, None]
         folds = [fold.with_columns(slopes, known=True) for fold in folds]
     whole, halves = folds[0], (folds[1], folds[2])
@@ -178,33 +175,6 @@ def cross_fit(
     rows = (weight, regression.log, block, whole, halves, error.size / length)
     noise = regression.rms(doubt), doubt.min(axis=0)
     return CrossFit(*rows, *noise, regression.rms(regression.torque), timing)
-
-
-def width_slopes(found: Estimate) -> np.ndarray:
-    """Derivatives of the model by the logarithm of the width of every joint's own sign, (T, n, m).
-
-    Joints share a width in the fit. That of one joint may be another, and a law that is bent into the
-    difference must not be credited with it. It is known within a factor of e, one standard deviation: of
-    true stiction a few rows tell it, and half of a log without them went off by 380 times the noise where
-    they were, beside which nothing else could be seen.
-    """
-    model, motions = found.model, found.motions
-    problem = Problem(model.robot, motions, found.rigids, False)
-    moving = [
-        width_parameter((j,), width_range(motions, group))
-        for group in width_groups(model.robot, model.terms, motions)
-        for j in group
-    ]
-    moving = [one for one in moving if one.lower < model.width[one.joints[0]] < one.upper]
-    if not moving:
-        return np.zeros((*found.regression.torque.shape, 0))
-    pi, theta = np.asarray(model.robot.parameters).ravel(), linear_values(model)
-    slopes = tangents(
-        lambda place, free: problem.output(place, pi, theta, free),
-        Place(model.terms, model.width),
-        moving,
-    )
-    return slopes / np.log([one.upper / one.lower for one in moving])
 
 
 def _fold(

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import Rules
+from jaxswarm.diagnose.folds.bends import width_slopes
 from jaxswarm.diagnose.folds.noise import row_doubt, with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit, width_slopes
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.identify.estimation.base_parameters import find_base
 from jaxswarm.identify.estimation.clock_skew import with_clocks
 from jaxswarm.identify.estimation.estimate import Estimate
