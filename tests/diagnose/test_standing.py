@@ -29,7 +29,7 @@ from jaxswarm.diagnose.selection.tenable import can_be_resolved, is_itself
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate, model_torque
-from jaxswarm.identify.estimation import held_rest
+from jaxswarm.identify.estimation import held_rest, rest_foretold
 from jaxswarm.identify.estimation.gauss_newton import newton
 from jaxswarm.identify.estimation.standing import held as held_at_rest
 from jaxswarm.identify.estimation.standing import (
@@ -181,7 +181,7 @@ def test_rest_that_motion_does_not_foretell_is_not_judged_by_it(there, told):
     resting = np.arange(200)[:, None] % 4 == 0
     second = np.where(resting, there, 0.02 * rng.normal(size=(200, 1)))
     columns = np.stack([np.ones_like(second), second], axis=2)
-    assert held_rest._foretold(columns, rng.normal(size=(200, 1)), resting).tolist() == [told]
+    assert rest_foretold.is_foretold(columns, rng.normal(size=(200, 1)), resting).tolist() == [told]
 
 
 @pytest.mark.parametrize(("rows", "told"), [(40, False), (60, True)])
@@ -478,9 +478,9 @@ def test_a_joint_that_never_moves_says_nothing_of_what_motion_foretells():
     resting = np.zeros((60, 2), bool)
     resting[30:] = True
     columns[:30, :, 2] = 0.0  # what only rest tells: motion does not foretell it
-    assert not held_rest._foretold(columns, left, resting).any()
+    assert not rest_foretold.is_foretold(columns, left, resting).any()
     still = np.concatenate([columns, rng.normal(size=(60, 1, 3))], axis=1)
-    told = held_rest._foretold(
+    told = rest_foretold.is_foretold(
         still,
         np.pad(left, ((0, 0), (0, 1))),
         np.pad(resting, ((0, 0), (0, 1)), constant_values=True),
@@ -493,24 +493,24 @@ def test_what_motion_foretells_is_found_a_joint_at_a_time(monkeypatch):
     rng = np.random.default_rng(1)
     columns, left = rng.normal(size=(400, 3, 5)), rng.normal(size=(400, 3))
     resting = rng.random((400, 3)) < 0.3
-    passed, factor = [], held_rest.triangular_factor
+    passed, factor = [], rest_foretold.triangular_factor
 
     def counted(matrix):
         passed.append(matrix.size)
         return factor(matrix)
 
-    monkeypatch.setattr(held_rest, "triangular_factor", counted)
-    told = held_rest._foretold(columns, left, resting)
+    monkeypatch.setattr(rest_foretold, "triangular_factor", counted)
+    told = rest_foretold.is_foretold(columns, left, resting)
     assert len(passed) == 3 and max(passed) <= columns[:, 0].size
-    size = held_rest._rms_in_motion(left, resting)
+    size = rest_foretold.rms_in_motion(left, resting)
     weighted = columns / size[:, None]
     weighted /= np.linalg.norm(weighted, axis=(0, 1))
-    known = np.concatenate([weighted[~resting], held_rest._UNSEEN * np.eye(5)])
+    known = np.concatenate([weighted[~resting], rest_foretold._UNSEEN * np.eye(5)])
     each = np.einsum("tjp,pq,tjq->tj", weighted, np.linalg.inv(known.T @ known), weighted)
     usual = [np.median(np.sqrt(1.0 + d)[r]) for d, r in zip(each.T, resting.T, strict=True)]
     for most, expected in ((min(usual), 1), (max(usual), 3)):
-        monkeypatch.setattr(held_rest, "_TOLD", most + 1e-9)
-        assert held_rest._foretold(columns, left, resting).sum() == expected
+        monkeypatch.setattr(rest_foretold, "_TOLD", most + 1e-9)
+        assert rest_foretold.is_foretold(columns, left, resting).sum() == expected
     assert told.all()
 
 

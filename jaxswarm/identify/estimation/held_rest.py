@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.factors import triangular_factor
 from jaxswarm.identify.estimation.free_parameters import Place, width_parameter
 from jaxswarm.identify.estimation.gauss_newton import newton, settle
 from jaxswarm.identify.estimation.problem import Problem
+from jaxswarm.identify.estimation.rest_foretold import is_foretold, rms_in_motion
 from jaxswarm.identify.estimation.sign_width import width_range
 from jaxswarm.identify.estimation.standing import held, leave_out, mixed_with, standing
 from jaxswarm.identify.forward.columns import Rigid
@@ -22,12 +21,6 @@ from jaxswarm.robot.model import Robot
 # sign was right, on 13 joints of MuJoCo worlds, that was 0.2 to 1.1, and 1.2 on two of 51 and 100 rows; where
 # joints with true stiction moved one by one 1.35 to 3.3 on eight of which rest had bent the rigid body.
 _WORSE = 1.25
-# What motion tells of a parameter, over what all rows do, below which it tells nothing.
-_UNSEEN = 1e-6
-# Rest that motion predicts so many times worse than itself tells the model, whatever holds it: by standard
-# errors 1.0 on point-to-point motion, 1.0 to 300 on joints that move one by one. Without such rest a model that
-# left 0.1 to 1.5 times the noise was off by thousands of times the noise on other motion.
-_TOLD = 2.0
 
 
 def without_rest(
@@ -56,7 +49,7 @@ def without_rest(
         )
         every = build_regression(robot, place.terms, motions, width, pi, rigids)
         left = every.target - every.columns @ theta
-        found = held(left, rest, mixed) & _foretold(every.columns, left, np.concatenate(mixed))
+        found = held(left, rest, mixed) & is_foretold(every.columns, left, np.concatenate(mixed))
         del every  # of a long log the columns are as large as those of the fits to come
         # Where no friction is declared no sign has a width that could tell.
         own = {t.joint for t in terms if t.law.uses_direction}
@@ -100,7 +93,7 @@ def _untold(
     rest = standing(motions)
     mixed = mixed_with(motions, rest)
     resting, untold = np.concatenate(mixed), np.zeros_like(asked)
-    alone = _rms_in_motion(left, resting)
+    alone = rms_in_motion(left, resting)
     while (open_ := asked & ~untold).any():
         logs = leave_out(motions, rest, out | untold)
         problem = replace(whole, motions=tuple(logs))
@@ -109,7 +102,7 @@ def _untold(
             for j in np.flatnonzero(open_).tolist()
         ]
         told = newton(problem, own, settle(problem, place, pi)).residual
-        paid = np.where(open_, _rms_in_motion(told, resting) / alone, 0.0)
+        paid = np.where(open_, rms_in_motion(told, resting) / alone, 0.0)
         still = open_ & held(np.where(resting, told, left), rest, mixed)
         if not still.any():
             still = (paid == paid.max()) & (paid > _WORSE)
@@ -117,42 +110,3 @@ def _untold(
             break
         untold |= still
     return untold
-
-
-def _foretold(columns: np.ndarray, left: np.ndarray, resting: np.ndarray) -> np.ndarray:
-    """Whether motion predicts most of a joint's rest about as well as motion itself, (n,).
-
-    Args:
-        columns: Of the model, (T, n, p).
-        left: What the fit to motion alone leaves, (T, n).
-        resting: Rows at rest, (T, n).
-    """
-    # A joint that never moves tells nothing of the model, and has no error in motion.
-    size = np.where(resting.all(axis=0), np.inf, _rms_in_motion(left, resting))
-    # A joint at a time: beside the columns of a long log, as large as all else, no copy of them stands.
-    squares = [((columns[:, j] / one) ** 2).sum(axis=0) for j, one in enumerate(size)]
-    norm = np.sqrt(np.sum(squares, axis=0))
-    seen = norm > 0.0
-
-    def scaled(j: int, rows: np.ndarray) -> np.ndarray:
-        return columns[rows, j][:, seen] / (size[j] * norm[seen])
-
-    factor = _UNSEEN * np.eye(int(seen.sum()))
-    for j, still in enumerate(resting.T):
-        factor = triangular_factor(np.concatenate([factor, scaled(j, ~still)]))
-    doubt = np.zeros(left.shape)
-    for j, still in enumerate(resting.T):
-        if not still.any():
-            continue
-        unseen = scipy.linalg.solve_triangular(
-            factor, scaled(j, still).T, trans="T", check_finite=False
-        )
-        doubt[still, j] = np.sqrt(1.0 + (unseen**2).sum(axis=0))
-    usual = [np.median(d[r]) if r.any() else 0.0 for d, r in zip(doubt.T, resting.T, strict=True)]
-    return np.array(usual) <= _TOLD
-
-
-def _rms_in_motion(left: np.ndarray, resting: np.ndarray) -> np.ndarray:
-    """RMS (n,) of what is left (T, n) on rows that are not at rest, where there are any."""
-    count = np.maximum((~resting).sum(axis=0), 1)
-    return np.sqrt(np.where(resting, 0.0, left**2).sum(axis=0) / count) + 1e-300
