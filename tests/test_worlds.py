@@ -92,9 +92,9 @@ CONTROL = Control("pd", 1000, 3, 25.0)
 MOTION = Motion("fourier", 5, 3.0)
 
 
-def _run(*effects, motion=MOTION):
-    compliance = joint_scales(ARM)[0] - ARM.rotor
-    return simulate(ARM, effects, CONTROL, motion, np.full(3, 1e-9), compliance)
+def _run(*effects, motion=MOTION, arm=ARM):
+    compliance = joint_scales(arm)[0] - arm.rotor
+    return simulate(arm, effects, CONTROL, motion, np.full(3, 1e-9), compliance)
 
 
 def _effect(kind):
@@ -132,6 +132,21 @@ def test_an_effect_adds_the_torque_its_law_states(kind):
     assert size > 0
     lasting = slice(1000, None)  # a bristle forgets where it was before the log within a second
     assert rms((rest - stated)[lasting]).max() < 0.03 * size + 2e-4 * rms(run.tau).max()
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_dry_friction_that_holds_gives_any_torque_within_it_at_rest(held):
+    """In motion it is the declared one; at rest joints hardly creep, at torques that no sign tells."""
+    arm = replace(ARM, held=held, coulomb=0.2 * joint_scales(ARM)[1])
+    run = _run(motion=Motion("ptp", 5, 6.0), arm=arm)
+    off = np.abs(run.tau - declared_torque(arm, run)) / arm.coulomb
+    fast, slow = np.abs(run.dq) > 5.0 * arm.width, np.abs(run.dq) < 0.2 * arm.width
+    assert fast.any(axis=0).all() and (slow.mean(axis=0) > 0.1).all()
+    assert np.quantile(off[fast], 0.99) < 1e-3
+    for own, rows in zip(off.T, slow.T, strict=True):
+        assert (
+            0.5 < np.median(own[rows]) < own[rows].max() < 1.0 if held else own[rows].max() < 0.01
+        )
 
 
 def test_a_structure_does_what_it_says():

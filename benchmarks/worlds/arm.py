@@ -13,6 +13,8 @@ import pinocchio
 from scipy.spatial.transform import Rotation
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
+# How stiff MuJoCo's dry friction holds: it stops a joint within some milliseconds, and lets it creep hardly.
+_HELD = 'solreffriction="0.004 1" solimpfriction="0.95 0.99 0.001"'
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Arm:
         viscous, coulomb: (n,) [N m s/rad, N m or N s/m, N].
         width: Of the smooth sign, (n,) [rad/s or m/s].
         reach, speed, acceleration: Limits of the motion about zero, (n,).
+        held: Whether dry friction is MuJoCo's own constraint, which holds a joint at rest at any torque within
+            it, and not the smooth sign.
     """
 
     name: str
@@ -49,6 +53,7 @@ class Arm:
     reach: np.ndarray
     speed: np.ndarray
     acceleration: np.ndarray
+    held: bool = False
 
     @property
     def size(self) -> int:
@@ -91,10 +96,11 @@ def mjcf(arm: Arm, step: float, gravity: np.ndarray = GRAVITY, soft: tuple[int, 
     A joint in ``soft`` has two coordinates on one axis: the motor, which carries the rotor, and behind it
     the deflection of the link, whose torque the simulation supplies.
     """
+    off = 'limit="disable"' if arm.held else 'constraint="disable"'
     lines = [
         '<mujoco><compiler angle="radian" inertiafromgeom="false"/>',
         f'<option timestep="{step:.17g}" gravity="{_text(gravity)}" integrator="Euler">'
-        '<flag contact="disable" constraint="disable"/></option><worldbody>',
+        f'<flag contact="disable" {off}/></option><default><joint {_HELD}/></default><worldbody>',
     ]
     for j, kind in enumerate(arm.kinds):
         x, y, z, w = Rotation.from_matrix(arm.rotation[j]).as_quat()

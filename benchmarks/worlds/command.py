@@ -2,7 +2,8 @@
 
 World ``k`` is the same world everywhere; 1300 of them (0-1299) hold 500 clean ones and 800 others. Rows go to
 ``benchmarks/results/worlds-*.jsonl`` as they are finished, the table to ``worlds.md``; what is finished is
-not done again. With ``--rivals`` the rivals work at the same worlds, into ``worlds_rivals``.
+not done again. With ``--rivals`` the rivals work at the same worlds, into ``worlds_rivals``. With ``--held``
+dry friction holds joints at rest at any torque within it, as MuJoCo's own constraint: ``worlds_held``.
 """
 
 import argparse
@@ -24,10 +25,10 @@ def numbers(text: str) -> list[int]:
 def main(arguments: list[str]) -> None:
     options = _options(arguments)
     if options.write:
-        return write(numbers(options.write), options.out)
+        return write(numbers(options.write), options.out, options.held)
     RESULTS.mkdir(exist_ok=True)
     if options.table:
-        return show(options.rivals)
+        return show(options.rivals, options.held)
     if options.processes > 1:
         from benchmarks.worlds.run import spread
 
@@ -35,7 +36,7 @@ def main(arguments: list[str]) -> None:
     else:
         work(options)
     if not options.no_table:
-        show(options.rivals)
+        show(options.rivals, options.held)
 
 
 def _options(arguments: list[str]) -> argparse.Namespace:
@@ -53,6 +54,7 @@ def _options(arguments: list[str]) -> argparse.Namespace:
     add("--share", default="1/1", help="which of how many machines or processes this is")
     add("--processes", type=int, default=1, help="processes on this machine")
     add("--rivals", action="store_true", help="other methods in place of the diagnosis")
+    add("--held", action="store_true", help="dry friction that holds joints at rest")
     add("--table", action="store_true", help="only the table of what is finished")
     add("--no-table", action="store_true", help=argparse.SUPPRESS)
     add("--write", default="", help="numbers of worlds to write to files, nothing else")
@@ -62,7 +64,8 @@ def _options(arguments: list[str]) -> argparse.Namespace:
 
 def _passed_on(options) -> list[str]:
     passed = ["--worlds", options.worlds, "--only", options.only]
-    return passed + ["--fast"] * options.fast + ["--rivals"] * options.rivals
+    flags = ["--fast"] * options.fast + ["--rivals"] * options.rivals + ["--held"] * options.held
+    return passed + flags
 
 
 def work(options) -> None:
@@ -83,35 +86,37 @@ def work(options) -> None:
         from benchmarks.worlds.score import score_world as score
     chosen = numbers(options.worlds or f"0-{(FAST if options.fast else COUNT) - 1}")
     wanted = set(filter(None, options.only.split(",")))
-    run_share(stem(options.rivals), chosen, options.share, wanted, score)
+    name = stem(options.rivals, options.held)
+    run_share(name, chosen, options.share, wanted, score, options.held)
 
 
-def stem(rivals: bool) -> str:
+def stem(rivals: bool, held: bool) -> str:
     """Name of the files of rows."""
-    return "worlds_rivals" if rivals else "worlds"
+    return "worlds" + "_held" * held + "_rivals" * rivals
 
 
-def show(rivals: bool) -> None:
+def show(rivals: bool, held: bool) -> None:
     """Write and print the table of all finished rows."""
     from benchmarks.worlds.run import read_rows
     from benchmarks.worlds.table import worlds_table
 
+    rows = read_rows(stem(False, held))
     if rivals:
         from benchmarks.worlds.rivals_table import rivals_table
 
-        text = rivals_table(read_rows("worlds_rivals"), read_rows("worlds"))
+        text = rivals_table(read_rows(stem(True, held)), rows)
     else:
-        text = worlds_table(read_rows("worlds"))
-    (RESULTS / f"{stem(rivals)}.md").write_text(text)
+        text = worlds_table(rows)
+    (RESULTS / f"{stem(rivals, held)}.md").write_text(text)
     print(text)
 
 
-def write(chosen: list[int], out: Path) -> None:
+def write(chosen: list[int], out: Path, held: bool) -> None:
     """Write worlds to folders, for debugging."""
     from benchmarks.worlds.files import write_world
     from benchmarks.worlds.world import make_world
 
     for number in chosen:
-        truth = write_world(make_world(number), out / f"w{number:04d}")
+        truth = write_world(make_world(number, held=held), out / f"w{number:04d}")
         kinds = [e["effect"] for e in (*truth["effects"], *truth["outside"])]
         print(truth["name"], truth["robot"], truth["motion"], kinds or "clean", flush=True)

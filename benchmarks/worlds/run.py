@@ -30,16 +30,24 @@ def read_rows(stem: str) -> list[dict]:
 
 
 def run_share(
-    stem: str, chosen: list[int], share: str, wanted: set[str], score: Callable[[World], dict]
+    stem: str,
+    chosen: list[int],
+    share: str,
+    wanted: set[str],
+    score: Callable[[World], dict],
+    held: bool = False,
 ) -> None:
-    """Score this share of the worlds that are not done yet, in an order drawn once for all."""
+    """Score this share of the worlds that are not done yet, in an order drawn once for all.
+
+    ``held``: worlds whose dry friction holds joints at rest.
+    """
     own, count = map(int, share.split("/"))
     path = RESULTS / f"{stem}-{own}of{count}.jsonl"
     done = {row["world"] for row in read_rows(stem)}
     for number in np.random.default_rng(0).permutation(chosen)[own - 1 :: count]:
         if int(number) in done:
             continue
-        world = make_world(int(number))
+        world = make_world(int(number), held=held)
         if wanted and not wanted & topics(world):
             continue
         row = score(world)

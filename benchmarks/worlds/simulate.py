@@ -1,7 +1,8 @@
 """One run of a world in MuJoCo: the controller's ticks outside, friction at every step of the simulation.
 
 The sign of friction is steep, so its slope is given to MuJoCo as damping, which its Euler integrator treats
-implicitly, and the rest of the torque as an applied force; both together are the law at the step's begin.
+implicitly, and the rest of the torque as an applied force; both together are the law at the step's begin. On an
+arm whose friction holds, dry friction is MuJoCo's constraint instead, of the level that all laws together have.
 The torque is held between ticks. What is returned is sampled at the ticks: state at the tick, torque
 of the tick, mean acceleration of the first step of the tick.
 """
@@ -163,6 +164,9 @@ class _Rig:
         dry, rest = arm.coulomb.copy(), arm.viscous * dq
         if self.torques:
             self._effects(dq, sign, t, dry, rest)
+        if arm.held:
+            model.dof_frictionloss[self.motor] = np.maximum(dry, 0.0)
+            dry = np.minimum(dry, 0.0)
         slope = np.maximum(dry, 0.0) * (1.0 - sign * sign) / arm.width + arm.viscous
         # Damping opposes slope * dq by itself: what is applied is the torque less the rest of the law.
         applied, damping = data.qfrc_applied, model.dof_damping

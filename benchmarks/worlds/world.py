@@ -81,26 +81,27 @@ class World:
         return record(run, self.arm, effects, self.logging, self.control, torque, rng, plain)
 
 
-def make_world(number: int, longest: float | None = None) -> World:
+def make_world(number: int, longest: float | None = None, held: bool = False) -> World:
     """The first draw of this number that can be run.
 
     Args:
         number: Of the world.
         longest: Time [s] at which its training run ends, which is then its only one; None: as drawn.
+        held: Whether dry friction holds joints at rest.
     """
     for attempt in range(_ATTEMPTS):
         try:
-            return _draw(number, attempt, longest)
+            return _draw(number, attempt, longest, held)
         except DivergedError:
             continue
     raise RuntimeError(f"world {number}: no draw of {_ATTEMPTS} could be run")
 
 
-def _draw(number: int, attempt: int, longest: float | None) -> World:
+def _draw(number: int, attempt: int, longest: float | None, held: bool) -> World:
     rng = np.random.default_rng([SEED, number, attempt])
     # What the world is about must not depend on the attempt, or hard worlds would become rare.
     wanted = plan(number, np.random.default_rng([SEED, number]))
-    arm = allowed_friction(draw_arm(rng), wanted)
+    arm = allowed_friction(replace(draw_arm(rng), held=held), wanted)
     arm, declared, effects = place_effects(rng, arm, wanted)
     torque = joint_scales(arm)[1]
     bandwidth = 2 * np.pi * rng.uniform(3.0, 7.0)
