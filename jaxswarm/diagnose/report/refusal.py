@@ -56,7 +56,7 @@ def worth_a_longer_log(refused: list[dict], joint: str | None) -> list[str]:
     """
     return [
         f"{item['effect']} would take off {percent(item['share_of_error'], 0)} of the error"
-        f"{f' of {joint}' if joint else ' on all joints together'}, but in "
+        f" of {joint or 'the joint where it shows most'}, but in "
         f"a log as short as this one that may be chance (p = {item['p_value']:.2g}): record a longer log, or "
         "another motion beside it."
         for item in refused

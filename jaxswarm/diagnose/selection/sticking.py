@@ -41,7 +41,7 @@ def leave_out_sticks(search: Search) -> bool:
     every = search.lent is None and not any(_known(m).any() for m in search.current.motions)
     after = _fit_of_what_moves(search)
     if after is not None:
-        search.of_all_rows = search.of_all_rows or every
+        search.of_all_rows |= every
         held = search.sticking - known
         go_on_from(search, after, held)
         take_back_told_at_rest(search, held)
@@ -151,24 +151,20 @@ def _known(motion: Motion) -> np.ndarray:
 
 
 def is_held(before: Estimate, after: Estimate) -> np.ndarray:
-    """Whether friction may be what holds each joint, (n,), in rows that the fit after does not use any more."""
-    left, _, friction = _where_left_out(before, after)
+    """Whether friction may be what holds each joint, (n,), in rows that the fit after does not use any more.
+
+    Motion alone has to tell what the model does there. Of seven joints that moved one by one it did not: four
+    were left out at rest, and the errors of three joints on another log rose up to four times.
+    """
+    every, out = before.regression, _left_out(before, after)
+    left, friction = _left_and_friction(after)
     one, two = over_noise(before), over_noise(after)
     near = (two <= NEAR) & (two**2 < STICKS * one**2)
-    held = near & tells_motion(after.regression.used_rows) & (left <= friction)
-    return held & _told_by_motion(before, after) if held.any() else held
-
-
-def _told_by_motion(before: Estimate, after: Estimate) -> np.ndarray:
-    """Whether motion alone tells what the model does in the rows that it does not use any more, (n,).
-
-    Of seven joints that moved one by one it did not: four were left out at rest, and the errors of three
-    joints on another log rose up to four times.
-    """
-    every, used = before.regression, after.regression.used_rows
-    left = np.concatenate([_left_and_friction(after, m)[0] for m in after.motions])
-    left = np.where(every.used_rows, left, 0.0)
-    return is_foretold(every.columns, left, every.used_rows & ~used)
+    within = _rms(left, out) <= np.abs(friction).max(axis=0)
+    held = near & tells_motion(after.regression.used_rows) & within
+    if not held.any():
+        return held
+    return held & is_foretold(every.columns, np.where(every.used_rows, left, 0.0), out)
 
 
 def stands_out(before: Estimate, after: Estimate) -> np.ndarray:
@@ -178,32 +174,31 @@ def stands_out(before: Estimate, after: Estimate) -> np.ndarray:
     model with the law that motion lacks: of friction that fell from 2.2 to 0.4 N m as its joint warmed a model
     without that law knew 0.95 N m, and left 1.16 N m at rest, 2.4 times as much as in motion.
     """
-    left, moving, _ = _where_left_out(before, after)
-    return left > moving
+    left, _ = _left_and_friction(after)
+    return _rms(left, _left_out(before, after)) > _rms(left, after.regression.used_rows)
 
 
-def _where_left_out(before: Estimate, after: Estimate) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """RMS of what is left in rows that a fit uses no more and in motion, and its friction, (n,) each."""
-    used = after.regression.used_rows
-    out = before.regression.used_rows & ~used
-    left, friction = (
-        np.concatenate(parts)
-        for parts in zip(*(_left_and_friction(after, m) for m in after.motions), strict=True)
-    )
-    sizes = (
-        np.sqrt(np.where(rows, left**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))
-        for rows in (out, used)
-    )
-    return *sizes, np.abs(friction).max(axis=0)
+def _left_out(before: Estimate, after: Estimate) -> np.ndarray:
+    """Rows (T, n) that a fit uses no more."""
+    return before.regression.used_rows & ~after.regression.used_rows
 
 
-def _left_and_friction(found: Estimate, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """What a model leaves on all rows of a log, and the torque of its laws of the direction, (T', n) each."""
+def _rms(left: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """RMS (n,) of what is left (T, n) in some rows of every joint."""
+    return np.sqrt(np.where(rows, left**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))
+
+
+def _left_and_friction(found: Estimate) -> tuple[np.ndarray, np.ndarray]:
+    """What a model leaves on all rows of all logs, and the torque of its laws of the direction, (T, n) each."""
     model = found.model
     others = tuple(t for t in model.terms if not t.law.uses_direction)
-    whole, rest = (model_torque(m, motion) for m in (model, replace(model, terms=others)))
-    assert motion.tau is not None  # it was fitted
-    return motion.decimator.apply(motion.tau - whole), motion.decimator.apply(whole - rest)
+    parts = []
+    for motion in found.motions:
+        whole, rest = (model_torque(m, motion) for m in (model, replace(model, terms=others)))
+        assert motion.tau is not None  # it was fitted
+        parts.append([motion.decimator.apply(x) for x in (motion.tau - whole, whole - rest)])
+    left, friction = (np.concatenate(own) for own in zip(*parts, strict=True))
+    return left, friction
 
 
 def go_on_from(search: Search, after: Estimate, joints: Iterable[int]) -> None:

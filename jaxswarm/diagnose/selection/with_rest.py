@@ -67,12 +67,13 @@ def with_rest(
             up in the round in which it does not go on with those that passed; ``sticks`` is asked in the end
             whether it goes on with other rows.
     """
+    if search.of_all_rows or search.budget.spent:
+        return search
     rest = standing(motions)
     left_out = _left_out(search, rest)
     over = over_noise(search.current)
     loud = over.max() > NEAR
-    known = search.of_all_rows or search.budget.spent
-    if known or not left_out.any() or not (search.steps or loud):
+    if not left_out.any() or not (search.steps or loud):
         return search
     search.progress("asking whether a law shows where joints rest")
     every = [replace(m, held=np.zeros_like(r)) for m, r in zip(motions, rest, strict=True)]

@@ -84,7 +84,7 @@ class Rigid:
         robot: What they are made with.
         motion: The log.
         low: Through the decimator, shape (T', n, 10 n).
-        sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found about them, by joint.
+        sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found, by joint, of the arm asked for last.
         swayed: What :mod:`jaxswarm.identify.forward.compliance` found about turns of the base.
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
         moved: Motion of links that lag that was asked for last, by all that it follows from.
@@ -162,7 +162,7 @@ class Rigid:
         term: Term,
         width: Sequence[float],
         make: Callable[[], np.ndarray],
-        reports: tuple = (),
+        reports: tuple,
     ) -> np.ndarray:
         """Decimated columns (T', k) of a term on its joint; made once where they follow from the motion.
 

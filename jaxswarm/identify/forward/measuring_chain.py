@@ -191,10 +191,10 @@ def _block(
     def own() -> np.ndarray:
         return low(report_own(terms, motion, term_columns(term, motion, width, load), term.index))
 
-    known = None if low is np.asarray else body.laws
-    made = (
-        own() if known is None else known.law(term, width, own, valued(on_joint(terms, term.index)))
-    )
+    if low is np.asarray or body.laws is None:
+        made = own()
+    else:
+        made = body.laws.law(term, width, own, valued(on_joint(terms, term.index)))
     return placed(made, term.index, motion.q.shape[1])
 
 

@@ -197,7 +197,8 @@ def sensitivity_of(
 ) -> Sensitivity:
     """Differences of the rigid columns along one joint's motion.
 
-    They follow from the motion and gravity alone: found once for every log, whatever is fitted to it.
+    They follow from the motion, gravity and placements alone: found once for every log and arm, whatever else
+    is fitted to it.
 
     Args:
         robot: Kinematics and gravity.
@@ -218,7 +219,8 @@ def _kept(rigid: Rigid, robot: Robot, motion: Motion, joint: int) -> Sensitivity
     made with. Made anew for everyone who asked, what it feels took a third of a diagnosis of seven joints.
     """
     kept = rigid.sensed
-    if any(not _same_arm(robot, own.robot) for own in list(kept.values())[:1]):
+    one = next(iter(kept.values()), None)
+    if one is not None and not _same_arm(robot, one.robot):
         kept.clear()
     if joint not in kept:
         if not is_kept(motion):  # of a long log the torques of one joint are enough
