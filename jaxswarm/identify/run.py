@@ -23,8 +23,9 @@ from jaxswarm.identify.forward.model import save_model, with_linear_values
 from jaxswarm.identify.options import Options, check_options, refined
 from jaxswarm.identify.report.report import order_pictures, report_of
 from jaxswarm.logs import Log, read_log, summarize
-from jaxswarm.logs.motion import Filtering, Motion, with_skew_of
+from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.repeated import refuse_repeated_stretches
+from jaxswarm.logs.shifted import with_skew_of
 from jaxswarm.robot.load import load_robot
 from jaxswarm.robot.model import Robot
 

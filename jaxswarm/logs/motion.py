@@ -8,14 +8,20 @@ eight times the motion's band, and design the decimator that torque and model co
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy
 
 from jaxswarm.logs.bands import TORQUE_BAND, Band, checked_cutoff, find_band
 from jaxswarm.logs.bridging import bridged, lost_rows, lost_samples
 from jaxswarm.logs.encoder import between_counts
 from jaxswarm.logs.filtering import Decimator, derivatives, design_decimator, white_noise
 from jaxswarm.logs.log import Log
-from jaxswarm.logs.resampling import bridged_samples, resample, stride_for, thin, uniform_clock
+from jaxswarm.logs.resampling import (
+    bridged_samples,
+    earlier,
+    resample,
+    stride_for,
+    thin,
+    uniform_clock,
+)
 from jaxswarm.logs.smoothing import smooth
 
 
@@ -31,12 +37,15 @@ class Filtering:
             motion.
         skew: Time by which the torque lags the positions [s], a fraction of the sampling interval: a
             torque that is sampled and held is late by up to half of it.
+        weight_skew: Time by which the weight within that torque lags by itself [s]: a slower computer tells
+            it, and holds it until it tells the next one.
     """
 
     motion_cutoff: float | None = None
     torque_cutoff: float | None = None
     use_logged_velocity: bool | None = None
     skew: float = 0.0
+    weight_skew: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -60,6 +69,7 @@ class Motion:
         velocity_ratio: Its variance over that of the logged velocity [s^2], (n,); None: none was used.
         interval: Median sampling interval of the log [s].
         skew: Time by which the motion was moved against the torque [s].
+        weight_skew: Time by which the weight lags in the torque beyond that [s].
         torque_noise: Standard deviation of the torque's noise below the torque cutoff [N m or N],
             (n,): that of the sample-to-sample noise, taken as white; None without torque.
         model_noise: What the doubt of the motion makes of a model's torque on every decimated row,
@@ -94,6 +104,7 @@ class Motion:
     torque_noise: np.ndarray | None
     notes: tuple[str, ...] = field(default=())
     skew: float = 0.0
+    weight_skew: float = 0.0
     asked: Filtering = Filtering()
     position_noise: np.ndarray | None = None
     velocity_ratio: np.ndarray | None = None
@@ -111,7 +122,12 @@ class Motion:
     @property
     def filtering(self) -> Filtering:
         """How another log has to be prepared to be compared with this one."""
-        return replace(self.asked, torque_cutoff=self.torque_cutoff, skew=self.skew)
+        return replace(
+            self.asked,
+            torque_cutoff=self.torque_cutoff,
+            skew=self.skew,
+            weight_skew=self.weight_skew,
+        )
 
     @property
     def rate(self) -> float:
@@ -179,10 +195,12 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         passed = torque_cutoff / (0.5 * rate) if len(decimator.taps) > 1 else 1.0
         noise = white_noise(measured) * np.sqrt(passed)
         tau = thin(measured, rate, stride)
-    motion = Motion(
+    own = clock - log.t[0]
+    q, dq, ddq = (earlier(own, x, filtering.skew) for x in (q, dq, ddq))
+    return Motion(
         source=log.source,
         joints=log.joints,
-        t=clock - log.t[0],
+        t=own,
         q=q,
         dq=dq,
         ddq=ddq,
@@ -194,7 +212,9 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         interval=1.0 / rate,
         torque_noise=noise,
         notes=(*log.notes, *band.notes),
-        asked=replace(filtering, skew=0.0),
+        skew=filtering.skew,
+        weight_skew=filtering.weight_skew,
+        asked=replace(filtering, skew=0.0, weight_skew=0.0),
         # Thinning keeps the density of the noise, not its variance.
         position_noise=band.noise / np.sqrt(stride),
         velocity_ratio=band.ratio,
@@ -202,7 +222,6 @@ def prepare(log: Log, filtering: Filtering | None = None) -> Motion:
         lost=None if lost is None else lost[::stride],
         driven=True,
     )
-    return shift_motion(motion, filtering.skew) if filtering.skew else motion
 
 
 def _known(
@@ -226,24 +245,3 @@ def _band(filtering: Filtering, found: Band) -> Band:
         torque = TORQUE_BAND * filtering.motion_cutoff
         found = replace(found, motion=motion, torque=torque)
     return replace(found, torque=filtering.torque_cutoff or found.torque)
-
-
-def shift_motion(motion: Motion, seconds: float) -> Motion:
-    """The motion as it was ``seconds`` earlier, against an unmoved torque; a fraction of a sample."""
-
-    def moved(x: np.ndarray) -> np.ndarray:
-        return scipy.interpolate.CubicSpline(motion.t, x, axis=0)(motion.t - seconds)
-
-    return replace(
-        motion,
-        q=moved(motion.q),
-        dq=moved(motion.dq),
-        ddq=moved(motion.ddq),
-        skew=motion.skew + seconds,
-    )
-
-
-def with_skew_of(motion: Motion, like: Motion) -> Motion:
-    """Another log by the clocks that were found on one."""
-    late = like.skew - motion.skew
-    return shift_motion(motion, late) if late else motion

@@ -74,6 +74,11 @@ def resample(t: np.ndarray, x: np.ndarray, clock: np.ndarray, cubic: bool) -> np
     return values.reshape(-1, *np.shape(x)[1:])
 
 
+def earlier(t: np.ndarray, x: np.ndarray, seconds: float) -> np.ndarray:
+    """What was known at times (T,) [s], shape (T, ...), as it was ``seconds`` earlier."""
+    return scipy.interpolate.CubicSpline(t, x, axis=0)(t - seconds) if seconds else x
+
+
 def thin(x: np.ndarray, rate: float, stride: int) -> np.ndarray:
     """Keep every ``stride``-th sample, after a low-pass that removes what would fold back."""
     if stride == 1:

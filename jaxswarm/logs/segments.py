@@ -198,6 +198,7 @@ def unfiltered(part: Log, like: Motion, start: float) -> Motion:
         tau=part.tau,
         channels={n: np.asarray(x, float) for n, x in part.channels.items() if x.ndim == 2},
         decimator=Decimator(np.ones(1), 1),
+        weight_skew=0.0,
     )
 
 

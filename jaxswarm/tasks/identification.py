@@ -27,8 +27,9 @@ from jaxswarm.identify.run import (
     refuse_undeclarable,
 )
 from jaxswarm.logs import Log
-from jaxswarm.logs.motion import Filtering, Motion, with_skew_of
+from jaxswarm.logs.motion import Filtering, Motion
 from jaxswarm.logs.repeated import refuse_repeated_stretches
+from jaxswarm.logs.shifted import with_skew_of
 from jaxswarm.robot import Robot
 from jaxswarm.tables import Result
 from jaxswarm.tasks.inputs import Logs, as_logs, as_robot, in_double, refuse_shared

@@ -12,7 +12,8 @@ from jaxswarm.diagnose.selection.from_declared import fit_from_declared
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks
-from jaxswarm.logs.motion import prepare, shift_motion
+from jaxswarm.logs.motion import prepare
+from jaxswarm.logs.shifted import shift_motion
 
 SPRING = Term("joint_spring", 0, values={"k": 8.0, "tau0": 0.0})
 WITH_SPRING = (*blank(), Term("joint_spring", 0))

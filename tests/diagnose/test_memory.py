@@ -12,7 +12,8 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.columns import rigid_of
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
 from jaxswarm.identify.synthetic import demo_case, synthetic_log
-from jaxswarm.logs.motion import prepare, shift_motion
+from jaxswarm.logs.motion import prepare
+from jaxswarm.logs.shifted import shift_motion
 from jaxswarm.robot import rx60
 
 TERM = Term("stribeck_friction", 1)

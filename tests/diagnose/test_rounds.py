@@ -112,13 +112,13 @@ def test_a_model_that_refused_something_is_not_asked_anew(fitted, monkeypatch):
 @pytest.mark.parametrize("steps", [0, 1])
 def test_moved_clocks_hold_for_the_error_before_too(fitted, monkeypatch, steps):
     found, _ = fitted
-    monkeypatch.setattr(clock, "clock_skew", lambda one: (1e-3, 1e-9))
+    monkeypatch.setattr(clock, "clock_skew", lambda one, _: (1e-3, 1e-9))
     search = search_of(found, steps=[None] * steps)
     assert not clock.allow_for_skew(search, [])  # the model has a delay already
     assert clock.allow_for_skew(search, [CLOCK])
     for one in (search.declared, search.current):
         assert one.motions[0].skew == pytest.approx(1e-3)
-    monkeypatch.setattr(clock, "clock_skew", lambda one: (1e-6, 1e-9))
+    monkeypatch.setattr(clock, "clock_skew", lambda one, _: (1e-6, 1e-9))
     assert not clock.allow_for_skew(search, [CLOCK])
 
 
@@ -127,11 +127,11 @@ def test_clocks_are_moved_as_far_as_is_told_of_them_beside_what_clocks_are(fitte
     found, _ = fitted
     interval = found.motions[0].interval
     search = search_of(found)
-    monkeypatch.setattr(clock, "clock_skew", lambda one: (-0.8 * interval, 0.1 * interval))
+    monkeypatch.setattr(clock, "clock_skew", lambda one, _: (-0.8 * interval, 0.1 * interval))
     assert not clock.allow_for_skew(search, [CLOCK])  # surely a delay
     left = -1.2 * interval
 
-    def told(one):
+    def told(one, _):
         return left - one.motions[0].skew, 0.6 * interval
 
     monkeypatch.setattr(clock, "clock_skew", told)
@@ -145,12 +145,12 @@ def test_clocks_that_are_not_certain_are_moved_where_that_lowers_the_error(fitte
     """Friction that turns late by itself moved a torque that was on time, and raised its squares by half."""
     found, _ = fitted
     interval = found.motions[0].interval
-    monkeypatch.setattr(clock, "clock_skew", lambda one: (0.9 * interval, 0.4 * interval))
+    monkeypatch.setattr(clock, "clock_skew", lambda one, _: (0.9 * interval, 0.4 * interval))
     search = search_of(found)
     assert not clock.allow_for_skew(search, [CLOCK])
     assert search.current is found and search.declared is found
     search = search_of(with_skew(found, 0.7 * interval))
-    monkeypatch.setattr(clock, "clock_skew", lambda one: (-0.9 * interval, 0.4 * interval))
+    monkeypatch.setattr(clock, "clock_skew", lambda one, _: (-0.9 * interval, 0.4 * interval))
     assert clock.allow_for_skew(search, [CLOCK])
 
 

@@ -66,9 +66,11 @@ def test_friction_that_is_early_or_late_by_itself_is_no_matter_of_clocks(arm, la
 
 def test_a_long_log_tells_its_clocks_by_a_stretch_of_it(arm, monkeypatch):
     module = importlib.import_module("jaxswarm.identify.estimation.clock_skew")
+    slopes = importlib.import_module("jaxswarm.identify.estimation.time_slopes")
     log, asked = _log(arm, 0.4), "viscous_friction,coulomb_friction"
     whole = jaxswarm.identify(log, arm, asked)["filtering"]["clock_skew_s"]
-    monkeypatch.setattr(module, "_ROWS", 150)
+    for one in (module, slopes):
+        monkeypatch.setattr(one, "MOST_ROWS", 150)
     monkeypatch.setattr(module, "_LONG", 200)
     fitted = jaxswarm.identify(log, arm, asked)
     assert fitted["filtering"]["clock_skew_s"] == pytest.approx(whole, abs=0.05 / _RATE)
@@ -106,12 +108,13 @@ def test_clocks_end_where_they_fit_best_wherever_they_began(monkeypatch, start):
     best, doubt = 1e-3, 1.5e-4
 
     def at(skew):
-        motion = SimpleNamespace(skew=skew, interval=0.01)
+        motion = SimpleNamespace(skew=skew, weight_skew=0.0, interval=0.01)
         return SimpleNamespace(model=SimpleNamespace(terms=()), motions=(motion,))
 
-    monkeypatch.setattr(module, "clock_skew", lambda one: (best - one.motions[0].skew, doubt))
+    monkeypatch.setattr(module, "clock_skew", lambda one, _: (best - one.motions[0].skew, doubt))
+    monkeypatch.setattr(module, "weight_step", lambda one: 0.0)
 
-    def moved(one, late, bounded):
+    def moved(one, late, heavy, bounded):
         return at(one.motions[0].skew + late)
 
     found = module.with_clocks(at(start), moved_by=moved)
@@ -120,7 +123,8 @@ def test_clocks_end_where_they_fit_best_wherever_they_began(monkeypatch, start):
 
 def test_no_skew_is_told_that_is_within_its_doubt(monkeypatch):
     module = importlib.import_module("jaxswarm.identify.estimation.clock_skew")
-    motion = SimpleNamespace(skew=0.0, interval=0.01)
+    motion = SimpleNamespace(skew=0.0, weight_skew=0.0, interval=0.01)
     found = SimpleNamespace(model=SimpleNamespace(terms=()), motions=(motion,))
-    monkeypatch.setattr(module, "clock_skew", lambda one: (4e-4, 1.5e-4))
+    monkeypatch.setattr(module, "clock_skew", lambda one, _: (4e-4, 1.5e-4))
+    monkeypatch.setattr(module, "weight_step", lambda one: 0.0)
     assert module.with_clocks(found) is found

@@ -74,7 +74,14 @@ def fingerprint(robot: Robot, motions: Sequence[Motion], *options) -> str:
         *(m.decimator.taps for m in motions),
     ]
     bands = [
-        (m.motion_cutoff, m.torque_cutoff, m.skew, m.decimator.factor, sorted(m.channels))
+        (
+            m.motion_cutoff,
+            m.torque_cutoff,
+            m.skew,
+            m.weight_skew,
+            m.decimator.factor,
+            sorted(m.channels),
+        )
         for m in motions
     ]
     digest.update(repr(bands).encode())

@@ -28,8 +28,8 @@ from jaxswarm.diagnose.folds.noise import noise_of, row_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.effects.base import Effect
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
-from jaxswarm.identify.estimation.clock_skew import friction_slopes
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.time_slopes import friction_slopes
 
 # Makes the folds of a model by the noise of every row.
 FoldsOf = Callable[[Estimate, Callable[[Estimate], np.ndarray]], CrossFit]

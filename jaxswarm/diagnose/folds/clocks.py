@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.identify.estimation.clock_skew import change_by_time
 from jaxswarm.identify.estimation.estimate import CLOCKS_APART, Estimate
+from jaxswarm.identify.estimation.time_slopes import change_by_time
 from jaxswarm.identify.forward.model import model_torque
 
 

@@ -22,6 +22,7 @@ import numpy as np
 import scipy
 
 from jaxswarm.diagnose.folds.sharp import sharp_noise
+from jaxswarm.diagnose.folds.stairs import stair_noise
 from jaxswarm.diagnose.folds.steady import with_steady_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
@@ -135,7 +136,7 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
     motions = tuple(
         replace(
             with_steady_noise(m, left, drawn),
-            model_noise=np.sqrt(_drawn_power(m, drawn)),
+            model_noise=np.hypot(np.sqrt(_drawn_power(m, drawn)), stair_noise(found.model, m)),
             sharp_noise=sharp_noise(m, left, drawn),
             jump_noise=_jump_noise(m, left),
             event_noise=np.maximum(_stick_noise(found.model, m), _missing(m, left)),

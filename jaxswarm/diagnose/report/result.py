@@ -90,6 +90,7 @@ def to_result(outcome: Outcome, rules: Rules | None = None, search: Search | Non
             "motion_cutoff_hz": list(final.motions[0].motion_cutoff),
             "torque_cutoff_hz": final.motions[0].torque_cutoff,
             "clock_skew_s": final.motions[0].skew,
+            "weight_skew_s": final.motions[0].weight_skew,
         },
         "rules": vars(rules),
     }

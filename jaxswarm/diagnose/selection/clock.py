@@ -16,6 +16,7 @@ from jaxswarm.identify.estimation.clock_skew import (
     with_skew,
 )
 from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.identify.estimation.weight_clock import weight_step
 
 # How often the skew is found anew.
 _MOST_SKEWS = 3
@@ -33,29 +34,34 @@ def allow_for_skew(search: Search, eligible: Sequence[Term]) -> bool:
     if len(search.skews) == _MOST_SKEWS or not clocks:
         return False
     intervals = [m.interval for m in search.current.motions]
-    late, doubt = clock_skew(search.current)
+    heavy = weight_step(search.current)
+    beside = bool(heavy or search.current.motions[0].weight_skew)
+    late, doubt = clock_skew(search.current, beside)
     if any(law.credible(late, max(intervals), CERTAIN * doubt) for law in clocks):
         return False
     known = search.current.motions[0].skew
     late = credited(known + late, doubt, min(intervals)) - known
-    if abs(late) <= _LEAST_SKEW:
+    if abs(late) <= _LEAST_SKEW and not heavy:
         return False
     search.skews.append(late)
-    moved, sigma = with_skew(search.current, late), search.current.fit.sigma
+    moved, sigma = with_skew(search.current, late, heavy), search.current.fit.sigma
     before, after = (weighted_cost(e.fit.residual, sigma) for e in (search.current, moved))
     if after > before and abs(late) <= CERTAIN_CLOCK * doubt:
         return False
     search.current = moved
     # The error before is told by the same clocks as the error after.
-    search.declared = with_skew(search.declared, late) if search.steps else search.current
+    search.declared = with_skew(search.declared, late, heavy) if search.steps else search.current
     return True
 
 
 def settle_clocks(search: Search) -> None:
     """Fit the skew with everything else, once all is added: what was missing before may have moved it."""
     settled = with_clocks(search.current)
-    late = settled.motions[0].skew - search.current.motions[0].skew
-    if late:
+    before, after = (e.motions[0] for e in (search.current, settled))
+    late, heavy = after.skew - before.skew, after.weight_skew - before.weight_skew
+    if late or heavy:
         search.current = with_motion_noise(settled, search.seed)
-        search.declared = with_skew(search.declared, late) if search.steps else search.current
+        search.declared = (
+            with_skew(search.declared, late, heavy) if search.steps else search.current
+        )
         search.crossfit = cross_fit(search.current)

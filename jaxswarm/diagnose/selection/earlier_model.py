@@ -18,7 +18,8 @@ from jaxswarm.identify.forward.columns import Rigid, rigid_of
 from jaxswarm.identify.forward.measuring_chain import term_block
 from jaxswarm.identify.forward.model import Model, linear_values, smooth_torque
 from jaxswarm.identify.forward.regression import build_regression
-from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.shifted import shift_motion
 
 # Errors of parameters with a smaller part of the largest one's power are rounding.
 _ROUNDING = 1e-15
@@ -167,8 +168,8 @@ def _doubtful(found: Estimate) -> np.ndarray:
     return found.regression.columns @ (axes[:, told] * np.sqrt(power[told]))
 
 
-def _moved(found: Estimate, seconds: float, _: bool) -> Estimate:
-    return freeze(found.model, [shift_motion(m, seconds) for m in found.motions])
+def _moved(found: Estimate, seconds: float, weight: float, _: bool) -> Estimate:
+    return freeze(found.model, [shift_motion(m, seconds, weight) for m in found.motions])
 
 
 def earlier_covariance(before: Estimate) -> np.ndarray:

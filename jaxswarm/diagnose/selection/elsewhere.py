@@ -21,8 +21,9 @@ from jaxswarm.identify.forward.model import (
     with_linear_values,
 )
 from jaxswarm.identify.forward.names import column_names
-from jaxswarm.logs.motion import Motion, with_skew_of
+from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.runs import runs
+from jaxswarm.logs.shifted import with_skew_of
 
 # Time [s] at either end of another log that is left out.
 _ENDS = 0.25

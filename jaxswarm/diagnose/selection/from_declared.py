@@ -23,7 +23,8 @@ from jaxswarm.identify.estimation.clock_skew import estimate_with_clocks, with_c
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.forward.columns import is_kept
-from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.shifted import with_skew_of
 from jaxswarm.robot.model import Robot
 
 # Widths whose logarithms are nearer lie in one valley, as where a fit is trusted to have found them by itself.
@@ -71,11 +72,11 @@ def fit_from_declared(search: Search, alone: Callable[[], Estimate]) -> None:
     if not directed or any(isinstance(t.law, MeasurementLaw) and t.law.clock for t in terms):
         return
     told = alone()
-    width, skew = told.model.width, told.motions[0].skew
+    width, like = told.model.width, told.motions[0]
     del told
     if np.abs(np.log(np.divide(width, current.model.width))).max() < _NEAR:
         return
-    again = with_clocks(_fit_at(current, width, skew - current.motions[0].skew))
+    again = with_clocks(_fit_at(current, width, like))
     sigma = current.fit.sigma
     if weighted_cost(again.fit.residual, sigma) + _CHANCE < weighted_cost(
         current.fit.residual, sigma
@@ -84,13 +85,13 @@ def fit_from_declared(search: Search, alone: Callable[[], Estimate]) -> None:
         search.crossfit = cross_fit(search.current)
 
 
-def _fit_at(current: Estimate, width: tuple[float, ...], late: float) -> Estimate:
-    """The current terms fitted from other widths, to logs whose motion is moved against the torque."""
+def _fit_at(current: Estimate, width: tuple[float, ...], like: Motion) -> Estimate:
+    """The current terms fitted from other widths, to logs by the clocks of another."""
     model = current.model
     return estimate(
         model.robot,
         model.terms,
-        tuple(shift_motion(m, late) for m in current.motions),
+        tuple(with_skew_of(m, like) for m in current.motions),
         width=width,
         refine_width=True,
         bounded=False,

@@ -12,20 +12,23 @@ friction free to be early or late by itself, on most of them as less than 2 ms.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import CLOCKS_APART, Estimate, estimate
-from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.estimation.starts import with_starts
-from jaxswarm.identify.forward.model import Model, linear_values
-from jaxswarm.identify.forward.regression import Regression
-from jaxswarm.logs.motion import Motion, shift_motion
+from jaxswarm.identify.estimation.time_slopes import (
+    MOST_ROWS,
+    asked_rows,
+    told_time,
+    weight_slopes,
+)
+from jaxswarm.identify.estimation.weight_clock import weight_step
+from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.segments import stretch
+from jaxswarm.logs.shifted import shift_motion
 from jaxswarm.robot.model import Robot
 
 # Each step makes a new fit: a first one, one for what it changed, one to see that nothing is left.
@@ -33,39 +36,26 @@ _STEPS = 3
 # A skew is told from none from so many standard errors on, and a step that is below the first part of its
 # standard error is nothing.
 CERTAIN_CLOCK, _SMALL = 3.0, 0.5
-# Rows that tell it to a thousandth of a sample; of a longer log the middle is asked.
-_ROWS = 20_000
 # Rows of a log from which on two fits of it are too large.
-_LONG = 5 * _ROWS
+_LONG = 5 * MOST_ROWS
 
 
-def clock_skew(found: Estimate) -> tuple[float, float]:
+def clock_skew(found: Estimate, beside_weight: bool = False) -> tuple[float, float]:
     """Time [s] by which the torque is read after the position, beyond what is allowed for, and its error.
 
     Args:
         found: A fit.
+        beside_weight: Whether the weight has a clock of its own.
 
     Returns:
         The skew and its standard error, both zero where torques do not change.
     """
-    solution = found.fit
-    regression, residual = _in_the_middle(found.regression, solution.residual)
-    slope = -change_by_time(regression.torque - residual, regression)
-    if not slope.any():
-        return 0.0, 0.0
-    own = friction_slopes(found.model, regression)
-    known = (*regression.names, *(f"friction {k}" for k in range(own.shape[2])))
-    wide = replace(
-        regression,
-        names=(*known, "skew"),
-        columns=np.concatenate([regression.columns, own, slope[:, :, None]], axis=2),
-        torque=residual,
-        shift=None,
-    )
-    told = fit(wide, sigma=solution.sigma)
-    if told.base.kept[-1] != len(known):
-        return 0.0, 0.0  # it is what other columns say together
-    return float(told.values[-1]), float(told.std_error[-1])
+    rows = asked_rows(found)
+    columns = rows.slope[:, :, None]
+    if beside_weight:
+        weight = weight_slopes(found)[rows.asked]
+        columns = np.concatenate([weight[:, :, None], columns], axis=2)
+    return told_time(found, rows, columns)
 
 
 def shrunk(seconds: float, doubt: float) -> float:
@@ -92,28 +82,15 @@ def credited(seconds: float, doubt: float, interval: float) -> float:
     return shrunk(seconds, doubt) * usual / (usual + doubt**2)
 
 
-def friction_slopes(model: Model, regression: Regression) -> np.ndarray:
-    """What it does to the torque that the dry friction of each joint is early by itself, (T, n, n).
-
-    Args:
-        model: The model.
-        regression: Its rows, or some of them.
-    """
-    directed = [t for t in model.terms if t.law.uses_direction]
-    names = {name for t in directed for name in t.columns(model.robot.joints)}
-    own = np.array([name in names for name in regression.names], dtype=bool)
-    friction = regression.columns[:, :, own] @ linear_values(model)[own]
-    slope = -change_by_time(friction, regression)
-    return slope[:, :, None] * np.eye(slope.shape[1])
-
-
-def with_skew(found: Estimate, seconds: float, bounded: bool = False) -> Estimate:
-    """The same model fitted to logs whose motion is moved against the torque."""
+def with_skew(
+    found: Estimate, seconds: float, weight: float = 0.0, bounded: bool = False
+) -> Estimate:
+    """The same model fitted to logs whose motion is moved against the torque, and against its weight alone."""
     model = found.model
     return estimate(
         model.robot,
         model.terms,
-        tuple(shift_motion(m, seconds) for m in found.motions),
+        tuple(shift_motion(m, seconds, weight) for m in found.motions),
         width=model.width,
         refine_width=True,
         bounded=bounded,
@@ -136,22 +113,22 @@ def estimate_with_clocks(robot: Robot, terms: tuple[Term, ...], motions: list[Mo
     if len(longest.t) <= _LONG * longest.decimator.factor:
         terms = with_starts(robot, terms, motions)
         return with_clocks(estimate(robot, terms, motions), bounded=True)
-    reach = _ROWS * longest.decimator.factor // 2
+    reach = MOST_ROWS * longest.decimator.factor // 2
     middle = len(longest.t) // 2
     part = stretch(longest, middle - reach, middle + reach)
     terms = with_starts(robot, terms, [part])
-    late = with_clocks(estimate(robot, terms, [part]), bounded=True).motions[0].skew - part.skew
+    told = with_clocks(estimate(robot, terms, [part]), bounded=True).motions[0]
+    late, heavy = told.skew - part.skew, told.weight_skew - part.weight_skew
     moved = []
     while motions:
-        motion = motions.pop(0)
-        moved.append(shift_motion(motion, late) if late else motion)
+        moved.append(shift_motion(motions.pop(0), late, heavy))
     return estimate(robot, terms, moved)
 
 
 def with_clocks(
     found: Estimate,
     bounded: bool = False,
-    moved_by: Callable[[Estimate, float, bool], Estimate] = with_skew,
+    moved_by: Callable[[Estimate, float, float, bool], Estimate] = with_skew,
 ) -> Estimate:
     """The fit with its clocks where they fit best, where that is certain and below one sample.
 
@@ -160,54 +137,25 @@ def with_clocks(
     Args:
         found: A fit, or a model that is held.
         bounded: Whether physical bounds hold.
-        moved_by: What makes of it, by logs that are moved by a time [s], the next one.
+        moved_by: What makes of it, by logs that are moved by a time [s], and their weight by one, the next one.
     """
     if any(isinstance(t.law, MeasurementLaw) and t.law.clock for t in found.model.terms):
         return found  # that term says so
     most = min(m.interval for m in found.motions)
     moved = found
     for _ in range(_STEPS):
-        step, doubt = clock_skew(moved)
+        heavy = weight_step(moved)
+        beside = bool(heavy or moved.motions[0].weight_skew)
+        step, doubt = clock_skew(moved, beside)
         known = moved.motions[0].skew
-        if not known and abs(step) <= CERTAIN_CLOCK * doubt:
-            break
-        whole = shrunk(known + step, doubt)
-        late = whole - known
+        late = 0.0
+        if known or abs(step) > CERTAIN_CLOCK * doubt:
+            late = shrunk(known + step, doubt) - known
         if known and abs(late) <= _SMALL * doubt:
+            late = 0.0
+        if not late and not heavy:
             break
-        if abs(whole) > most:
+        if abs(known + late) > most:
             return found
-        moved = moved_by(moved, late, bounded)
+        moved = moved_by(moved, late, heavy, bounded)
     return moved
-
-
-def _in_the_middle(regression: Regression, residual: np.ndarray) -> tuple[Regression, np.ndarray]:
-    """The rows of a long log that are asked, with their residual."""
-    beyond = len(residual) - _ROWS
-    if beyond <= 0:
-        return regression, residual
-    asked = np.zeros(len(residual), bool)
-    asked[beyond // 2 : beyond // 2 + _ROWS] = True
-    return regression.rows(asked), residual[asked]
-
-
-def _bridged(torque: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Torques (T, n) with lines across the rows that are not used: a jump to zero has no derivative."""
-    rows = np.arange(len(torque))
-    lines = [
-        np.interp(rows, rows[u], x[u]) if u.any() else x
-        for x, u in zip(torque.T, used.T, strict=True)
-    ]
-    return np.stack(lines, axis=1)
-
-
-def change_by_time(torque: np.ndarray, regression: Regression) -> np.ndarray:
-    """Derivative by time of torques (T, n) on the rows of a regression, log by log; zero where unused."""
-    used, slope = regression.used, np.zeros_like(torque)
-    whole = torque if used is None else _bridged(torque, used)
-    for k in np.unique(regression.log):
-        rows = regression.log == k
-        if rows.sum() > 2:
-            t = regression.t[rows]
-            slope[rows] = scipy.interpolate.CubicSpline(t, whole[rows])(t, 1)
-    return slope if used is None else np.where(used, slope, 0.0)

@@ -22,6 +22,7 @@ from jaxswarm.identify.forward.latest import Latest
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.resampling import earlier
 from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
@@ -60,6 +61,24 @@ def low_columns(robot: Robot, moved: Moved, decimator: Decimator, first: int = 0
         low[row : row + len(own)] = own
         row += len(own)
     return low
+
+
+def early_columns(robot: Robot, motion: Motion, decimator: Decimator) -> np.ndarray:
+    """Decimated columns (T', n, 10 n) of the weight as its clock tells it, less those of the weight there is.
+
+    Drives go by the weight of the arm that they were told of.
+    """
+    return _early(motion, lambda moved: low_columns(robot, moved, decimator))
+
+
+def early_torque(robot: Robot, motion: Motion, pi: np.ndarray) -> np.ndarray:
+    """The same as a torque on the working clock, (T, n), for parameters (10 n,)."""
+    return _early(motion, lambda moved: torque_of(robot, *moved, pi))
+
+
+def _early(motion: Motion, along: Callable[[Moved], np.ndarray]) -> np.ndarray:
+    rest, told = np.zeros_like(motion.q), earlier(motion.t, motion.q, motion.weight_skew)
+    return along((told, rest, rest)) - along((motion.q, rest, rest))
 
 
 def numbers_of(motion: Motion) -> int:
@@ -117,6 +136,11 @@ class Rigid:
         """The same without acceleration."""
         rest = np.zeros_like(self.motion.ddq)
         return rigid_columns(self.robot, self.motion.q, self.motion.dq, rest)
+
+    @cached_property
+    def early(self) -> np.ndarray:
+        """What the clock of the weight adds to ``low``; see :func:`early_columns`."""
+        return early_columns(self.robot, self.motion, self.motion.decimator)
 
     def forget(self) -> None:
         """Let go of what is as large as the columns on the working clock; it is made anew where asked for."""

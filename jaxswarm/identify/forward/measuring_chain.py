@@ -12,11 +12,12 @@ import numpy as np
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind, valued
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
-from jaxswarm.identify.forward.columns import Rigid, last_of, term_columns
+from jaxswarm.identify.forward.columns import Rigid, early_columns, last_of, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.own_columns import own_columns, placed
 from jaxswarm.identify.forward.written_down import in_order, mixed, on_joint, report, report_own
+from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -54,6 +55,8 @@ def assemble(
     low = motion.decimator.apply if decimate else np.asarray
     body = body_along(robot, terms, motion, pi, rigid)
     whole = _low(terms, body) if decimate else report(terms, motion, body.columns)
+    if motion.weight_skew:
+        whole = whole + _early(robot, motion, rigid, decimate)
     return np.concatenate([whole, *_blocks(terms, body, width, low, log)], axis=2)
 
 
@@ -69,6 +72,13 @@ def _low(terms: tuple[Term, ...], body: Body) -> np.ndarray:
         return make()
     # A fit moves the width of a sign more often than a filter.
     return last_of(body.rigid.reported, valued(in_order(terms)), make)
+
+
+def _early(robot: Robot, motion: Motion, rigid: Rigid | None, decimate: bool) -> np.ndarray:
+    """What the clock of the weight adds to rigid columns, as drives report it whatever else they do."""
+    if rigid is not None and decimate:
+        return rigid.early
+    return early_columns(robot, motion, motion.decimator if decimate else Decimator(np.ones(1), 1))
 
 
 def _blocks(
@@ -111,6 +121,8 @@ def low_torque_along(
         whole = body.low @ theta[:k]
     else:
         whole = low(report(terms, motion, body.torque(theta[:k])))
+    if motion.weight_skew:
+        whole = whole + _early(robot, motion, rigid, True) @ theta[:k]
     for block in _blocks(terms, body, width, low, log):
         whole += block @ theta[k : k + block.shape[2]]
         k += block.shape[2]

@@ -145,6 +145,7 @@ def model_text(model: Model) -> str:
             "torque_cutoff": model.filtering.torque_cutoff,
             "use_logged_velocity": model.filtering.use_logged_velocity,
             "skew": model.filtering.skew,
+            "weight_skew": model.filtering.weight_skew,
         },
         "sigma": list(map(float, model.sigma)),
         "smooth": [to_json(term, robot.joints) for term in model.smooth],

@@ -44,7 +44,8 @@ def check_content(content: dict) -> None:
 
 def _check_filtering(filtering: dict) -> None:
     names = {field.name for field in fields(Filtering)}
-    if set(filtering) != names:
+    older = set(filtering) | {"weight_skew"}  # files written before the weight had a clock lack it
+    if older != names:
         raise InputError(f"filtering has {sorted(filtering)}, not {sorted(names)}; identify again")
     for name, value in filtering.items():
         if name == "use_logged_velocity":

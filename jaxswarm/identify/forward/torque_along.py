@@ -6,7 +6,7 @@ import numpy as np
 
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.body import body_along
-from jaxswarm.identify.forward.columns import Rigid
+from jaxswarm.identify.forward.columns import Rigid, early_torque
 from jaxswarm.identify.forward.measuring_chain import distorted, true_torque, uses_load
 from jaxswarm.identify.forward.own_columns import own_columns
 from jaxswarm.identify.forward.written_down import report
@@ -43,4 +43,5 @@ def torque_along(
             if distorted((term,))
         ]
         torque = torque + sum(beside)
-    return report(terms, motion, torque)
+    read = report(terms, motion, torque)
+    return read + early_torque(robot, motion, theta[:k]) if motion.weight_skew else read

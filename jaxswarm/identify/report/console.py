@@ -111,14 +111,23 @@ def rest_lines(
 
 def clock_lines(report: dict) -> list[str]:
     """By how much the clocks of torque and position are apart, where they are."""
-    skew = report.get("filtering", {}).get("clock_skew_s", 0.0)
-    if not skew:
-        return []
-    late = "after" if skew > 0 else "before"
-    return [
-        f"The torque is read {1e3 * abs(skew):.2f} ms {late} the position: less than a sample, so a matter "
-        "of the clock and not of the robot. The model allows for it."
-    ]
+    told, lines = report.get("filtering", {}), []
+    skew, weight = told.get("clock_skew_s", 0.0), told.get("weight_skew_s", 0.0)
+    if skew:
+        lines.append(
+            f"The torque is read {_apart(skew)} the position: less than a sample, so a matter "
+            "of the clock and not of the robot. The model allows for it."
+        )
+    if weight:
+        lines.append(
+            f"The weight is read {_apart(weight)} the rest of the torque, on several joints alike: as where a "
+            "slower computer tells it to the drives. The model allows for it."
+        )
+    return lines
+
+
+def _apart(seconds: float) -> str:
+    return f"{1e3 * abs(seconds):.2f} ms {'after' if seconds > 0 else 'before'}"
 
 
 def consistency_lines(report: dict) -> list[str]:

@@ -61,6 +61,7 @@ def report_of(
             "motion_cutoff_hz": list(found.motions[0].motion_cutoff),
             "torque_cutoff_hz": found.motions[0].torque_cutoff,
             "clock_skew_s": found.motions[0].skew,
+            "weight_skew_s": found.motions[0].weight_skew,
         },
         "residual_std": solution.sigma,
         "held_at_rest": held_shares(found.motions),
