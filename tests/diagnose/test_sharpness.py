@@ -30,9 +30,9 @@ LAWS = {
 }
 
 
-def scored(effect: str, sharp: float):
+def scored(effect: str, sharp: float, **values: float):
     """A log with a law of joint 2: its scores that pass, its fit and its folds."""
-    log = log_with(Term(effect, 1, values=LAWS[effect]))
+    log = log_with(Term(effect, 1, values=LAWS[effect] | values))
     found = with_motion_noise(estimate(small_arm(), blank(), [prepare(log, BAND)], bounded=False))
     (motion,) = found.motions
     slow = np.abs(motion.decimator.apply(motion.dq)) < SLOW
@@ -106,3 +106,16 @@ def test_what_went_with_what_is_sharp_is_asked_again_whatever_changes(changed):
     assert friction in search.banned and "stribeck_friction" not in names(stays)
     search.ask_again(changed)
     assert friction not in search.banned
+
+
+@pytest.mark.parametrize("held, stays", [(False, True), (True, False)])
+def test_what_stands_for_where_a_joint_hardly_moves_is_not_added(held, stays):
+    """Dry friction may hold it there at any torque; what shows at all low speeds is a law."""
+    passed, found, crossfit = scored("stribeck_friction", 0.0, df=0.3)
+    (motion,) = found.motions
+    slow = np.abs(motion.decimator.apply(motion.dq)) < SLOW
+    (one,) = (s for s in passed if s.candidate.term.place[:2] == ("stribeck_friction", 1))
+    event = np.where(slow, 10.0 * SHARP, motion.event_noise) if held else motion.event_noise
+    found = replace(found, motions=(replace(motion, event_noise=event),))
+    refused = only_sharp([one], found, crossfit, lambda s: passes(s, len(passed), Rules()))
+    assert (not refused) == stays

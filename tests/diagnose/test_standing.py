@@ -14,7 +14,7 @@ from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.remainder import remainders
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.unexplained import Unexplained
-from jaxswarm.diagnose.folds.noise import event_doubt, with_motion_noise
+from jaxswarm.diagnose.folds.noise import event_doubt, noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import stepwise
 from jaxswarm.diagnose.selection import with_rest as with_rest_module
@@ -491,6 +491,23 @@ def test_a_joint_that_hardly_moves_is_held_by_any_torque_within_its_friction():
     slow, fast = doubt[speed < found.model.width[1]], doubt[speed > 0.3 * speed.max()]
     assert slow.max() > 0.15 * fc > 0.0 and slow.mean() > 3.0 * np.median(fast)
     assert np.median(fast) < 0.05 * fc
+
+
+def test_a_joint_that_stands_is_held_by_its_friction_though_others_move_it():
+    """By five widths of its sign, at which the sign is whole: a rest was told as a push."""
+    found, width = fitted(stopping(0.0, creep=0.3), held=False), np.full(2, 6e-4)
+    model = replace(found.model, width=tuple(width))
+    found = with_motion_noise(replace(found, model=model))
+    (motion,) = found.motions
+    (rest,) = standing([motion])
+    speed = np.abs(motion.dq[motion.decimator.kept(len(motion.t))])
+    doubt, noise = event_doubt(found), noise_of(found)
+    for j, fc in enumerate(FRICTION):
+        crept = rest[:, j] & (speed[:, j] > 3.0 * width[j])
+        moves = speed[:, j] > 0.3 * speed[:, j].max()
+        assert crept.sum() > 20
+        assert np.median(doubt[crept, j]) > 0.3 * fc > 3.0 * noise[j]
+        assert np.median(doubt[moves, j]) < 0.05 * fc
 
 
 def test_a_joint_that_never_moves_says_nothing_of_what_motion_foretells():

@@ -15,7 +15,11 @@ from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import state_events
 from jaxswarm.diagnose.selection.budget import Budget
-from jaxswarm.diagnose.selection.event_at_rest import like_other_rests
+from jaxswarm.diagnose.selection.event_at_rest import (
+    held_within,
+    like_other_rests,
+    rows_within,
+)
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, find_term
@@ -306,6 +310,24 @@ def test_an_event_that_is_a_rest_is_taken_back(monkeypatch):
     monkeypatch.setattr(state_events, "like_other_rests", lambda found, added: True)
     take_back_events(search)
     assert not search.steps and "told by a rest" in search.refused[0][1]
+
+
+@pytest.mark.parametrize(
+    "sticking, first, held",
+    [({1}, 0.0, True), ({1}, 5.0, False), ({0, 1}, 5.0, True), (set(), 0.0, False)],
+)
+def test_a_push_is_told_by_a_rest_only_where_all_joints_it_acts_on_rest(sticking, first, held):
+    """An arm was pushed while its last joint stood, which told most of it."""
+    search = told_as_contacts(push, 1)
+    (step,), current = search.steps, search.current
+    used = np.ones_like(current.regression.torque, dtype=bool)
+    within = rows_within(current, step.added)
+    for joint in sticking:
+        used[within, joint] = False
+    search.current = replace(current, regression=replace(current.regression, used=used))
+    search.sticking = sticking
+    step.added.values["tau_joint1"] = first
+    assert step.score.joint == 1 and held_within(search, step) == held
 
 
 def load(log):

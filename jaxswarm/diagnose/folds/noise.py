@@ -25,6 +25,8 @@ from jaxswarm.diagnose.folds.sharp import sharp_noise
 from jaxswarm.diagnose.folds.stairs import stair_noise
 from jaxswarm.diagnose.folds.steady import with_steady_noise
 from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.standing import standing
+from jaxswarm.identify.forward.metrics import slow_speed
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
@@ -72,6 +74,14 @@ def row_noise(found: Estimate) -> np.ndarray:
         return np.hypot(slow, np.hypot(_known(motion.model_noise), sharp))
 
     return _with_sensor(found, part)
+
+
+def noise_beside_rest(found: Estimate) -> np.ndarray:
+    """The same, (T', n), with any torque within its friction where a joint hardly moves."""
+    if any(m.event_noise is None for m in found.motions):
+        return row_noise(found)
+    more = np.concatenate([_known(m.event_noise) for m in found.motions])
+    return np.hypot(row_noise(found), more)
 
 
 def row_doubt(found: Estimate) -> np.ndarray:
@@ -180,12 +190,17 @@ def _stick_noise(model: Model, motion: Motion) -> np.ndarray:
     """Standard deviation (T', n) of what holds a joint that hardly moves: any torque within its friction.
 
     A joint with true stiction stops for a tenth of a second while its drive winds up: what holds it then was
-    told as a push.
+    told as a push. So was a rest in which others moved it at five times the width of its sign.
     """
     own = replace(model, terms=tuple(t for t in model.terms if t.law.uses_direction), smooth=())
-    width = np.asarray(model.width)
-    up, down = (model_torque(own, replace(motion, dq=motion.dq + s * width)) for s in (1.0, -1.0))
-    return np.abs(motion.decimator.apply(0.5 * (up - down)))
+
+    def half(width: np.ndarray) -> np.ndarray:
+        moved = (replace(motion, dq=motion.dq + s * width) for s in (1.0, -1.0))
+        up, down = (model_torque(own, m) for m in moved)
+        return np.abs(motion.decimator.apply(0.5 * (up - down)))
+
+    width, (rest,) = np.asarray(model.width), standing([motion])
+    return np.where(rest, half(np.maximum(width, slow_speed(motion.dq))), half(width))
 
 
 def _drawn(found: Estimate, motion: Motion, seed: int) -> list[np.ndarray]:

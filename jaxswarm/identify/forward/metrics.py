@@ -11,6 +11,11 @@ def is_moving(dq: np.ndarray) -> np.ndarray:
     return moves_at(dq, np.abs(dq).max(axis=0))
 
 
+def slow_speed(dq: np.ndarray) -> np.ndarray:
+    """The speed (n,) up to which a joint hardly moves."""
+    return _MOVING_SHARE * np.abs(dq).max(axis=0)
+
+
 def moves_at(dq: np.ndarray, top: np.ndarray) -> np.ndarray:
     """The same by top speeds (n,) of several logs."""
     return np.abs(dq) > _MOVING_SHARE * np.maximum(top, 1e-12)
