@@ -116,7 +116,7 @@ class Term:
         where += "" if self.other is None else f"_{joints[self.other]}"
         if self.law.recurring and "start" in self.values:
             where += f"_{self.values['start']:.1f}s"
-        if self.law.identity == ("log",) and self.values.get("log", 0.0):
+        if "log" in self.law.identity and not self.law.recurring and self.values.get("log", 0.0):
             where += f"_log{self.values['log'] + 1:.0f}"
         if self.law.several:
             where += "".join(

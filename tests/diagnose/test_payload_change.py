@@ -4,16 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from elbow import ask, elbow_log, fitted, passing
+from elbow import ask, elbow, elbow_log, fitted, passing
+from planted import BAND
 
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.window import _look, _untold
 from jaxswarm.diagnose.decision.carried import is_carried
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.step import find_term
-from jaxswarm.effects.term import Term
+from jaxswarm.effects.term import Term, parse_terms
+from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.events import window_errors
 from jaxswarm.identify.forward.model import load_model, model_torque, save_model
+from jaxswarm.logs.motion import prepare
 
 DOUBLES = ("contact", "friction_change", "torque_offset", "drive_gain", "encoder_offset")
 BODY = {
@@ -96,6 +100,33 @@ def test_a_load_follows_the_posture_as_no_constant_torques_do():
         found = fitted(elbow_log(hidden))
         (best,) = passing(ask(found, "payload_change"))
         assert is_carried(best, cross_fit(found)) == (hidden is load)
+
+
+def test_each_log_has_its_own_load():
+    """Of one picked up in both of two logs the second was told as three contacts."""
+    loads = [
+        Term("payload_change", values={**BODY, "m": m, "start": start, "end": 8.1})
+        for m, start in ((1.5, 4.3), (1.0, 2.9))
+    ]
+    logs = [elbow_log(load, seed=k) for k, load in enumerate(loads, 1)]
+    declared = parse_terms("viscous_friction,coulomb_friction", elbow().joints)
+    found = estimate(elbow(), declared, [prepare(x, BAND) for x in logs], bounded=False)
+    for _ in logs:
+        (best,) = passing(ask(found, "payload_change"))
+        found = refit_with(found, best)
+    told = sorted((t for t in found.model.terms if t.effect == "payload_change"), key=_log)
+    assert [_log(t) for t in told] == [0.0, 1.0]
+    for term, load in zip(told, loads, strict=True):
+        assert term.values["m"] == pytest.approx(load.values["m"], rel=0.2)
+        assert term.values["start"] == pytest.approx(load.values["start"], abs=0.1)
+    names = [name for t in told for name in t.columns(elbow().joints)]
+    assert len(set(names)) == len(names)
+    left = [t.place for t in eligible_terms(found.model, tuple(found.motions))]
+    assert ("payload_change", None, None) not in left
+
+
+def _log(term: Term) -> float:
+    return term.values["log"]
 
 
 def test_a_load_kept_all_along_belongs_to_the_link():

@@ -7,7 +7,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.position_laws import leaves_room
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import TorqueLaw
+from jaxswarm.effects.kinds import BodyChange, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model
@@ -59,8 +59,9 @@ def eligible_terms(
 
 
 def _has_room(term: Term, model: Model, motions: tuple[Motion, ...]) -> bool:
-    """Whether beside a term there may be one like it: an order, or the tone of a log that has none."""
-    if isinstance(term.law, TorqueLaw) and term.law.tone:
+    """Whether beside a term there may be one like it: an order, or the tone or load of a log that has none."""
+    law = term.law
+    if (isinstance(law, TorqueLaw) and law.tone) or (isinstance(law, BodyChange) and law.window):
         return sum(t.place == term.place for t in model.terms) < len(motions)
     return leaves_room(term, motions)
 

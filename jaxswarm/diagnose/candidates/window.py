@@ -5,6 +5,7 @@ holds, with Q its basis: :math:`h^T (X^T X - P^T P)^{-1} h` with :math:`h = X^T 
 running sums of the three that is a small linear solution for every window, and all are tried.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -37,7 +38,10 @@ def windowed_candidate(lin: Linearization, term: Term, columns: np.ndarray) -> C
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     _, size, directions = thin_svd(rows / scale)
     seen = columns / scale @ directions[size > _RANK * size[0]].T
-    windows = [_best_window(lin, fold, seen) for fold in lin.crossfit.folds]
+    # A log in which a load is known has no second one: its columns are those of the first.
+    known = {t.values["log"] for t in lin.found.model.terms if t.place == term.place}
+    logs = [n for n in np.unique(lin.found.regression.log) if n not in known]
+    windows = [_best_window(lin, fold, seen, logs) for fold in lin.crossfit.folds]
     found = [window for window in windows if window is not None]
     if len(found) < len(windows):
         return None
@@ -66,12 +70,14 @@ def _untold(weight: np.ndarray, train: np.ndarray) -> np.ndarray:
     return ~train & np.isin(stretch, stretch[edges])
 
 
-def _best_window(lin: Linearization, fold: Fold, seen: np.ndarray) -> dict | None:
-    """Start, end and log of the window that explains most of a fold's rows; None if none does."""
+def _best_window(
+    lin: Linearization, fold: Fold, seen: np.ndarray, logs: Sequence[int]
+) -> dict | None:
+    """Start, end and log of the window that explains most of a fold's rows of some logs; None if none does."""
     regression = lin.found.regression
     x = np.where(fold.train[:, None, None], seen, 0.0)
     best, found = 0.0, None
-    for number in np.unique(regression.log):
+    for number in logs:
         rows = np.flatnonzero(regression.log == number)
         own = slice(rows[0], rows[-1] + 1)
         part = x[own], fold.residual[own], fold.basis[own]

@@ -28,8 +28,9 @@ def add_both_ends(search: Search, passed: Sequence[Score]) -> bool:
 
     Asked are joints of which one at least is far from its noise: what the other has left may be hidden in the
     bodies that both share. Either end has to pass beside the other one and beside the laws of its joint that
-    it contains, as two springs are no cable; but what is large beside the torque of one joint may be small
-    beside that of the other.
+    it contains, as two springs are no cable; but what is large on one joint may be small on the other: of a
+    cable that one end told with a share of 0.97 the other had 0.19, p = 4e-19, and a spring and an encoder's
+    zero were told for it.
     """
     best = max((s.gain for s in passed), default=0.0)
     found = [p for p in _pairs(search) if p[0] > best]
@@ -68,12 +69,16 @@ def _pairs(search: Search) -> list[tuple[float, Score, Score]]:
         first, second = (
             _beside(ends[a], ends[b], asked, crossfit) for a, b in ((one, two), (two, one))
         )
-        size = max(first.over_torque, second.over_torque)
-        both = (replace(s, over_torque=size) for s in (first, second))
-        if all(passes(s, len(search.scores), search.rules) for s in both):
+        if all(passes(s, len(search.scores), search.rules) for s in _sized(first, second)):
             gain = ends[two].gain + _score(ends[one], crossfit, ends[two]).gain
             told.append((gain, first, second))
     return told
+
+
+def _sized(*ends: Score) -> list[Score]:
+    """Ends that count as one law: each is told by itself, and as large as the larger one."""
+    most = {n: max(getattr(s, n) for s in ends) for n in ("share", "over_noise", "over_torque")}
+    return [replace(s, **most) for s in ends]
 
 
 def _beside(end: Score, other: Score, asked: Mapping[tuple, Score], crossfit: CrossFit) -> Score:
