@@ -10,14 +10,17 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
-from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.sharpness import only_sharp, score_softly
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import NEAR, Rules
+from jaxswarm.diagnose.decision.sharpness import _noise_for, only_sharp, score_softly
 from jaxswarm.diagnose.decision.worth import passes
-from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
+from jaxswarm.diagnose.folds.beside_rest import beside_rest, beside_reversals
+from jaxswarm.diagnose.folds.noise import noise_of, row_noise, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.stand import in_all_motion
 from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.effects.base import REGISTRY
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.motion import prepare
@@ -119,3 +122,26 @@ def test_what_stands_for_where_a_joint_hardly_moves_is_not_added(held, stays):
     found = replace(found, motions=(replace(motion, event_noise=event),))
     refused = only_sharp([one], found, crossfit, lambda s: passes(s, len(passed), Rules()))
     assert (not refused) == stays
+
+
+def test_what_acts_at_all_speeds_has_to_show_beside_reversals():
+    low = {name for name, law in REGISTRY.items() if _noise_for(law) is beside_rest}
+    assert {"stribeck_friction", "hysteresis", "dwell_friction", "torque_dead_band"} <= low
+    every = {name for name, law in REGISTRY.items() if _noise_for(law) is beside_reversals}
+    assert {"gear_coupling_error", "joint_spring", "quadratic_drag", "base_tilt"} <= every
+    usual = {name for name, law in REGISTRY.items() if _noise_for(law) is row_noise}
+    assert usual == {name for name, law in REGISTRY.items() if law.everyday}
+
+
+def test_beside_reversals_a_row_counts_by_what_friction_may_hold_there():
+    """A true drag stays: it shows where the joint is fast."""
+    passed, found, crossfit = scored("quadratic_drag", 0.0, c=0.1)
+    (motion,) = found.motions
+    noise, plain = beside_reversals(found)[:, 1], row_noise(found)[:, 1]
+    speed = np.abs(motion.decimator.apply(motion.dq)[:, 1])
+    fc = next(t.values["fc"] for t in found.model.terms if t.place[:2] == ("coulomb_friction", 1))
+    assert np.median(noise[speed < 0.02 * speed.max()]) > 0.3 * fc
+    assert np.median(noise[speed > 0.3 * speed.max()]) < 1.5 * np.median(plain)
+    (one,) = (s for s in passed if s.candidate.term.place[:2] == ("quadratic_drag", 1))
+    assert over_noise(found)[1] <= NEAR
+    assert not only_sharp([one], found, crossfit, lambda s: passes(s, len(passed), Rules()))

@@ -24,9 +24,8 @@ import scipy
 from jaxswarm.diagnose.folds.sharp import sharp_noise
 from jaxswarm.diagnose.folds.stairs import stair_noise
 from jaxswarm.diagnose.folds.steady import with_steady_noise
+from jaxswarm.diagnose.folds.stiction import rest_noise
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import standing
-from jaxswarm.identify.forward.metrics import slow_speed
 from jaxswarm.identify.forward.model import Model, model_torque
 from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
@@ -74,14 +73,6 @@ def row_noise(found: Estimate) -> np.ndarray:
         return np.hypot(slow, np.hypot(_known(motion.model_noise), sharp))
 
     return _with_sensor(found, part)
-
-
-def noise_beside_rest(found: Estimate) -> np.ndarray:
-    """The same, (T', n), with any torque within its friction where a joint hardly moves."""
-    if any(m.event_noise is None for m in found.motions):
-        return row_noise(found)
-    more = np.concatenate([_known(m.event_noise) for m in found.motions])
-    return np.hypot(row_noise(found), more)
 
 
 def row_doubt(found: Estimate) -> np.ndarray:
@@ -149,7 +140,7 @@ def with_motion_noise(found: Estimate, seed: int = 0) -> Estimate:
             model_noise=np.hypot(np.sqrt(_drawn_power(m, drawn)), stair_noise(found.model, m)),
             sharp_noise=sharp_noise(m, left, drawn),
             jump_noise=_jump_noise(m, left),
-            event_noise=np.maximum(_stick_noise(found.model, m), _missing(m, left)),
+            event_noise=np.maximum(rest_noise(found.model, m), _missing(m, left)),
         )
         for m in found.motions
         for left, drawn in [(_left(found.model, m), _drawn(found, m, seed))]
@@ -184,23 +175,6 @@ def _missing(motion: Motion, left: np.ndarray) -> np.ndarray:
         return np.zeros((1, left.shape[1]))
     across = motion.decimator.apply(motion.bridged.astype(float)[:, None]) > _ACROSS
     return across * _UNKNOWN * np.abs(left).max(axis=0)
-
-
-def _stick_noise(model: Model, motion: Motion) -> np.ndarray:
-    """Standard deviation (T', n) of what holds a joint that hardly moves: any torque within its friction.
-
-    A joint with true stiction stops for a tenth of a second while its drive winds up: what holds it then was
-    told as a push. So was a rest in which others moved it at five times the width of its sign.
-    """
-    own = replace(model, terms=tuple(t for t in model.terms if t.law.uses_direction), smooth=())
-
-    def half(width: np.ndarray) -> np.ndarray:
-        moved = (replace(motion, dq=motion.dq + s * width) for s in (1.0, -1.0))
-        up, down = (model_torque(own, m) for m in moved)
-        return np.abs(motion.decimator.apply(0.5 * (up - down)))
-
-    width, (rest,) = np.asarray(model.width), standing([motion])
-    return np.where(rest, half(np.maximum(width, slow_speed(motion.dq))), half(width))
 
 
 def _drawn(found: Estimate, motion: Motion, seed: int) -> list[np.ndarray]:
