@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import scipy
 
+from jaxswarm.identify.estimation.time_slopes import low_weight
 from jaxswarm.identify.forward.columns import torque_of
 from jaxswarm.identify.forward.model import Model
 from jaxswarm.logs.motion import Motion
@@ -36,8 +37,8 @@ def stair_noise(model: Model, motion: Motion) -> np.ndarray:
         return np.zeros((len(kept), motion.q.shape[1]))
     robot, pi = model.robot, np.asarray(model.robot.parameters).ravel()
     rest = np.zeros_like(motion.q)
-    weight = motion.decimator.apply(torque_of(robot, motion.q, rest, rest, pi))
-    change = scipy.interpolate.CubicSpline(motion.t[kept], weight)(motion.t[kept], 1)
+    t = motion.t[kept]
+    change = scipy.interpolate.CubicSpline(t, low_weight(model, motion))(t, 1)
     weightless, own = robot.replace(gravity=jnp.zeros(3)), np.eye(motion.q.shape[1])
     inertia = np.array(
         [

@@ -25,8 +25,10 @@ def rest_noise(model: Model, motion: Motion) -> np.ndarray:
         motion: A log.
     """
     width, (rest,) = np.asarray(model.width), standing([motion])
-    slow = np.maximum(width, slow_speed(motion.dq))
-    return np.where(rest, _half(model, motion, slow), _half(model, motion, width))
+    moving = _half(model, motion, width)
+    if not rest.any():
+        return moving
+    return np.where(rest, _half(model, motion, np.maximum(width, slow_speed(motion.dq))), moving)
 
 
 def reversal_noise(model: Model, motion: Motion) -> np.ndarray:

@@ -9,13 +9,13 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term, of_kind
 from jaxswarm.identify.estimation.clock_skew import (
-    CERTAIN_CLOCK,
     clock_skew,
     credited,
     with_clocks,
     with_skew,
 )
 from jaxswarm.identify.estimation.least_squares import weighted_cost
+from jaxswarm.identify.estimation.time_slopes import CERTAIN_CLOCK
 from jaxswarm.identify.estimation.weight_clock import weight_step
 
 # How often the skew is found anew.
@@ -35,8 +35,7 @@ def allow_for_skew(search: Search, eligible: Sequence[Term]) -> bool:
         return False
     intervals = [m.interval for m in search.current.motions]
     heavy = weight_step(search.current)
-    beside = bool(heavy or search.current.motions[0].weight_skew)
-    late, doubt = clock_skew(search.current, beside)
+    late, doubt = clock_skew(search.current, heavy)
     if any(law.credible(late, max(intervals), CERTAIN * doubt) for law in clocks):
         return False
     known = search.current.motions[0].skew

@@ -20,7 +20,9 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import CLOCKS_APART, Estimate, estimate
 from jaxswarm.identify.estimation.starts import with_starts
 from jaxswarm.identify.estimation.time_slopes import (
+    CERTAIN_CLOCK,
     MOST_ROWS,
+    SMALL_STEP,
     asked_rows,
     told_time,
     weight_slopes,
@@ -33,26 +35,24 @@ from jaxswarm.robot.model import Robot
 
 # Each step makes a new fit: a first one, one for what it changed, one to see that nothing is left.
 _STEPS = 3
-# A skew is told from none from so many standard errors on, and a step that is below the first part of its
-# standard error is nothing.
-CERTAIN_CLOCK, _SMALL = 3.0, 0.5
 # Rows of a log from which on two fits of it are too large.
 _LONG = 5 * MOST_ROWS
 
 
-def clock_skew(found: Estimate, beside_weight: bool = False) -> tuple[float, float]:
+def clock_skew(found: Estimate, heavy: float = 0.0) -> tuple[float, float]:
     """Time [s] by which the torque is read after the position, beyond what is allowed for, and its error.
 
     Args:
         found: A fit.
-        beside_weight: Whether the weight has a clock of its own.
+        heavy: Time [s] by which the weight lags beyond what is allowed for: then, or where some is allowed for,
+            it has a clock of its own.
 
     Returns:
         The skew and its standard error, both zero where torques do not change.
     """
     rows = asked_rows(found)
     columns = rows.slope[:, :, None]
-    if beside_weight:
+    if heavy or found.motions[0].weight_skew:
         weight = weight_slopes(found)[rows.asked]
         columns = np.concatenate([weight[:, :, None], columns], axis=2)
     return told_time(found, rows, columns)
@@ -145,13 +145,12 @@ def with_clocks(
     moved = found
     for _ in range(_STEPS):
         heavy = weight_step(moved)
-        beside = bool(heavy or moved.motions[0].weight_skew)
-        step, doubt = clock_skew(moved, beside)
+        step, doubt = clock_skew(moved, heavy)
         known = moved.motions[0].skew
         late = 0.0
         if known or abs(step) > CERTAIN_CLOCK * doubt:
             late = shrunk(known + step, doubt) - known
-        if known and abs(late) <= _SMALL * doubt:
+        if known and abs(late) <= SMALL_STEP * doubt:
             late = 0.0
         if not late and not heavy:
             break

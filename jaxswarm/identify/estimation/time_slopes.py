@@ -5,6 +5,7 @@ whose coefficient is that time. Friction, the weight and all of the torque may e
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -14,9 +15,13 @@ from jaxswarm.identify.estimation.least_squares import fit
 from jaxswarm.identify.forward.columns import torque_of
 from jaxswarm.identify.forward.model import Model, linear_values
 from jaxswarm.identify.forward.regression import Regression
+from jaxswarm.logs.motion import Motion
 
 # Rows that tell a time to a thousandth of a sample; of a longer log the middle is asked.
 MOST_ROWS = 20_000
+# A time is told from none from so many standard errors on, and a step that is below the second part of its
+# standard error is nothing.
+CERTAIN_CLOCK, SMALL_STEP = 3.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,7 @@ class Rows:
     regression: Regression
     residual: np.ndarray
 
-    @property
+    @cached_property
     def slope(self) -> np.ndarray:
         """What it does to the model's torque that all of it is read late, (T', n)."""
         return -change_by_time(self.regression.torque - self.residual, self.regression)
@@ -95,14 +100,17 @@ def friction_slopes(model: Model, regression: Regression) -> np.ndarray:
 
 def weight_slopes(found: Estimate) -> np.ndarray:
     """What it does to the torque that the weight is read late by itself, (T, n)."""
-    robot, regression = found.model.robot, found.regression
-    pi = np.asarray(robot.parameters).ravel()
+    regression = found.regression
     weight = np.zeros_like(regression.torque)
     for number, motion in enumerate(found.motions):
-        rest = np.zeros_like(motion.q)
-        own = motion.decimator.apply(torque_of(robot, motion.q, rest, rest, pi))
-        weight[regression.log == number] = own
+        weight[regression.log == number] = low_weight(found.model, motion)
     return -change_by_time(weight, regression)
+
+
+def low_weight(model: Model, motion: Motion) -> np.ndarray:
+    """Weight of a model's rigid body along a log, below the torque cutoff, (T', n)."""
+    rest, pi = np.zeros_like(motion.q), np.asarray(model.robot.parameters).ravel()
+    return motion.decimator.apply(torque_of(model.robot, motion.q, rest, rest, pi))
 
 
 def change_by_time(torque: np.ndarray, regression: Regression) -> np.ndarray:

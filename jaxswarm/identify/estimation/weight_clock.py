@@ -10,11 +10,14 @@ with 1.4 to 2.2 ms of doubt, and the rest of the torque -1.5 of 1.4.
 import numpy as np
 
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.time_slopes import Rows, asked_rows, told_time, weight_slopes
-
-# It is told from none from so many standard errors on, whichever joint is not asked; a step that is below the
-# second part of its standard error is nothing.
-_CERTAIN, _SMALL = 3.0, 0.5
+from jaxswarm.identify.estimation.time_slopes import (
+    CERTAIN_CLOCK,
+    SMALL_STEP,
+    Rows,
+    asked_rows,
+    told_time,
+    weight_slopes,
+)
 
 
 def weight_step(found: Estimate) -> float:
@@ -29,22 +32,23 @@ def weight_step(found: Estimate) -> float:
     rows = asked_rows(found)
     weight = weight_slopes(found)[rows.asked]
     step, doubt = _told(found, rows, weight[:, :, None])
-    if abs(known + step) > most or abs(step) <= (_SMALL if known else _CERTAIN) * doubt:
+    if abs(known + step) > most or abs(step) <= (SMALL_STEP if known else CERTAIN_CLOCK) * doubt:
         return 0.0
     if known or all(
-        _is_told_without(found, rows, weight, j, step) for j in np.flatnonzero(weight.any(0))
+        _is_told_without(found, rows, weight, j, step)
+        for j in np.flatnonzero(weight.any(axis=0)).tolist()
     ):
         return step
     return 0.0
 
 
 def _is_told_without(
-    found: Estimate, rows: Rows, weight: np.ndarray, joint: np.integer, step: float
+    found: Estimate, rows: Rows, weight: np.ndarray, joint: int, step: float
 ) -> bool:
     """Whether the others say so, too, where the weight on one joint has a clock of its own."""
     own = np.arange(weight.shape[1]) == joint
     others, doubt = _told(found, rows, np.stack([weight * own, weight * ~own], axis=2))
-    return others * step > 0 and abs(others) > _CERTAIN * doubt
+    return others * step > 0 and abs(others) > CERTAIN_CLOCK * doubt
 
 
 def _told(found: Estimate, rows: Rows, weight: np.ndarray) -> tuple[float, float]:
