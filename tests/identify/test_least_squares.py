@@ -15,7 +15,7 @@ from jaxswarm.identify.estimation.factors import (
     narrow_factor,
     weighted_factor,
 )
-from jaxswarm.identify.estimation.least_squares import fit
+from jaxswarm.identify.estimation.least_squares import fit, solved
 from jaxswarm.identify.estimation.validate import held_out_residual
 
 TRUTH = np.array([1.5, -0.7, 0.3, 2.0])
@@ -48,6 +48,23 @@ def test_weights_are_found_from_the_residual(columns):
     # Weighted by their own noise the two joints give less error than by rows counted alike.
     plain = fit(make_regression(columns, noisy(columns)), sigma=np.ones(2))
     assert np.linalg.norm(found.std_error) < np.linalg.norm(plain.std_error)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e-3])
+def test_weights_do_not_go_by_where_they_began(ratio):
+    """Of joints that share parameters a quiet one is found late."""
+    rng = np.random.default_rng(3)
+    columns = waves(rng, 800, 3, 8)
+    noise = np.array([1.0, 0.03, ratio]) * 0.1
+    torque = columns @ rng.normal(size=8) * 10.0 + noise * rng.normal(size=(800, 3))
+    problem = make_regression(columns, torque)
+    one = fit(problem)
+    left = np.linalg.norm(torque - columns @ one.theta, axis=0) / np.sqrt(800 - 8 / 3)
+    np.testing.assert_allclose(one.sigma, left, rtol=3e-4)
+    for begin in (np.ones(3), 1e-3 * np.ones(3), noise[::-1]):
+        other = solved(problem, near=begin)
+        np.testing.assert_allclose(other.sigma, one.sigma, rtol=3e-4)
+        np.testing.assert_allclose(other.values, one.values, atol=3e-4 * one.std_error.min())
 
 
 def test_the_compressed_cost_is_the_cost(columns):

@@ -25,6 +25,10 @@ from jaxswarm.identify.estimation.covariance import sandwich, scored
 from jaxswarm.identify.estimation.factors import joint_factors, weighted_factor
 from jaxswarm.identify.forward.regression import Regression
 
+# Rounds in which weights are found from what is left, until the logarithm of each stands still so far. After
+# five from the RMS of the torque they were up to 0.45 off on a log of six joints.
+_ROUNDS, _SETTLED = 30, 1e-4
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -145,30 +149,37 @@ def solved(
     base: BaseParameters | None = None,
     sigma: np.ndarray | None = None,
     above: np.ndarray | None = None,
+    near: np.ndarray | None = None,
 ) -> Solved:
-    """The solution of :func:`fit`, with its arguments, where nobody asks how certain it is."""
+    """The solution of :func:`fit`, with its arguments, where nobody asks how certain it is.
+
+    ``near``: Weights of a fit near this one, (n,), to begin with.
+    """
     joints = regression.torque.shape[1]
     factors = joint_factors(regression)
-    fixed = sigma is not None
-    if sigma is None:
-        sigma = np.maximum(regression.torque.std(axis=0), 1e-12)
+    size = np.maximum(regression.torque.std(axis=0), 1e-12)
     if base is None:
-        base = find_base(weighted_factor(factors, sigma)[:, :-1], regression.names)
+        scale = size if sigma is None else sigma
+        base = find_base(weighted_factor(factors, scale)[:, :-1], regression.names)
     low, high = base_bounds(base, lower, upper)
     pick = np.append(base.kept, len(regression.names))
     reduced = [f[:, pick] for f in factors]
     # Parameters shared by the joints are counted where they act: equally among the rows.
     used = len(regression.torque) if regression.used is None else regression.used.sum(axis=0)
     freedom = np.maximum(1.0, used - base.size / joints)
-    for _ in range(1 if fixed else 5):
+    least = 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12)
+    fixed, new = sigma is not None, size if near is None else near
+    for _ in range(1 if fixed else _ROUNDS):
+        sigma = sigma if fixed else new
         triangle = weighted_factor(reduced, sigma)
         values, at_bound = solve(triangle, low, high)
         if above is not None and (above[:, base.kept] @ values < 0).any():
             values, at_bound = solve_within(triangle, low, high, above[:, base.kept])
-        residual = regression.target - regression.columns @ base.expand(values)
-        new = np.sqrt((residual**2).sum(axis=0) / freedom)
-        if not fixed:
-            sigma = np.maximum(new, 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12))
+        left = [np.linalg.norm(f[:, :-1] @ values - f[:, -1]) for f in reduced]
+        new = np.maximum(left / np.sqrt(freedom), least)
+        if np.abs(np.log(new / sigma)).max() < _SETTLED:
+            break
+    residual = regression.target - regression.columns @ base.expand(values)
     return Solved(base, values, sigma, triangle, residual, at_bound, low, high)
 
 

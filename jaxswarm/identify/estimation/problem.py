@@ -70,8 +70,13 @@ class Problem:
             ]
         )
 
-    def solve(self, terms: tuple[Term, ...], regression: Regression) -> Solved:
-        """The linear parameters. How certain they are is asked of the last of many fits alone."""
+    def solve(
+        self, terms: tuple[Term, ...], regression: Regression, near: np.ndarray | None = None
+    ) -> Solved:
+        """The linear parameters. How certain they are is asked of the last of many fits alone.
+
+        ``near``: Weights of a fit near this one, (n,).
+        """
         lower, upper = parameter_bounds(terms, self.robot.joints) if self.bounded else (None, None)
         known = tuple(t.identity for t in terms)
         if known not in self.inertias:
@@ -80,7 +85,7 @@ class Problem:
         if above is not None:
             others = len(regression.names) - above.shape[1]
             above = np.pad(above, ((0, 0), (0, others)))
-        return solved(regression, lower, upper, above=above)
+        return solved(regression, lower, upper, above=above, near=near)
 
     def output(self, place: Place, pi, theta, free: FreeParameter) -> np.ndarray:
         """Decimated torque of a model, (T, n), but for what a free parameter does not change."""
