@@ -19,6 +19,7 @@ from jaxswarm.diagnose.report.shown import ladder_shown, structure_shown
 from jaxswarm.diagnose.report.signals import Signals
 from jaxswarm.diagnose.selection.budget import given_budget
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
+from jaxswarm.diagnose.selection.loose_rest import loose_lines
 from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.diagnose.selection.stepwise import diagnose
 from jaxswarm.diagnose.selection.survives import proven
@@ -113,7 +114,8 @@ def conclude(
     laws = search.found if search else ()
     result = to_result(outcome_of(diagnosis, left, unseen, laws), search=search)
     result["physical_consistency"] = consistency_told(diagnosis.final)
-    result["reasons"] += held_lines(held_shares(diagnosis.final.motions))
+    logs = diagnosis.final.motions
+    result["reasons"] += [*held_lines(held_shares(logs)), *loose_lines(logs)]
     return result, left
 
 

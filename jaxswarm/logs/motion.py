@@ -85,6 +85,7 @@ class Motion:
             there is put in, (T,); None: nowhere.
         held: Whether a joint stands on a decimated row, held by dry friction at a torque that no law tells,
             (T', n); None: not known yet.
+        loose: How much a decimated row counts where friction holds a joint, (T', n); None: all of each.
         driven: Whether a drive's torque was sampled beside it, so that dry friction may turn between two
             samples of a fast reversal; of a made motion it is known at every sample.
     """
@@ -117,6 +118,7 @@ class Motion:
     bridged: np.ndarray | None = None
     lost: np.ndarray | None = None
     held: np.ndarray | None = None
+    loose: np.ndarray | None = None
     driven: bool = False
 
     @property

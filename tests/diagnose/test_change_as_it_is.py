@@ -52,12 +52,12 @@ def test_what_a_change_takes_is_that_of_the_rows_in_use(earlier, monkeypatch):
 
     def moving(part):
         found = freeze(with_friction(earlier.model, part), motions)
-        used = np.zeros(found.fit.residual.shape, bool)
-        used[::4] = True
-        left = np.where(used, found.fit.residual, 0.0)
+        used = np.zeros(found.fit.residual.shape)
+        used[::4] = 1.0
+        left = used * found.fit.residual
         return replace(
             found,
-            regression=replace(found.regression, used=used),
+            regression=replace(found.regression, share=used),
             fit=replace(found.fit, residual=left),
         )
 

@@ -101,11 +101,11 @@ def test_rows_that_are_not_used_leave_no_edge_in_the_columns(clean):
     """Torques of rows that are not used are zero, and no drive is late where they jump there."""
     found, _ = declared_fit(clean)
     whole = clock_slopes(found)
-    used = np.ones(found.regression.torque.shape, bool)
-    used[40:60, 0] = False
-    torque = np.where(used, found.regression.torque, 0.0)
-    residual = np.where(used, found.fit.residual, 0.0)
-    regression = replace(found.regression, torque=torque, used=used)
+    used = np.ones(found.regression.torque.shape)
+    used[40:60, 0] = 0.0
+    torque = used * found.regression.torque
+    residual = used * found.fit.residual
+    regression = replace(found.regression, torque=torque, share=used)
     parted = clock_slopes(
         replace(found, regression=regression, fit=replace(found.fit, residual=residual))
     )

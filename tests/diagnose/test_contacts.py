@@ -86,7 +86,7 @@ def test_a_contact_belongs_to_its_log_alone(tmp_path):
     logs = [log_with(motion_seed=7), pushed(log_with(motion_seed=8), CONTACTS[1:2])]
     motions = [prepare(log, BAND) for log in logs]
     found = estimate(small_arm(), (*blank(), contact(6.0, 6.7, 1.0)), motions, width=0.01)
-    rows = (~found.regression.used).any(axis=1)
+    rows = (~found.regression.used_rows).any(axis=1)
     assert set(found.regression.log[rows]) == {1}
     assert found.model.terms[-1].values["tau_joint2"] == pytest.approx(5.0, abs=0.4)
     save_model(found.model, tmp_path / "model.json")

@@ -16,7 +16,7 @@ from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.rivals import near_ones
 from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.parameter import Parameter
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.regression import Diverged, Regression
 
 ROWS = 400
 CENTER = Parameter("c", "rad", -1.0, 1.0, False, 0.1, "center")
@@ -33,8 +33,8 @@ def point_of(piece: Piece, error: float, bits: float) -> Point:
 
 def model_that_leaves(size: float) -> SimpleNamespace:
     residual = NOISE * np.array([size, 1.0])
-    used = np.ones(residual.shape, bool)
-    regression = SimpleNamespace(used_rows=used, log=np.zeros(ROWS, int))
+    moving, t, log = np.ones(residual.shape, bool), 0.01 * np.arange(ROWS), np.zeros(ROWS, int)
+    regression = Regression((), np.zeros((ROWS, 2, 0)), residual, moving, t, log, (0.01,))
     return SimpleNamespace(
         regression=regression,
         fit=SimpleNamespace(residual=residual),

@@ -105,8 +105,8 @@ def test_rest_is_left_out_where_friction_holds_it_at_any_torque():
     found = fitted(stopping(2.5))
     rest = standing(found.motions)[0]
     assert 0.3 < rest.mean() < 0.5
-    assert not found.regression.used[rest].any()
-    assert found.regression.used[~rest].mean() > 0.7
+    assert not found.regression.used_rows[rest].any()
+    assert found.regression.used_rows[~rest].mean() > 0.7
     shares = held_shares(found.motions)
     assert set(shares) == {"joint1", "joint2"}
     (line,) = held_lines(shares)
@@ -147,7 +147,7 @@ def test_what_friction_holds_does_not_move_the_parameters():
 def test_rest_that_the_model_tells_is_fitted(seed):
     found = fitted(stopping(0.0, seed))
     assert held_shares(found.motions) == {}
-    assert found.regression.used is None
+    assert found.regression.share is None
 
 
 def test_rest_that_another_width_of_the_sign_tells_is_fitted():

@@ -320,11 +320,11 @@ def test_a_push_is_told_by_a_rest_only_where_all_joints_it_acts_on_rest(sticking
     """An arm was pushed while its last joint stood, which told most of it."""
     search = told_as_contacts(push, 1)
     (step,), current = search.steps, search.current
-    used = np.ones_like(current.regression.torque, dtype=bool)
+    share = np.ones_like(current.regression.torque)
     within = rows_within(current, step.added)
     for joint in sticking:
-        used[within, joint] = False
-    search.current = replace(current, regression=replace(current.regression, used=used))
+        share[within, joint] = 0.0
+    search.current = replace(current, regression=replace(current.regression, share=share))
     search.sticking = sticking
     step.added.values["tau_joint1"] = first
     assert step.score.joint == 1 and held_within(search, step) == held

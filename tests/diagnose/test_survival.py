@@ -124,7 +124,7 @@ def test_a_law_beyond_doubt_or_an_event_may_cost_another_joint_a_little(fits, ad
         (one, two, *_), *_ = errors_elsewhere(before, final, [other])
         return two[0] / one[0], harmful(before, [step(added, before, final)], final, [other])
 
-    little, told = harm(0.2)
+    little, told = harm(0.08)
     assert 1.1 < little < 1.45
     assert told is None
     much, told = harm(5.0)

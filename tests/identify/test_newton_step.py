@@ -39,6 +39,14 @@ def test_a_step_is_the_best_within_its_bounds(seed, columns, tangents):
     assert promised >= -1e-9 * (left @ left)
 
 
+@pytest.mark.parametrize(("position", "least", "most"), [(1.3, -0.5, -0.3), (-0.05, 0.05, 0.25)])
+def test_a_position_beyond_the_range_comes_back(position, least, most):
+    held, slopes, left = drawn(1, 2, 2)
+    triangle = triangular_factor(np.column_stack([held, slopes, left]))
+    step, _ = step_within(triangle, np.array([position, 0.5]))
+    assert least <= step[0] <= most
+
+
 def test_a_tangent_that_the_columns_hold_is_not_followed():
     held, _, left = drawn(0, 3, 1)
     triangle = triangular_factor(np.column_stack([held, held @ [1.0, 2.0, -1.0], left]))

@@ -218,13 +218,14 @@ def test_a_sign_is_as_sharp_as_the_log_tells_and_no_sharper(monkeypatch, doubt, 
     def place(width):
         return SimpleNamespace(width=width, terms=(), _replace=lambda width: place(width))
 
-    here = SimpleNamespace(place=place((0.018, 1e-4)), theta=None)
+    here = SimpleNamespace(place=place((0.018, 1e-4)))
     problem = SimpleNamespace(motions=[], free=lambda terms, widths: widths)
     monkeypatch.setattr(choosing, "widths_alone", own)
     monkeypatch.setattr(choosing, "free_widths", lambda motions, groups, width: list(groups))
-    monkeypatch.setattr(choosing, "newton", lambda problem, moving, here: here)
     monkeypatch.setattr(
-        choosing, "settle", lambda problem, place, start: SimpleNamespace(place=place, theta=start)
+        choosing,
+        "_moved",
+        lambda problem, here, moving, width: SimpleNamespace(place=place(tuple(width))),
     )
     moving = [SimpleNamespace(joints=(0,)), SimpleNamespace(joints=(1,))]
     there, free, held = choosing._no_sharper_than_told(problem, here, moving, [], [(0, 1)], None)

@@ -159,7 +159,7 @@ def test_gaps_short_against_the_motion_are_bridged_and_left_out(velocity):
     robot = load_robot("emps")
     model = estimate(robot, (), [motion]).model
     assert np.array_equal(
-        ~build_regression(robot, (), [motion], (0.1,)).used[:, 0], motion.lost_rows
+        ~build_regression(robot, (), [motion], (0.1,)).used_rows[:, 0], motion.lost_rows
     )
     spoiled = replace(motion, tau=np.where(motion.lost[:, None], 100.0, motion.tau))
     errors = [log_errors(model, m)["wideband"]["rms"] for m in (motion, spoiled)]

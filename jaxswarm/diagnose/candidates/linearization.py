@@ -126,7 +126,7 @@ class Linearization:
         columns = regression.columns[:, :, solution.base.kept]
         residual, values = solution.residual, solution.values
         for turn in range(_TURNS):
-            noise = np.maximum(usual_size(residual), 1e-300)
+            noise = np.maximum(usual_size(residual * regression.whole_rows), 1e-300)
             far = np.abs(residual) / noise / _REACH
             weight = np.where(far < 1, 1.0, 0.0) if turn > 2 else np.maximum(far, 1.0) ** -0.5
             rows = (columns * (weight / noise)[:, :, None]).reshape(-1, columns.shape[2])

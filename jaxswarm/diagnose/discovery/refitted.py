@@ -101,6 +101,4 @@ def descriptions(fits: Sequence[tuple[Point, Estimate]]) -> list[float]:
 
 def _left(fitted: Estimate) -> float:
     """Bits of a sample of all joints that a model leaves."""
-    used = fitted.regression.used_rows
-    squares = np.where(used, fitted.fit.residual, 0.0) ** 2
-    return float(np.log2(squares.sum(axis=0) / used.sum(axis=0)).sum())
+    return float(2.0 * np.log2(fitted.regression.rms(fitted.fit.residual)).sum())

@@ -53,7 +53,7 @@ def noise_of(found: Estimate) -> np.ndarray:
     Where dry friction holds a joint the sign of its velocity is noise, and nothing is fitted: with these rows
     the noise was seven times what it is in motion, beside which a drag of ten times that was too small to tell.
     """
-    return found.regression.rms(row_noise(found))
+    return found.regression.rms(found.regression.counted(row_noise(found)))
 
 
 def row_noise(found: Estimate) -> np.ndarray:
@@ -214,11 +214,15 @@ def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:
     """Weights (T, n) of a fit's rows: those whose motion is in doubt, as where a joint sticks, say less."""
     doubt = row_doubt(found) if doubt is None else doubt
     relative = doubt.min(axis=0) / doubt
-    return relative * robust_weight(found.fit.residual * relative)
+    return relative * robust_weight(found.fit.residual * relative, found.regression.whole_rows)
 
 
-def robust_weight(residual: np.ndarray) -> np.ndarray:
-    """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach."""
+def robust_weight(residual: np.ndarray, whole: np.ndarray | None = None) -> np.ndarray:
+    """Weights (T, n) of rows: one over the joint's noise, less where the residual is beyond its reach.
+
+    ``whole``: Rows that count whole, (T, n), which tell the noise; None: all.
+    """
     size = np.abs(residual)
-    noise = np.maximum(usual_size(residual), 1e-6 * size.max(axis=0) + 1e-300)
+    told = residual if whole is None else residual * whole
+    noise = np.maximum(usual_size(told), 1e-6 * size.max(axis=0) + 1e-300)
     return np.minimum(1.0, _REACH * noise / np.maximum(size, 1e-300)) / noise

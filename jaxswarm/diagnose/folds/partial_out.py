@@ -153,13 +153,14 @@ def cross_fit(
     """
     regression, solution = found.regression, found.fit
     doubt = doubt_of(found)
-    weight = row_weight(found, doubt)
-    weight = weight * regression.used_rows
+    own = row_weight(found, doubt) * regression.used_rows
+    weight = own * regression.shares
     columns = regression.columns[:, :, solution.base.kept]
     size = columns.shape[2]
-    columns = columns[:, :, : 0 if frozen else size] * weight[:, :, None]
-    error = solution.residual * weight
-    torque = error if frozen else regression.target * weight
+    # What the regression holds is already multiplied by how much a row counts.
+    columns = columns[:, :, : 0 if frozen else size] * own[:, :, None]
+    error = solution.residual * own
+    torque = error if frozen else regression.target * own
     length = correlation_length(error, regression.log)
     block = blocks_of(found)
     everything = np.ones(len(torque), dtype=bool)
@@ -173,7 +174,7 @@ def cross_fit(
     # Rows that are bounded already count for no less.
     timing = 1.0 / np.maximum(1.0, weight * event_doubt(found))
     rows = (weight, regression.log, block, whole, halves, error.size / length)
-    noise = regression.rms(doubt), doubt.min(axis=0)
+    noise = regression.rms(regression.counted(doubt)), doubt.min(axis=0)
     return CrossFit(*rows, *noise, regression.rms(regression.torque), timing)
 
 

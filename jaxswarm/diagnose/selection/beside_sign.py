@@ -47,4 +47,4 @@ def _without_sign(found: Estimate, term: Term) -> np.ndarray:
     changed = [
         m.decimator.apply(model_torque(plain, m) - model_torque(bare, m)) for m in found.motions
     ]
-    return found.regression.rms(np.concatenate(changed))
+    return found.regression.rms(found.regression.counted(np.concatenate(changed)))

@@ -57,17 +57,15 @@ def change_rows(before: Estimate, candidates: Sequence[Candidate]) -> Regression
     """What the earlier model leaves as a regression on the columns of the changes."""
     columns = np.concatenate([c.columns[0] for c in candidates], axis=2)
     regression = before.regression
-    if regression.used is not None:
-        columns[~regression.used] = 0.0
     return Regression(
         tuple(f"{k}" for k in range(columns.shape[2])),
-        columns,
+        regression.counted(columns),
         before.fit.residual,
         regression.moving,
         regression.t,
         regression.log,
         regression.step,
-        used=regression.used,
+        share=regression.share,
     )
 
 

@@ -43,9 +43,9 @@ def freeze(
     model = replace(model, terms=terms)
     regression = build_regression(model.robot, terms, motions, model.width, pi, rigids)
     theta = linear_values(model)
-    smooth = [m.decimator.apply(smooth_torque(model, m)) for m in motions]
-    regression = replace(regression, torque=regression.torque - np.concatenate(smooth))
-    residual = np.where(regression.used_rows, regression.target - regression.columns @ theta, 0.0)
+    smooth = np.concatenate([m.decimator.apply(smooth_torque(model, m)) for m in motions])
+    regression = replace(regression, torque=regression.torque - regression.counted(smooth))
+    residual = regression.target - regression.columns @ theta
     sigma = regression.rms(residual) + 1e-12
     flat = regression.columns.reshape(-1, regression.columns.shape[2])
     base = find_base(flat, regression.names)

@@ -17,10 +17,12 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.material import find_material
 from jaxswarm.diagnose.decision.remainder import over_noise
-from jaxswarm.diagnose.decision.rules import LOUD, NEAR, STICKS
+from jaxswarm.diagnose.decision.rules import LOUD
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.friction_at_rest import left_and_friction, much_nearer, rms_in
+from jaxswarm.diagnose.selection.loose_rest import with_loose_rest
 from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import chain
@@ -28,7 +30,6 @@ from jaxswarm.diagnose.selection.told_at_rest import take_back_told_at_rest
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.rest_foretold import is_foretold
 from jaxswarm.identify.estimation.standing import hardly_moving, leave_out, tells_motion
-from jaxswarm.identify.forward.model import model_torque
 from jaxswarm.logs.motion import Motion
 
 
@@ -66,7 +67,10 @@ def _fit_of_what_moves(search: Search) -> Estimate | None:
         structure = find_material(current, search.folds, search.seed)
         asked -= {item.joint for item in structure if _may_be_friction(item, current)}
 
-    return without_sticks(search, asked, lambda motions: fit_of_rows(search, current, motions))
+    def fitted(motions: Sequence[Motion]) -> Estimate:
+        return fit_of_rows(search, current, motions)
+
+    return without_sticks(search, asked, fitted) or with_loose_rest(search, asked, fitted)
 
 
 def fit_of_rows(search: Search, found: Estimate, motions: Sequence[Motion]) -> Estimate:
@@ -157,10 +161,9 @@ def is_held(before: Estimate, after: Estimate) -> np.ndarray:
     were left out at rest, and the errors of three joints on another log rose up to four times.
     """
     every, out = before.regression, _left_out(before, after)
-    left, friction = _left_and_friction(after)
-    one, two = over_noise(before), over_noise(after)
-    near = (two <= NEAR) & (two**2 < STICKS * one**2)
-    within = _rms(left, out) <= np.abs(friction).max(axis=0)
+    left, friction = left_and_friction(after)
+    near = much_nearer(before, after)
+    within = rms_in(left, out) <= np.abs(friction).max(axis=0)
     held = near & tells_motion(after.regression.used_rows) & within
     if not held.any():
         return held
@@ -174,31 +177,13 @@ def stands_out(before: Estimate, after: Estimate) -> np.ndarray:
     model with the law that motion lacks: of friction that fell from 2.2 to 0.4 N m as its joint warmed a model
     without that law knew 0.95 N m, and left 1.16 N m at rest, 2.4 times as much as in motion.
     """
-    left, _ = _left_and_friction(after)
-    return _rms(left, _left_out(before, after)) > _rms(left, after.regression.used_rows)
+    left, _ = left_and_friction(after)
+    return rms_in(left, _left_out(before, after)) > rms_in(left, after.regression.used_rows)
 
 
 def _left_out(before: Estimate, after: Estimate) -> np.ndarray:
     """Rows (T, n) that a fit uses no more."""
     return before.regression.used_rows & ~after.regression.used_rows
-
-
-def _rms(left: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """RMS (n,) of what is left (T, n) in some rows of every joint."""
-    return np.sqrt(np.where(rows, left**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))
-
-
-def _left_and_friction(found: Estimate) -> tuple[np.ndarray, np.ndarray]:
-    """What a model leaves on all rows of all logs, and the torque of its laws of the direction, (T, n) each."""
-    model = found.model
-    others = tuple(t for t in model.terms if not t.law.uses_direction)
-    parts = []
-    for motion in found.motions:
-        whole, rest = (model_torque(m, motion) for m in (model, replace(model, terms=others)))
-        assert motion.tau is not None  # it was fitted
-        parts.append([motion.decimator.apply(x) for x in (motion.tau - whole, whole - rest)])
-    left, friction = (np.concatenate(own) for own in zip(*parts, strict=True))
-    return left, friction
 
 
 def go_on_from(search: Search, after: Estimate, joints: Iterable[int]) -> None:

@@ -26,6 +26,12 @@ _PARTS_OF_THE_WAY = (1.0, 0.5)
 _SHARPER, _STEPS = 0.4, 5
 
 
+def _moved(problem: Problem, here: Settled, moving, width: Sequence[float]) -> Settled:
+    """The fit from one near by, with other widths (n,) to begin with."""
+    place = here.place._replace(width=tuple(map(float, width)))
+    return newton(problem, moving, settle(problem, place, here.theta, here.solution.sigma))
+
+
 def choose_widths(
     problem: Problem, here: Settled, moving: list[FreeParameter], groups: Sequence[tuple[int, ...]]
 ) -> tuple[Settled, list[FreeParameter], list[FreeParameter]]:
@@ -47,7 +53,9 @@ def choose_widths(
     there, free, held = _widths_of(fixed, here, free, groups)
     moving = problem.free(there.place.terms, [one for one in free if one.joints])
     if there.place.width != here.place.width:
-        here = newton(problem, moving, settle(problem, there.place, there.theta))
+        here = newton(
+            problem, moving, settle(problem, there.place, there.theta, here.solution.sigma)
+        )
     return here, moving, held
 
 
@@ -132,8 +140,7 @@ def _as_far_as_told(problem: Problem, here: Settled, moving, groups, usual) -> S
         width = list(here.place.width)
         for j, y in told.items():
             width[j] = float(np.exp(y))
-        place = here.place._replace(width=tuple(width))
-        here = newton(problem, moving, settle(problem, place, here.theta))
+        here = _moved(problem, here, moving, width)
         own = widths_alone(problem, here, groups)
         told = {
             j: own[j][0]
@@ -146,9 +153,7 @@ def _as_far_as_told(problem: Problem, here: Settled, moving, groups, usual) -> S
     if not still:
         return here
     width = [first[j] if j in still else w for j, w in enumerate(here.place.width)]
-    return newton(
-        problem, moving, settle(problem, here.place._replace(width=tuple(width)), here.theta)
-    )
+    return _moved(problem, here, moving, width)
 
 
 def _shared_again(problem: Problem, here: Settled, moving: list[FreeParameter]) -> Settled:
@@ -170,8 +175,7 @@ def _shared_again(problem: Problem, here: Settled, moving: list[FreeParameter]) 
                 width[group] = np.exp(shared)
     if np.array_equal(width, here.place.width):
         return here
-    place = here.place._replace(width=tuple(map(float, width)))
-    return newton(problem, moving, settle(problem, place, here.theta))
+    return _moved(problem, here, moving, width)
 
 
 def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own):
@@ -187,7 +191,7 @@ def _leaning(problem: Problem, here: Settled, moving, groups, split, freed, own)
     for part in _PARTS_OF_THE_WAY:
         leant = tuple(a * (b / a) ** part for a, b in zip(here.place.width, told, strict=True))
         free = problem.free(here.place.terms, free_widths(problem.motions, known, leant))
-        there = newton(problem, free, settle(problem, here.place._replace(width=leant), here.theta))
+        there = _moved(problem, here, free, leant)
         two = weighted_cost(there.residual, sigma)
         if two <= (1.0 + part**2 * _HARDLY_TOLD / len(here.residual)) * one:
             leaning = [(j,) for group in split if group not in known for j in group]

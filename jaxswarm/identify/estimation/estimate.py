@@ -155,7 +155,8 @@ def _named(
         t if change is None else replace(t, values=change(t.values))
         for t, change in zip(found.model.terms, alone, strict=True)
     )
-    there = newton(problem, moving, settle(problem, Place(terms, here.place.width), here.pi))
+    place, sigma = Place(terms, here.place.width), here.solution.sigma
+    there = newton(problem, moving, settle(problem, place, here.pi, sigma))
     return _finish(problem, there, moving, held_widths)
 
 

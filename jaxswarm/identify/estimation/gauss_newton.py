@@ -190,8 +190,7 @@ def _triangle(problem: Problem, moving: list[FreeParameter], here: Settled) -> n
         here.place,
         moving,
     )
-    if regression.used is not None:
-        slopes[~regression.used] = 0.0
+    slopes = regression.counted(slopes)
     # Joint by joint, so that no weighted copy of all rows is made.
     factors = []
     for j, sigma in enumerate(solution.sigma):
@@ -225,17 +224,15 @@ def covariance_of(
             moving,
             wide=True,
         )
-        if regression.used is not None:
-            slopes[~regression.used] = 0.0
         wide = Regression(
             (*regression.names, *(f"{m.name}:{m.term}:{m.joints}" for m in moving)),
-            np.concatenate([regression.columns, slopes], axis=2),
+            np.concatenate([regression.columns, regression.counted(slopes)], axis=2),
             here.residual,
             regression.moving,
             regression.t,
             regression.log,
             regression.step,
-            used=regression.used,
+            share=regression.share,
         )
         solution = fit(wide, sigma=here.solution.sigma)
     else:

@@ -158,29 +158,29 @@ def solved(
     joints = regression.torque.shape[1]
     factors = joint_factors(regression)
     size = np.maximum(regression.torque.std(axis=0), 1e-12)
+    fixed = sigma is not None
+    scale = size if sigma is None else sigma
     if base is None:
-        scale = size if sigma is None else sigma
         base = find_base(weighted_factor(factors, scale)[:, :-1], regression.names)
     low, high = base_bounds(base, lower, upper)
     pick = np.append(base.kept, len(regression.names))
     reduced = [f[:, pick] for f in factors]
     # Parameters shared by the joints are counted where they act: equally among the rows.
-    used = len(regression.torque) if regression.used is None else regression.used.sum(axis=0)
-    freedom = np.maximum(1.0, used - base.size / joints)
+    freedom = np.maximum(1.0, regression.rows_counted - base.size / joints)
     least = 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12)
-    fixed, new = sigma is not None, size if near is None else near
+    new = scale if fixed or near is None else near
     for _ in range(1 if fixed else _ROUNDS):
-        sigma = sigma if fixed else new
-        triangle = weighted_factor(reduced, sigma)
+        scale = new
+        triangle = weighted_factor(reduced, scale)
         values, at_bound = solve(triangle, low, high)
         if above is not None and (above[:, base.kept] @ values < 0).any():
             values, at_bound = solve_within(triangle, low, high, above[:, base.kept])
         left = [np.linalg.norm(f[:, :-1] @ values - f[:, -1]) for f in reduced]
         new = np.maximum(left / np.sqrt(freedom), least)
-        if np.abs(np.log(new / sigma)).max() < _SETTLED:
+        if np.abs(np.log(new / scale)).max() < _SETTLED:
             break
     residual = regression.target - regression.columns @ base.expand(values)
-    return Solved(base, values, sigma, triangle, residual, at_bound, low, high)
+    return Solved(base, values, scale, triangle, residual, at_bound, low, high)
 
 
 def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:

@@ -59,18 +59,15 @@ class LinksHeld(Problem):
         for one, two in zip(former.terms, place.terms, strict=True):
             size = len(two.columns(self.robot.joints))
             if _bent_by(one, former.width) != _bent_by(two, place.width):
-                columns[:, :, k : k + size] = np.concatenate(
-                    [
-                        term_block(self.robot, place.terms, two, motion, place.width, pi, rigid)
-                        * two.acts_in(number)
-                        for number, (motion, rigid) in enumerate(
-                            zip(self.motions, self.rigids, strict=True)
-                        )
-                    ]
-                )
+                own = [
+                    term_block(self.robot, place.terms, two, motion, place.width, pi, rigid)
+                    * two.acts_in(number)
+                    for number, (motion, rigid) in enumerate(
+                        zip(self.motions, self.rigids, strict=True)
+                    )
+                ]
+                columns[:, :, k : k + size] = rows.counted(np.concatenate(own))
             k += size
-        if rows.used is not None:
-            columns[~rows.used] = 0.0
         return replace(rows, columns=columns)
 
     def left(self, rows: Regression, place: Place, theta: np.ndarray) -> np.ndarray:

@@ -41,9 +41,9 @@ def measured_start(problem: Problem, place: Place, pi: np.ndarray) -> np.ndarray
         size = len(term.columns(problem.robot.joints))
         if distorts(term):
             own = [_by_measured(place.terms, term, motion) for motion in problem.motions]
-            rows.columns[:, term.index, k : k + size] = np.concatenate(own)
+            share = rows.shares[:, term.index, None]
+            rows.columns[:, term.index, k : k + size] = share * np.concatenate(own)
         k += size
-    rows.columns[~rows.used_rows] = 0.0
     return problem.solve(place.terms, rows).theta
 
 

@@ -44,6 +44,11 @@ def step_within(triangle: np.ndarray, position: np.ndarray) -> tuple[np.ndarray,
     ridge = np.diag(_RIDGE * np.linalg.norm(triangle[:, own], axis=0))
     rows = np.concatenate([matrix, ridge])
     held = triangular_factor(np.column_stack([rows, np.append(target, np.zeros(count))]))
-    low, high = np.maximum(-_REACH, -position), np.minimum(_REACH, 1.0 - position)
+    # A width beyond the range of its joint's motion has so far to go, and may go on from there.
+    low, high = -position, 1.0 - position
+    low, high = (
+        np.maximum(low, np.minimum(high, 0.0) - _REACH),
+        np.minimum(high, np.maximum(low, 0.0) + _REACH),
+    )
     step, _ = solve(held, low, high)
     return step, float(target @ target - np.square(target - matrix @ step).sum())

@@ -54,8 +54,8 @@ class Problem:
         told = np.array(theta, float)
         told[event_columns(self.robot, place.terms)] = 0.0
         with np.errstate(over="ignore", invalid="ignore"):
-            left = rows.torque - self._torque(place, told[: 10 * self.robot.num_joints], told)
-        return left if rows.used is None else np.where(rows.used, left, 0.0)
+            model = self._torque(place, told[: 10 * self.robot.num_joints], told)
+            return rows.torque - rows.counted(np.where(rows.used_rows, model, 0.0))
 
     def _torque(self, place: Place, pi: np.ndarray, theta: np.ndarray) -> np.ndarray:
         """Decimated torque (T, n) of all logs."""

@@ -188,15 +188,12 @@ def _write_anew(
     for term in terms:
         size = len(term.columns(robot.joints))
         if term.law.uses_direction:
-            rows.columns[:, :, k : k + size] = np.concatenate(
-                [
-                    term_block(robot, terms, term, m, width, pi, r)
-                    for m, r in zip(motions, rigids, strict=True)
-                ]
-            )
+            own = [
+                term_block(robot, terms, term, m, width, pi, r)
+                for m, r in zip(motions, rigids, strict=True)
+            ]
+            rows.columns[:, :, k : k + size] = rows.counted(np.concatenate(own))
         k += size
-    if rows.used is not None:
-        rows.columns[~rows.used] = 0.0
 
 
 def _best(grid: np.ndarray, costs: np.ndarray) -> float:

@@ -84,7 +84,7 @@ def _placed(
     q, _ = np.linalg.qr(held.reshape(-1, fit.base.size))
     own = q.reshape(held.shape)[:, joint]
     left = fit.residual[:, joint] / fit.sigma[joint]
-    used = regression.used_rows[:, joint]
+    share = regression.shares[:, joint]
     names = [p.name for p in ordered(law)]
     dims, points = len(names), points_of(law)
     low, span = seen_of(law, [m.q[:, joint] for m in motions], dims)
@@ -94,7 +94,7 @@ def _placed(
         tried = {p.name: float(p.decode(place[p.name])) for p in ordered(law)}
         there = replace(term, values=tried)
         rows = [m.decimator.apply(own_columns(there, m, width, None)[:, joint]) for m in motions]
-        gain = _explained(np.where(used[:, None], np.concatenate(rows), 0.0), own, left)
+        gain = _explained(share[:, None] * np.concatenate(rows), own, left)
         if gain > best:
             best, values = gain, tried
     return replace(term, values=values)

@@ -114,19 +114,19 @@ def low_weight(model: Model, motion: Motion) -> np.ndarray:
 
 
 def change_by_time(torque: np.ndarray, regression: Regression) -> np.ndarray:
-    """Derivative by time of torques (T, n) on the rows of a regression, log by log; zero where unused."""
-    used, slope = regression.used, np.zeros_like(torque)
-    whole = torque if used is None else _bridged(torque, used)
+    """Derivative by time of torques (T, n) on the rows of a regression, log by log, so much as a row counts."""
+    slope = np.zeros_like(torque)
+    whole = torque if regression.share is None else _bridged(torque, regression.share == 1.0)
     for k in np.unique(regression.log):
         rows = regression.log == k
         if rows.sum() > 2:
             t = regression.t[rows]
             slope[rows] = scipy.interpolate.CubicSpline(t, whole[rows])(t, 1)
-    return slope if used is None else np.where(used, slope, 0.0)
+    return regression.counted(slope)
 
 
 def _bridged(torque: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Torques (T, n) with lines across the rows that are not used: a jump to zero has no derivative."""
+    """Torques (T, n) with lines across the rows that do not count whole: a jump has no derivative."""
     rows = np.arange(len(torque))
     lines = [
         np.interp(rows, rows[u], x[u]) if u.any() else x

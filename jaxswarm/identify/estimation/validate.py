@@ -165,5 +165,5 @@ def known_without(found: Estimate, names: Collection[str], block: np.ndarray) ->
 def held_out_errors(found: Estimate, count: int = 5) -> dict:
     """Errors on held-out blocks of time, as :func:`torque_errors`."""
     regression, residual = found.regression, held_out_residual(found, count)
-    torque, used = regression.torque, regression.used
+    torque, used = regression.torque, regression.whole_rows
     return torque_errors(torque, torque - residual, regression.moving, used)

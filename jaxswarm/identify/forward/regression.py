@@ -9,17 +9,17 @@ from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid
-from jaxswarm.identify.forward.event_rows import event_columns, event_rows
+from jaxswarm.identify.forward.event_rows import event_columns
 from jaxswarm.identify.forward.link_lag import (
     lag_slopes,
     slope_terms,
     true_motion,
-    unseen_rows,
 )
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.names import column_names
+from jaxswarm.identify.forward.row_shares import row_shares
 from jaxswarm.identify.forward.written_down import report
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
@@ -42,7 +42,8 @@ class Regression:
         step: Sampling interval of the decimated clock [s], one per log.
         shift: ``columns @ theta`` minus the model's torque where the columns were made, (T, n),
             where a soft joint or a load makes the torque nonlinear in the rigid parameters; None: zero.
-        used: Whether a joint's row is used, (T, n); columns and torque of the others are zero. None: all.
+        share: How much of a joint's row counts, (T, n): columns, torque and shift are multiplied by it. It is
+            zero where the row is not used. None: all rows count whole.
     """
 
     names: tuple[str, ...]
@@ -53,7 +54,7 @@ class Regression:
     log: np.ndarray
     step: tuple[float, ...]
     shift: np.ndarray | None = None
-    used: np.ndarray | None = None
+    share: np.ndarray | None = None
 
     @property
     def target(self) -> np.ndarray:
@@ -63,13 +64,35 @@ class Regression:
     @property
     def used_rows(self) -> np.ndarray:
         """Whether a joint's row is used, (T, n), also where all are."""
-        return np.ones(self.torque.shape, bool) if self.used is None else self.used
+        return np.ones(self.torque.shape, bool) if self.share is None else self.share > 0.0
+
+    @property
+    def whole_rows(self) -> np.ndarray:
+        """Whether a joint's row counts whole, (T, n)."""
+        return self.shares == 1.0
+
+    @property
+    def shares(self) -> np.ndarray:
+        """How much of a joint's row counts, (T, n), also where all of every one does."""
+        return np.ones(self.torque.shape) if self.share is None else self.share
+
+    @property
+    def rows_counted(self) -> np.ndarray:
+        """How many whole rows of every joint are used, (n,)."""
+        rows = np.ones(self.torque.shape) if self.share is None else self.share
+        return (rows**2).sum(axis=0)
+
+    def counted(self, values: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+        """Values of all rows, (T, n) or (T, n, k), each by how much of it counts, into ``out`` if given."""
+        if self.share is None:
+            return values
+        share = self.share.reshape(self.share.shape + (1,) * (values.ndim - 2))
+        return np.multiply(values, share, out=out)
 
     def rms(self, values: np.ndarray) -> np.ndarray:
-        """Root mean square (n,) of values (T, n) over the rows in use of every joint."""
-        used = self.used_rows
-        count = np.maximum(used.sum(axis=0), 1)
-        return np.sqrt(np.where(used, values**2, 0.0).sum(axis=0) / count)
+        """Root mean square (n,) of values (T, n) that are :meth:`counted`."""
+        used = np.where(self.used_rows, values, 0.0)
+        return np.sqrt((used**2).sum(axis=0) / np.maximum(self.rows_counted, 1.0))
 
     def rows(self, selected: np.ndarray) -> "Regression":
         """The same problem on the selected rows."""
@@ -82,7 +105,7 @@ class Regression:
             self.log[selected],
             self.step,
             None if self.shift is None else self.shift[selected],
-            None if self.used is None else self.used[selected],
+            None if self.share is None else self.share[selected],
         )
 
 
@@ -113,7 +136,7 @@ def build_regression(
         Diverged: If a column is not finite, or too large to be squared.
     """
     pi = np.zeros(10 * robot.num_joints) if pi is None else pi
-    columns, torque, moving, clock, log, used = [], [], [], [], [], []
+    columns, torque, moving, clock, log, share = [], [], [], [], [], []
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True, log=k))
@@ -123,12 +146,12 @@ def build_regression(
         moving.append(is_moving(motion.dq)[kept])
         clock.append(motion.t[kept])
         log.append(np.full(len(kept), k))
-        used.append(_used(terms, motion, k))
-        _leave_out(~used[-1], columns[-1], torque[-1])
-    every = np.concatenate(used)
+        share.append(row_shares(terms, motion, k))
+    every = np.concatenate(share)
     stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
     _check_rows(stacked, motions[0].source)
+    whole = np.all(every == 1.0) and not any(t.law.recurring for t in terms)
     plain = Regression(
         column_names(robot, terms),
         stacked,
@@ -137,8 +160,10 @@ def build_regression(
         np.concatenate(clock),
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
-        used=None if np.all(every) and not any(t.law.recurring for t in terms) else every,
+        share=None if whole else every,
     )
+    for held in (plain.columns, plain.torque):
+        plain.counted(held, out=held)
     return _with_slopes(plain, robot, terms, motions, width, pi, rigids)
 
 
@@ -165,21 +190,12 @@ def _with_slopes(
         rows = slice(*np.searchsorted(plain.log, [k, k + 1]))
         known = [t.values.get(n, 0.0) for t in terms for n in t.linear_names(motion.joints)]
         shift[rows] = bent @ np.concatenate([pi, known])
-        if plain.used is not None:
-            _leave_out(~plain.used[rows], bent, shift[rows])
+        if plain.share is not None:
+            bent *= plain.share[rows, :, None]
         bent[:, :, events] = 0.0
         plain.columns[rows] += bent
         _check_finite(plain.columns[rows], terms, motion)
-    return replace(plain, shift=shift)
-
-
-def _used(terms: tuple[Term, ...], motion: Motion, number: int) -> np.ndarray:
-    """Whether a joint's row of a log, by its number, is used, (T', n)."""
-    rows = ~event_rows(terms, motion, number) & ~motion.lost_rows
-    if slope_terms(terms):
-        rows &= ~unseen_rows(motion)
-    used = np.repeat(rows[:, None], len(motion.joints), axis=1)
-    return used if motion.held is None else used & ~motion.held
+    return replace(plain, shift=plain.counted(shift))
 
 
 def _slopes(
@@ -204,12 +220,6 @@ def _slopes(
     if any(loaded(t) for t in terms):
         parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
     return sum(parts[1:], parts[0])
-
-
-def _leave_out(rows: np.ndarray, *arrays: np.ndarray) -> None:
-    """Set rows of arrays to zero, in place: neither fitted nor scored."""
-    for array in arrays:
-        array[rows] = 0.0
 
 
 def _check_rows(columns: np.ndarray, source: str) -> None:

@@ -1,0 +1,34 @@
+"""What a model leaves where friction may hold joints, beside its friction and the noise."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import NEAR, STICKS
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.forward.model import model_torque
+
+
+def left_and_friction(found: Estimate) -> tuple[np.ndarray, np.ndarray]:
+    """What a model leaves on all rows of all logs, and the torque of its laws of the direction, (T, n) each."""
+    model = found.model
+    others = tuple(t for t in model.terms if not t.law.uses_direction)
+    parts = []
+    for motion in found.motions:
+        whole, rest = (model_torque(m, motion) for m in (model, replace(model, terms=others)))
+        assert motion.tau is not None  # it was fitted
+        parts.append([motion.decimator.apply(x) for x in (motion.tau - whole, whole - rest)])
+    left, friction = (np.concatenate(own) for own in zip(*parts, strict=True))
+    return left, friction
+
+
+def much_nearer(before: Estimate, after: Estimate) -> np.ndarray:
+    """Whether a fit to other rows leaves a joint near its noise, and a small part of what was left, (n,)."""
+    one, two = over_noise(before), over_noise(after)
+    return (two <= NEAR) & (two**2 < STICKS * one**2)
+
+
+def rms_in(left: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """RMS (n,) of what is left (T, n) in some rows of every joint."""
+    return np.sqrt(np.where(rows, left**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))

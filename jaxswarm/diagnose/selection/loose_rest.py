@@ -1,0 +1,116 @@
+r"""Rest that friction holds, but that motion alone does not tell: it counts by what friction may do there.
+
+Of an arm whose joints move one by one, or hardly beside their rest, rest tells what motion does not: how heavy
+the links are where they stand. Left out, a model is off on other motion by thousands of times the noise; fitted
+as if no friction held the joint, a clean arm was left with 3.1 times its noise, and "unexplained".
+
+Dry friction holds a joint at any torque within its own, evenly as far as anybody knows, and at the same one for
+as long as it stands. So the mean of a rest of N rows has the variance
+
+.. math:: \sigma^2 / N + f^2 / 3
+
+with the noise sigma of a row and the friction f, and each of its rows counts by the root of what that makes of
+it: weighted least squares with known variances (A. C. Aitken, Proc. R. Soc. Edinburgh 55 (1936)).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jaxswarm.diagnose.decision.remainder import over_noise
+from jaxswarm.diagnose.decision.rules import NEAR
+from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.selection.friction_at_rest import left_and_friction, much_nearer, rms_in
+from jaxswarm.diagnose.selection.state import Search
+from jaxswarm.identify.estimation.estimate import Estimate
+from jaxswarm.identify.estimation.standing import hardly_moving, mixed_with
+from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.runs import runs
+
+
+def with_loose_rest(
+    search: Search, asked: set[int], fitted: Callable[[Sequence[Motion]], Estimate]
+) -> Estimate | None:
+    """The fit in which rest of some of these joints counts by their friction; None if friction holds none.
+
+    It does where motion is left near its noise then, with a small part of what was left, and rest with no more
+    than the friction of its joint, and no other joint lacks anything: beside a spring that was missing three
+    joints were so for a while, and their errors and a fourth one's on other motion rose up to four times.
+
+    Args:
+        search: The selection; such joints are kept in it.
+        asked: Joints that it may be so for.
+        fitted: Fits the model to logs, with their noise.
+    """
+    current = search.current
+    rests = mixed_with(current.motions, hardly_moving(current.motions))
+    friction = np.abs(left_and_friction(current)[1]).max(axis=0)
+    while asked:
+        joints = np.isin(np.arange(len(friction)), list(asked))
+        after = fitted(loosened(current.motions, rests, joints, noise_of(current), friction))
+        if (over_noise(after)[~joints] > NEAR).any():
+            return None
+        held = asked & set(np.flatnonzero(_is_held(current, after)))
+        if held == asked:
+            search.sticking |= held
+            return after
+        asked = held
+    return None
+
+
+def _is_held(before: Estimate, after: Estimate) -> np.ndarray:
+    """Whether friction may be what holds each joint, (n,), in rows that count less in the fit after."""
+    left, friction = left_and_friction(after)
+    rest = after.regression.shares < before.regression.shares
+    return much_nearer(before, after) & (rms_in(left, rest) <= np.abs(friction).max(axis=0))
+
+
+def loosened(
+    motions: Sequence[Motion],
+    rests: Sequence[np.ndarray],
+    joints: np.ndarray,
+    noise: np.ndarray,
+    friction: np.ndarray,
+) -> list[Motion]:
+    """The logs with the rest of some joints counted by the friction that may hold them there.
+
+    Args:
+        motions: The logs.
+        rests: Rows in which each joint hardly moves, (T', n) each.
+        joints: Which joints, (n,).
+        noise: Standard deviation of a row's noise, (n,).
+        friction: Dry friction, (n,).
+    """
+    every = [_shares(rows & joints, noise, friction) for rows in rests]
+    return [
+        replace(m, loose=share if m.loose is None else m.loose * share)
+        for m, share in zip(motions, every, strict=True)
+    ]
+
+
+def _shares(rows: np.ndarray, noise: np.ndarray, friction: np.ndarray) -> np.ndarray:
+    """How much every row counts, (T', n): all of it where a joint moves.
+
+    >>> _shares(np.array([[True], [True], [False]]), np.array([1.0]), np.array([3.0])).round(3).ravel().tolist()
+    [0.378, 0.378, 1.0]
+    """
+    share = np.ones(rows.shape)
+    for own, rest, sigma, most in zip(share.T, rows.T, noise, friction, strict=True):
+        for begin, end in zip(*runs(rest), strict=True):
+            own[begin:end] = (1.0 + (end - begin) * most**2 / (3.0 * sigma**2)) ** -0.5
+    return share
+
+
+def loose_lines(motions: Sequence[Motion]) -> list[str]:
+    """What a reader has to know of joints whose rest counts by their friction, if there are any."""
+    rows = [m.loose for m in motions if m.loose is not None]
+    if not rows:
+        return []
+    parts = (np.concatenate(rows) < 1.0).mean(axis=0)
+    joints = zip(motions[0].joints, parts, strict=True)
+    told = ", ".join(f"{name} ({100 * x:.0f} % of the time)" for name, x in joints if x > 0.0)
+    return [
+        f"At rest or nearly so dry friction holds {told} at torques that no law tells, and motion does not "
+        "tell what the model does there: rest counts by as much as that friction leaves of it."
+    ]
