@@ -26,7 +26,7 @@ _PARTS_OF_THE_WAY = (1.0, 0.5)
 _SHARPER, _STEPS = 0.4, 5
 
 
-def _moved(problem: Problem, here: Settled, moving, width: Sequence[float]) -> Settled:
+def _moved(problem: Problem, here: Settled, moving, width: Sequence[float] | np.ndarray) -> Settled:
     """The fit from one near by, with other widths (n,) to begin with."""
     place = here.place._replace(width=tuple(map(float, width)))
     return newton(problem, moving, settle(problem, place, here.theta, here.solution.sigma))
