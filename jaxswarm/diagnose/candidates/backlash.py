@@ -42,7 +42,7 @@ class _Point(NamedTuple):
 def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
     """The gap of a joint with its impacts where they happen; None where those cannot be predicted."""
     (pi, residual), j = lin.steady, term.index
-    along, share = lin.rotor(j), lin.found.regression.shares
+    along, counts = lin.rotor(j), lin.found.regression.shares
     divided = bool(along.any())
 
     def curves_at(points: list[_Point], longer: float, own: bool = False) -> np.ndarray:
@@ -51,7 +51,7 @@ def sharp_candidate(lin: Linearization, term: Term) -> Candidate | None:
             for share, group in groupby(points, lambda p: p.share)
         ]
         curves = joined(parts, axis=0)
-        curves *= share[:, [j]] if own else share  # where nothing is fitted nothing is left
+        curves *= counts[:, [j]] if own else counts  # where nothing is fitted nothing is left
         return curves
 
     inertia = usual_inertia(lin.sensed(j)[0], lin.pi)

@@ -153,7 +153,7 @@ def cross_fit(
     """
     regression, solution = found.regression, found.fit
     doubt = doubt_of(found)
-    own = row_weight(found, doubt) * regression.used_rows
+    own = row_weight(found, doubt)
     weight = own * regression.shares
     columns = regression.columns[:, :, solution.base.kept]
     size = columns.shape[2]

@@ -1,13 +1,39 @@
 """What a model leaves where friction may hold joints, beside its friction and the noise."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import NEAR, STICKS
+from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import model_torque
+
+
+def with_all_held(
+    search: Search,
+    asked: set[int],
+    without: Callable[[set[int]], Estimate],
+    is_held: Callable[[Estimate, Estimate], np.ndarray],
+) -> Estimate | None:
+    """The fit without, or with less of, the rest of the most joints that friction holds all; None if of none.
+
+    Args:
+        search: The selection; such joints are kept in it.
+        asked: Joints that it may be so for.
+        without: The fit in which the rest of some joints is left out, or counts less.
+        is_held: Whether friction may hold each joint, (n,), by the current fit and such a one.
+    """
+    while asked:
+        after = without(asked)
+        held = asked & set(np.flatnonzero(is_held(search.current, after)))
+        if held == asked:
+            search.sticking |= held
+            return after
+        asked = held
+    return None
 
 
 def left_and_friction(found: Estimate) -> tuple[np.ndarray, np.ndarray]:

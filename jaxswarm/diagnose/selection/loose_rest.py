@@ -21,10 +21,15 @@ import numpy as np
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import NEAR
 from jaxswarm.diagnose.folds.noise import noise_of
-from jaxswarm.diagnose.selection.friction_at_rest import left_and_friction, much_nearer, rms_in
+from jaxswarm.diagnose.selection.friction_at_rest import (
+    left_and_friction,
+    much_nearer,
+    rms_in,
+    with_all_held,
+)
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving, mixed_with
+from jaxswarm.identify.estimation.standing import hardly_moving, holds, mixed_with, shares_of
 from jaxswarm.logs.motion import Motion
 from jaxswarm.logs.runs import runs
 
@@ -45,24 +50,24 @@ def with_loose_rest(
     """
     current = search.current
     rests = mixed_with(current.motions, hardly_moving(current.motions))
-    friction = np.abs(left_and_friction(current)[1]).max(axis=0)
-    while asked:
-        joints = np.isin(np.arange(len(friction)), list(asked))
-        after = fitted(loosened(current.motions, rests, joints, noise_of(current), friction))
-        if (over_noise(after)[~joints] > NEAR).any():
-            return None
-        held = asked & set(np.flatnonzero(_is_held(current, after)))
-        if held == asked:
-            search.sticking |= held
-            return after
-        asked = held
-    return None
+    noise, friction = noise_of(current), np.abs(left_and_friction(current)[1]).max(axis=0)
+
+    def without(joints: set[int]) -> Estimate:
+        loose = np.isin(np.arange(len(noise)), list(joints))
+        return fitted(loosened(current.motions, rests, loose, noise, friction))
+
+    return with_all_held(search, asked, without, _is_held)
 
 
 def _is_held(before: Estimate, after: Estimate) -> np.ndarray:
-    """Whether friction may be what holds each joint, (n,), in rows that count less in the fit after."""
+    """Whether friction may be what holds each joint, (n,), in rows that count less in the fit after.
+
+    None, where another joint is left far from its noise.
+    """
     left, friction = left_and_friction(after)
     rest = after.regression.shares < before.regression.shares
+    if (over_noise(after)[~rest.any(axis=0)] > NEAR).any():
+        return np.zeros(rest.shape[1], bool)
     return much_nearer(before, after) & (rms_in(left, rest) <= np.abs(friction).max(axis=0))
 
 
@@ -107,10 +112,8 @@ def loose_lines(motions: Sequence[Motion]) -> list[str]:
     rows = [m.loose for m in motions if m.loose is not None]
     if not rows:
         return []
-    parts = (np.concatenate(rows) < 1.0).mean(axis=0)
-    joints = zip(motions[0].joints, parts, strict=True)
-    told = ", ".join(f"{name} ({100 * x:.0f} % of the time)" for name, x in joints if x > 0.0)
+    held = holds(shares_of(motions[0].joints, np.concatenate(rows) < 1.0))
     return [
-        f"At rest or nearly so dry friction holds {told} at torques that no law tells, and motion does not "
-        "tell what the model does there: rest counts by as much as that friction leaves of it."
+        f"{held}, and motion does not tell what the model does there: rest counts by as much as that friction "
+        "leaves of it."
     ]

@@ -21,7 +21,12 @@ from jaxswarm.diagnose.decision.rules import LOUD
 from jaxswarm.diagnose.decision.unexplained import Unexplained
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.friction_at_rest import left_and_friction, much_nearer, rms_in
+from jaxswarm.diagnose.selection.friction_at_rest import (
+    left_and_friction,
+    much_nearer,
+    rms_in,
+    with_all_held,
+)
 from jaxswarm.diagnose.selection.loose_rest import with_loose_rest
 from jaxswarm.diagnose.selection.refit import fit_from, refit
 from jaxswarm.diagnose.selection.state import Search
@@ -105,16 +110,13 @@ def without_sticks(
         asked: Joints that it may be so for.
         fitted: Fits the model to the rows that are left, with their noise.
     """
-    current = search.current
-    rows = hardly_moving(current.motions)
-    while asked:
-        after = fitted(motion_alone(current.motions, rows, asked))
-        held = asked & set(np.flatnonzero(is_held(current, after)))
-        if held == asked:
-            search.sticking |= held
-            return after
-        asked = held
-    return None
+    logs = search.current.motions
+    rows = hardly_moving(logs)
+
+    def without(joints: set[int]) -> Estimate:
+        return fitted(motion_alone(logs, rows, joints))
+
+    return with_all_held(search, asked, without, is_held)
 
 
 def _may_be_friction(item: Unexplained, found: Estimate) -> bool:

@@ -53,9 +53,7 @@ def choose_widths(
     there, free, held = _widths_of(fixed, here, free, groups)
     moving = problem.free(there.place.terms, [one for one in free if one.joints])
     if there.place.width != here.place.width:
-        here = newton(
-            problem, moving, settle(problem, there.place, there.theta, here.solution.sigma)
-        )
+        here = _moved(problem, there, moving, there.place.width)
     return here, moving, held
 
 

@@ -45,10 +45,8 @@ def step_within(triangle: np.ndarray, position: np.ndarray) -> tuple[np.ndarray,
     rows = np.concatenate([matrix, ridge])
     held = triangular_factor(np.column_stack([rows, np.append(target, np.zeros(count))]))
     # A width beyond the range of its joint's motion has so far to go, and may go on from there.
-    low, high = -position, 1.0 - position
-    low, high = (
-        np.maximum(low, np.minimum(high, 0.0) - _REACH),
-        np.minimum(high, np.maximum(low, 0.0) + _REACH),
-    )
+    least, most = -position, 1.0 - position
+    low = np.maximum(least, np.minimum(most, 0.0) - _REACH)
+    high = np.minimum(most, np.maximum(least, 0.0) + _REACH)
     step, _ = solve(held, low, high)
     return step, float(target @ target - np.square(target - matrix @ step).sum())

@@ -171,16 +171,23 @@ def held_shares(motions: Sequence[Motion]) -> dict[str, float]:
     rows = [m.held for m in motions if m.held is not None]
     if not rows:
         return {}
-    share = np.concatenate(rows).mean(axis=0)
-    return {name: float(x) for name, x in zip(motions[0].joints, share, strict=True) if x > 0.0}
+    return shares_of(motions[0].joints, np.concatenate(rows))
 
 
 def held_lines(shares: Mapping[str, float]) -> list[str]:
     """What a reader has to know of joints that friction holds at rest, if there are any."""
     if not shares:
         return []
+    return [f"{holds(shares)}: that is not fitted. It counts in the errors of other logs."]
+
+
+def shares_of(joints: Sequence[str], rows: np.ndarray) -> dict[str, float]:
+    """Joints of which some rows (T, n) are told, with the share of these."""
+    share = rows.mean(axis=0)
+    return {name: float(x) for name, x in zip(joints, share, strict=True) if x > 0.0}
+
+
+def holds(shares: Mapping[str, float]) -> str:
+    """In words, which joints friction holds, and in which shares of the time."""
     told = ", ".join(f"{name} ({100 * x:.0f} % of the time)" for name, x in shares.items())
-    return [
-        f"At rest or nearly so dry friction holds {told} at torques that no law tells: that is not fitted. It "
-        "counts in the errors of other logs."
-    ]
+    return f"At rest or nearly so dry friction holds {told} at torques that no law tells"
