@@ -73,17 +73,18 @@ def test_an_arm_whose_joints_move_one_by_one_lacks_nothing(seed):
 
 
 def test_other_motion_is_told_better_than_by_rest_that_counts_whole(monkeypatch):
-    """Errors fall to 0.53 of what they were in the median, to 0.06 at best; on one log of eight they rise."""
-    after = [unseen(diagnosed(seed).final) for seed in SEEDS]
+    """Errors fall to 0.39 of what they were in the median, to 0.04 at best; on two logs of 16 they rise."""
+    seeds = range(16)
+    after = [unseen(diagnosed(seed).final) for seed in seeds]
     monkeypatch.setattr(sticking, "with_loose_rest", lambda *given: None)
     before = [
         unseen(diagnose(small_arm(), blank(), [prepare(one_by_one(seed), BAND)]).final)
-        for seed in SEEDS
+        for seed in seeds
     ]
     ratio = np.divide(after, before)
-    assert (ratio < 1.0).sum() >= 7
-    assert np.median(ratio) < 0.65
-    assert np.exp(np.log(ratio).mean()) < 0.6
+    assert (ratio < 1.0).sum() >= 13
+    assert np.median(ratio) < 0.5
+    assert np.exp(np.log(ratio).mean()) < 0.5
 
 
 def test_rest_beyond_the_friction_of_its_joint_is_not_its_friction():
@@ -97,7 +98,8 @@ def test_a_rest_counts_as_one_row_would_whose_noise_its_friction_is():
     motion = prepare(one_by_one(0), BAND)
     rows = np.zeros((len(motion.low_torque), 2), bool)
     rows[10:50, 0] = rows[60:65, 0] = rows[5:9, 1] = True
-    noise, friction = np.array([0.1, 0.2]), np.array([3.0, 1.5])
+    noise, friction = [np.full(rows.shape, 9.0)], np.array([3.0, 1.5])
+    noise[0][rows] = 0.1
     once = loosened([motion], [rows], np.array([True, False]), noise, friction)[0]
     assert (once.loose[~rows] == 1.0).all()
     assert (once.loose[:, 1] == 1.0).all()

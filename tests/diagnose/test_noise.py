@@ -72,6 +72,21 @@ def test_an_impact_is_noise_where_it_is_and_nowhere_else():
     assert np.abs(ratio[far] - 1.0).max() < 0.3
 
 
+def test_what_rings_above_the_band_is_noise_in_it_by_what_it_leaves_there():
+    """A drive that rings at one frequency has as much per hertz there alone."""
+    log, quiet = log_with(), fitted()
+    cutoff = quiet.motions[0].torque_cutoff
+    part = (log.t > 5.0) & (log.t < 10.0)
+    tau = np.array(log.tau)
+    tau[part, 0] += 1.0 * np.sin(2 * np.pi * 2.2 * cutoff * log.t[part])
+    ringing = prepare(replace(log, tau=tau), BAND)
+    found = with_motion_noise(estimate(small_arm(), blank(), [ringing], bounded=False))
+    rows = (found.regression.t > 6.0) & (found.regression.t < 9.0)
+    left = np.sqrt((found.fit.residual[rows, 0] ** 2).mean())
+    noise = np.sqrt((row_noise(found)[rows, 0] ** 2).mean())
+    assert 0.5 < left / noise < 1.5
+
+
 @pytest.mark.parametrize("rate", [100.0, 125.0])
 def test_what_position_noise_makes_above_the_band_is_not_counted_in_it_twice(rate):
     """It grows with the frequency and is drawn by itself: the noise was told as twice what is left."""

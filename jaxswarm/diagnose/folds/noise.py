@@ -21,15 +21,14 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from jaxswarm.diagnose.folds.motion_noise import noisy
 from jaxswarm.diagnose.folds.sharp import sharp_noise
 from jaxswarm.diagnose.folds.stairs import stair_noise
 from jaxswarm.diagnose.folds.steady import with_steady_noise
 from jaxswarm.diagnose.folds.stiction import rest_noise
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.forward.model import Model, model_torque
-from jaxswarm.logs.filtering import derivatives
 from jaxswarm.logs.motion import Motion
-from jaxswarm.logs.smoothing import smooth
 from jaxswarm.logs.steps import step_noise
 
 # Without any measured noise, this share of a joint's torque counts as it: what a sensor of 10 bits tells.
@@ -190,24 +189,13 @@ def _drawn(found: Estimate, motion: Motion, seed: int) -> list[np.ndarray]:
     return [torque(1.0) - plain for _ in range(_DRAWS)]
 
 
-def noisy(motion: Motion, share: float, rng: np.random.Generator) -> Motion:
-    """A log smoothed once more, with so many times the white noise of its positions, which has to be known."""
-    ratio, noise = motion.velocity_ratio, _known(motion.position_noise)
-    q = motion.q + share * noise * rng.normal(size=motion.q.shape)
-    dq = None
-    if ratio is not None:
-        dq = motion.dq + share * noise / np.sqrt(ratio) * rng.normal(size=q.shape)
-    q = smooth(q, motion.rate, np.array(motion.motion_cutoff), dq, ratio)
-    dq, ddq = derivatives(q, motion.rate, 2)
-    return replace(motion, q=q, dq=dq, ddq=ddq)
-
-
 def _drawn_power(motion: Motion, drawn: list[np.ndarray]) -> np.ndarray:
     """Power (T', n) below the torque cutoff that the doubt of the motion makes."""
     if not drawn:
         return np.zeros((len(motion.decimator.kept(len(motion.t))), motion.q.shape[1]))
-    power = [motion.decimator.apply(x) ** 2 for x in drawn]
-    return scipy.ndimage.uniform_filter1d(np.mean(power, axis=0), _ROWS, axis=0)
+    power = np.mean([motion.decimator.apply(x) ** 2 for x in drawn], axis=0)
+    # Where a joint stands after it moved a running sum goes below zero.
+    return np.maximum(scipy.ndimage.uniform_filter1d(power, _ROWS, axis=0), 0.0)
 
 
 def row_weight(found: Estimate, doubt: np.ndarray | None = None) -> np.ndarray:

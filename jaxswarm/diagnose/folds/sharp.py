@@ -14,9 +14,14 @@ import scipy
 from jaxswarm.logs.butterworth import butterworth
 from jaxswarm.logs.motion import Motion
 
+# Order of the filters.
+_ORDER = 4
 # Where the octave begins and ends that tells what is sharp, over the torque's cutoff; and the time [s] over
 # which its power is averaged, in any case a period of the cutoff.
 _ABOVE, _WINDOW = (1.5, 3.0), 0.25
+# Where the upper half of the band begins, over that cutoff; the order of the filter that parts it from what is
+# above it, and the degrees of freedom of its power where that is compared.
+_INSIDE, _STEEP, _FREEDOM = 0.5, 8, 10.0
 # Chance with which noise alone is told as sharp in a window.
 _CHANCE = 0.01
 # Without this share of the working rate above the band, it tells nothing.
@@ -32,7 +37,9 @@ def sharp_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np
         drawn: What draws of the noise of its positions make of the model's torque, each (T, n).
 
     It has as much power per hertz in the octave just above the band as above that. A drive that jitters only
-    there, at all times, was told as 12 times what a clean log is left with.
+    there, at all times, was told as 12 times what a clean log is left with. And it has as much in the upper
+    half of the band itself: a drive that rang at 2.2 times the cutoff while its joint moved left a tenth of
+    that there, and friction that fell by 30 times the sensor's noise was "nothing missing" beside it.
     """
     rate, (begin, end) = motion.rate, np.multiply(_ABOVE, motion.torque_cutoff)
     if 0.5 * rate - begin < _LEAST_SHARE * rate:
@@ -52,7 +59,22 @@ def sharp_noise(motion: Motion, left: np.ndarray, drawn: list[np.ndarray]) -> np
     ]
     # All above the band tells better whether there is any, and the one octave how much of it is in the band.
     power = np.where(np.any(clear, axis=0), np.min(beyond, axis=0), 0.0)
-    return np.sqrt(np.maximum(power, 0.0))
+    return np.sqrt(np.maximum(power * _part_inside(motion, left, power), 0.0))
+
+
+def _part_inside(motion: Motion, left: np.ndarray, power: np.ndarray) -> np.ndarray:
+    """Part (T', n) of a power (T', n) of what is sharp that is in the band, where it clearly is not all."""
+    begin, end = _INSIDE * motion.torque_cutoff, motion.torque_cutoff
+    inside = butterworth(left, motion.rate, begin, _ORDER, high=True)
+    inside = butterworth(inside, motion.rate, end, _STEEP)
+    kept = motion.decimator.kept(len(motion.t))
+    long = _FREEDOM / (2.0 * (end - begin))
+    own = scipy.ndimage.uniform_filter1d(inside**2, max(3, round(long * motion.rate)), axis=0)[kept]
+    own *= motion.torque_cutoff / (end - begin)
+    rows = max(1, round(long * motion.rate / motion.decimator.factor))
+    above = scipy.ndimage.uniform_filter1d(np.maximum(power, 0.0), rows, axis=0)
+    rings = above > times_by_chance(_FREEDOM, 1) * own
+    return np.divide(own, above, out=np.ones_like(own), where=rings)
 
 
 def _by_chance(motion: Motion, band: tuple[float, float], draws: int) -> float:
@@ -85,11 +107,11 @@ def _powers(
     motion: Motion, left: np.ndarray, bands: Sequence[tuple[float, float]]
 ) -> list[np.ndarray]:
     """Powers (T', n) below the torque cutoff of what has as much per hertz as in bands [Hz] with one begin."""
-    above = butterworth(left, motion.rate, bands[0][0], 4, high=True)
+    above = butterworth(left, motion.rate, bands[0][0], _ORDER, high=True)
     length, kept = max(3, int(_span(motion) * motion.rate)), motion.decimator.kept(len(motion.t))
     powers = []
     for begin, end in bands:
-        own = above if end >= 0.5 * motion.rate else butterworth(above, motion.rate, end, 4)
+        own = above if end >= 0.5 * motion.rate else butterworth(above, motion.rate, end, _ORDER)
         power = scipy.ndimage.uniform_filter1d(own**2, length, axis=0)
         powers.append(power[kept] * motion.torque_cutoff / (end - begin))
     return powers

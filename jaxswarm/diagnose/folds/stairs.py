@@ -48,5 +48,5 @@ def stair_noise(model: Model, motion: Motion) -> np.ndarray:
     )
     inertia = np.maximum(inertia, np.finfo(float).tiny)
     power = change**2 @ (np.divide.outer(1.0 / inertia, 1.0 / inertia) * (1.0 - own))
-    power = scipy.ndimage.uniform_filter1d(power, _ROWS, axis=0)
+    power = np.maximum(scipy.ndimage.uniform_filter1d(power, _ROWS, axis=0), 0.0)
     return _ANSWER * motion.interval * np.sqrt(power)

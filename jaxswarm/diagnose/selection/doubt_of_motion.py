@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jaxswarm.diagnose.folds.noise import noisy
+from jaxswarm.diagnose.folds.motion_noise import noisy
 from jaxswarm.diagnose.selection.refit import left_on
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term

@@ -5,12 +5,12 @@ the links are where they stand. Left out, a model is off on other motion by thou
 as if no friction held the joint, a clean arm was left with 3.1 times its noise, and "unexplained".
 
 Dry friction holds a joint at any torque within its own, evenly as far as anybody knows, and at the same one for
-as long as it stands. So the mean of a rest of N rows has the variance
+as long as it stands. So the mean of a rest has the variance
 
-.. math:: \sigma^2 / N + f^2 / 3
+.. math:: 1 / \sum_t \sigma_t^{-2} + f^2 / 3
 
-with the noise sigma of a row and the friction f, and each of its rows counts by the root of what that makes of
-it: weighted least squares with known variances (A. C. Aitken, Proc. R. Soc. Edinburgh 55 (1936)).
+with the noise sigma of its rows and the friction f, and each of its rows counts by the root of what that makes
+of it: weighted least squares with known variances (A. C. Aitken, Proc. R. Soc. Edinburgh 55 (1936)).
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import NEAR
-from jaxswarm.diagnose.folds.noise import noise_of
+from jaxswarm.diagnose.folds.noise import row_noise
 from jaxswarm.diagnose.selection.friction_at_rest import (
     left_and_friction,
     much_nearer,
@@ -50,10 +50,11 @@ def with_loose_rest(
     """
     current = search.current
     rests = mixed_with(current.motions, hardly_moving(current.motions))
-    noise, friction = noise_of(current), np.abs(left_and_friction(current)[1]).max(axis=0)
+    friction = np.abs(left_and_friction(current)[1]).max(axis=0)
+    noise = np.split(row_noise(current), np.cumsum([len(r) for r in rests])[:-1])
 
     def without(joints: set[int]) -> Estimate:
-        loose = np.isin(np.arange(len(noise)), list(joints))
+        loose = np.isin(np.arange(len(friction)), list(joints))
         return fitted(loosened(current.motions, rests, loose, noise, friction))
 
     return with_all_held(search, asked, without, _is_held)
@@ -75,7 +76,7 @@ def loosened(
     motions: Sequence[Motion],
     rests: Sequence[np.ndarray],
     joints: np.ndarray,
-    noise: np.ndarray,
+    noise: Sequence[np.ndarray],
     friction: np.ndarray,
 ) -> list[Motion]:
     """The logs with the rest of some joints counted by the friction that may hold them there.
@@ -84,10 +85,10 @@ def loosened(
         motions: The logs.
         rests: Rows in which each joint hardly moves, (T', n) each.
         joints: Which joints, (n,).
-        noise: Standard deviation of a row's noise, (n,).
+        noise: Standard deviation of every row's noise, (T', n) each.
         friction: Dry friction, (n,).
     """
-    every = [_shares(rows & joints, noise, friction) for rows in rests]
+    every = [_shares(rows & joints, own, friction) for rows, own in zip(rests, noise, strict=True)]
     return [
         replace(m, loose=share if m.loose is None else m.loose * share)
         for m, share in zip(motions, every, strict=True)
@@ -97,13 +98,15 @@ def loosened(
 def _shares(rows: np.ndarray, noise: np.ndarray, friction: np.ndarray) -> np.ndarray:
     """How much every row counts, (T', n): all of it where a joint moves.
 
-    >>> _shares(np.array([[True], [True], [False]]), np.array([1.0]), np.array([3.0])).round(3).ravel().tolist()
+    >>> rows = np.array([[True], [True], [False]])
+    >>> _shares(rows, np.array([[1.0], [1.0], [9.0]]), np.array([3.0])).round(3).ravel().tolist()
     [0.378, 0.378, 1.0]
     """
     share = np.ones(rows.shape)
-    for own, rest, sigma, most in zip(share.T, rows.T, noise, friction, strict=True):
+    for own, rest, sigma, most in zip(share.T, rows.T, noise.T, friction, strict=True):
         for begin, end in zip(*runs(rest), strict=True):
-            own[begin:end] = (1.0 + (end - begin) * most**2 / (3.0 * sigma**2)) ** -0.5
+            told = (sigma[begin:end] ** -2).sum()
+            own[begin:end] = (1.0 + told * most**2 / 3.0) ** -0.5
     return share
 
 
