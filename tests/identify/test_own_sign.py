@@ -31,3 +31,12 @@ def test_a_sign_beside_which_much_is_left_is_told_and_the_log_goes_on(left, drov
     finding = _told(rx60(), guess, Tried(np.full(3, left), np.zeros(3)), logged)
     assert finding.refused == refused
     assert ("unless something else" in finding.what) != refused
+
+
+@pytest.mark.parametrize(("own", "believed"), [(0.45, False), (0.3, True)])
+def test_friction_drives_by_more_than_chance_makes_of_what_is_left(own, believed):
+    """Of a joint whose load was put down in mid-log 45 % was left, and friction drove it by 12 %."""
+    guess = Guess("position_sign", "", (3,))
+    logged = Tried(np.array([0.036, 0.076, 0.102, own]), np.array([0.16, 0.0, 0.13, -0.12]))
+    found = Tried(np.array([0.039, 0.084, 0.103, own]), np.array([0.14, 0.0, 0.14, 0.11]))
+    assert _believed(guess, found, logged, 1.0) == believed

@@ -33,8 +33,9 @@ _SIGN = 0.3
 # gained 1.1 in all by a wrong one, of whose joint 0.97 was left instead of 0.73.
 _OWN_SIGN = 0.1
 # Or leaves as much, to this difference, where friction drove with this share of the torque: on clean logs it is
-# 0.04 at most, on joints without friction.
-_SAME, _DRIVES = 0.3, 0.08
+# 0.04 at most, on joints without friction. It is at least this part of what is left there: of a last joint
+# whose load was put down in mid-log 45 % of the torque was left, and friction drove it with 12 %.
+_SAME, _DRIVES, _OF_LEFT = 0.3, 0.08, 1 / 3
 _SIGNS = {"torque_sign", "position_sign"}
 # Where friction drove nothing, the right sign leaves no more than this part of what is left as logged, or the
 # log goes on: one that lacked a load as heavy as its last link left 48 % of the torque, with a wrong sign 43 %.
@@ -151,7 +152,8 @@ def _believed(guess: Guess, found: Tried, logged: Tried, much: float) -> bool:
     if guess.check in _SIGNS and worse > _OWN_SIGN:
         return False
     own = logged.braking[joints]
-    drove = bool(own.max() < 0.0 and own.mean() < -_DRIVES)
+    clear = np.maximum(_DRIVES, _OF_LEFT * logged.left[joints]).mean()
+    drove = bool(own.max() < 0.0 and own.mean() < -clear)
     needed = much * _SCALES[guess.check] if guess.check in _SCALES else _MUCH
     if guess.check in _SIGNS:
         needed = min(needed, much * _SIGN)
