@@ -312,6 +312,11 @@ def test_an_event_that_is_a_rest_is_taken_back(monkeypatch):
     assert not search.steps and "told by a rest" in search.refused[0][1]
 
 
+def replace_motion(search, motion):
+    search.current = replace(search.current, motions=(motion,))
+    return search
+
+
 @pytest.mark.parametrize(
     "sticking, first, held",
     [({1}, 0.0, True), ({1}, 5.0, False), ({0, 1}, 5.0, True), (set(), 0.0, False)],
@@ -320,12 +325,13 @@ def test_a_push_is_told_by_a_rest_only_where_all_joints_it_acts_on_rest(sticking
     """An arm was pushed while its last joint stood, which told most of it."""
     search = told_as_contacts(push, 1)
     (step,), current = search.steps, search.current
-    share = np.ones_like(current.regression.torque)
-    within = rows_within(current, step.added)
-    for joint in sticking:
-        share[within, joint] = 0.0
-    search.current = replace(current, regression=replace(current.regression, share=share))
+    (motion,), rest = current.motions, np.zeros(current.regression.torque.shape, bool)
+    # None of the window is used for anything else, at rest or not.
+    assert not current.regression.used_rows[rows_within(current, step.added)].any()
     search.sticking = sticking
+    assert not held_within(replace_motion(search, replace(motion, held=rest)), step)
+    rest[np.ix_(rows_within(current, step.added), list(sticking))] = True
+    replace_motion(search, replace(motion, held=rest))
     step.added.values["tau_joint1"] = first
     assert step.score.joint == 1 and held_within(search, step) == held
 

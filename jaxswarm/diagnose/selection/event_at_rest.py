@@ -26,13 +26,17 @@ def held_within(search: Search, step: Step) -> bool:
     """Whether friction was found to hold the joint of an event, or all that it acts on, in most of its window.
 
     A push of 54 N m on the first joint of an arm in motion was taken back, since the last one stood: all six
-    joints were left with 24 to 210 times their noise.
+    joints were left with 24 to 210 times their noise. No row of a window is used for anything else; asked is
+    which of them friction was found to hold.
     """
     joints, current = [step.score.joint], search.current
     if isinstance(step.added.law, ExternalTorque):
         joints += np.flatnonzero(_is_loud(current, step.added)).tolist()
-    used = current.regression.used_rows[rows_within(current, step.added)][:, joints]
-    return search.sticking.issuperset(joints) and bool((2 * used.sum(axis=0) < len(used)).all())
+    if not search.sticking.issuperset(joints) or any(m.held is None for m in current.motions):
+        return False
+    every = np.concatenate([m.held for m in current.motions if m.held is not None])
+    held = every[rows_within(current, step.added)][:, joints]
+    return bool((2 * held.sum(axis=0) > len(held)).all())
 
 
 def like_other_rests(current: Estimate, event: Term) -> bool:
