@@ -22,7 +22,7 @@ from jaxswarm.diagnose.decision.worth import Score, passes, runners_up
 from jaxswarm.diagnose.selection import refit as refitting
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.finite_columns import Diverged
 
 
 def told(effect, joint, gain, shows=None, own=None):

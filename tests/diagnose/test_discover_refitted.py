@@ -16,7 +16,8 @@ from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.rivals import near_ones
 from jaxswarm.diagnose.discovery.sums import Sum
 from jaxswarm.effects.parameter import Parameter
-from jaxswarm.identify.forward.regression import Diverged, Regression
+from jaxswarm.identify.forward.finite_columns import Diverged
+from jaxswarm.identify.forward.regression import Regression
 
 ROWS = 400
 CENTER = Parameter("c", "rad", -1.0, 1.0, False, 0.1, "center")

@@ -101,8 +101,9 @@ def test_each_block_is_predicted_by_a_fit_to_the_others(whole):
     kept = regression.columns[:, :, solution.base.kept] / solution.sigma[:, None]
     target = regression.target / solution.sigma
     for b in range(3):
-        rows = kept[block != b].reshape(-1, kept.shape[2])
-        values = np.linalg.lstsq(rows, target[block != b].ravel(), rcond=None)[0]
+        rows = np.concatenate([kept[block != b].reshape(-1, kept.shape[2]), solution.prior])
+        wanted = np.append(target[block != b].ravel(), np.zeros(len(solution.prior)))
+        values = np.linalg.lstsq(rows, wanted, rcond=None)[0]
         left = (target[block == b] - kept[block == b] @ values) * solution.sigma
         np.testing.assert_allclose(residual[block == b], left, atol=1e-7)
 

@@ -10,7 +10,8 @@ from small_problems import make_motion, planar_arm
 from jaxswarm.effects.term import Term
 from jaxswarm.errors import InputError
 from jaxswarm.identify import estimate
-from jaxswarm.identify.forward.regression import Diverged, build_regression
+from jaxswarm.identify.forward.finite_columns import Diverged
+from jaxswarm.identify.forward.regression import build_regression
 from jaxswarm.identify.report.summary import term_parameters
 
 FRICTION = (Term("viscous_friction", 0), Term("coulomb_friction", 0), Term("coulomb_friction", 1))

@@ -21,7 +21,7 @@ from jaxswarm.effects.alike import without
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.covariance import correlation_length
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.finite_columns import Diverged
 from jaxswarm.logs.motion import Motion
 
 # Formulas that are refitted beside the chosen one.

@@ -14,7 +14,7 @@ from jaxswarm.diagnose.folds.noise import noise_of
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.effects.alike import without
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.finite_columns import Diverged
 
 # Formulas that are told beside the chosen one.
 _TOLD = 3

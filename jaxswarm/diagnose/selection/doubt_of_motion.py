@@ -18,7 +18,7 @@ from jaxswarm.diagnose.selection.refit import left_on
 from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.finite_columns import Diverged
 from jaxswarm.logs.motion import Motion
 
 # Pairs of noises by which a fall is told without any.

@@ -25,7 +25,7 @@ from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import best_widths
 from jaxswarm.identify.forward.columns import is_kept
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.finite_columns import Diverged
 from jaxswarm.identify.forward.written_down import clock_lag
 
 # The logarithm of a width's ratio below which a fit is trusted to have found it by itself.

@@ -123,7 +123,9 @@ def moving_sums(x: np.ndarray, width: int) -> np.ndarray:
     return total[width:] - total[:-width]
 
 
-def sandwich(factor, scores: Scores, error, log) -> tuple[np.ndarray, float]:
+def sandwich(
+    factor, scores: Scores, error, log, prior: np.ndarray | None = None
+) -> tuple[np.ndarray, float]:
     """Covariance of the base parameters from :func:`scored`, and the effective samples.
 
     It is the larger of two. That by samples (Newey-West) knows that errors are large where a joint reverses,
@@ -153,4 +155,8 @@ def sandwich(factor, scores: Scores, error, log) -> tuple[np.ndarray, float]:
     meat *= max(1.0, inflation / tapered)
     meat = larger(meat, scores.spectral)
     inverse = scipy.linalg.solve_triangular(factor, np.eye(size), check_finite=False)
+    if prior is not None:
+        # What is known beforehand is in doubt, too, by as much as it counts.
+        known = prior @ inverse
+        meat += known.T @ known
     return inverse @ meat @ inverse.T, error.size / inflation

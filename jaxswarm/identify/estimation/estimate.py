@@ -13,10 +13,10 @@ from jaxswarm.identify.estimation.chosen import with_values_to_begin
 from jaxswarm.identify.estimation.derived import derived_errors
 from jaxswarm.identify.estimation.events import window_errors, with_event_torques
 from jaxswarm.identify.estimation.fitted import Fitted, fitted, fitted_at_width, with_shapes
+from jaxswarm.identify.estimation.free_covariance import covariance_of
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, Place
 from jaxswarm.identify.estimation.gauss_newton import (
     Settled,
-    covariance_of,
     newton,
     settle,
 )

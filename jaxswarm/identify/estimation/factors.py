@@ -70,9 +70,19 @@ def joint_factors(regression: Regression) -> list[np.ndarray]:
     ]
 
 
-def weighted_factor(factors: list[np.ndarray], sigma: np.ndarray) -> np.ndarray:
-    """Triangular factor of all joints' rows, divided by their standard deviations."""
+def weighted_factor(
+    factors: list[np.ndarray], sigma: np.ndarray, prior: np.ndarray | None = None
+) -> np.ndarray:
+    """Triangular factor of all joints' rows, divided by their standard deviations, and of rows that are zero.
+
+    Args:
+        factors: Of every joint, (m_j, p + 1).
+        sigma: Standard deviations, (n,).
+        prior: Rows that should give zero, to one each, (r, p); None: none.
+    """
     stacked = np.concatenate([f / s for f, s in zip(factors, sigma, strict=True)])
+    if prior is not None and len(prior):
+        stacked = np.concatenate([stacked, np.pad(prior, ((0, 0), (0, 1)))])
     found = scipy.linalg.qr(stacked, mode="r", check_finite=False)[0][: stacked.shape[1]]
     # Rows that hold few of the columns are fewer than these.
     return np.pad(found, ((0, stacked.shape[1] - len(found)), (0, 0)))

@@ -18,13 +18,14 @@ from jaxswarm.identify.estimation.free_parameters import (
     with_values,
     write,
 )
-from jaxswarm.identify.estimation.least_squares import Solved, fit, weighted_cost, with_doubt
+from jaxswarm.identify.estimation.least_squares import Solved, weighted_cost
 from jaxswarm.identify.estimation.measured_start import measured_start
-from jaxswarm.identify.estimation.newton_step import step_anywhere, step_within
+from jaxswarm.identify.estimation.newton_step import step_within
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.forward.body import moves_links
+from jaxswarm.identify.forward.finite_columns import Diverged
 from jaxswarm.identify.forward.measuring_chain import uses_load
-from jaxswarm.identify.forward.regression import Diverged, Regression
+from jaxswarm.identify.forward.regression import Regression
 
 # Rounds of refitting where the load or the lag of a soft joint depends on the fit itself.
 _ROUNDS, _STEPS = 6, 8
@@ -161,7 +162,7 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
     for _ in range(_STEPS):
         sigma = here.solution.sigma
         position = read(here.place, moving)
-        triangle = _triangle(problem, moving, here)
+        triangle = tangent_factor(problem, moving, here)
         step, promised = step_within(triangle, position)
         if promised < _PROMISED * cost:
             break
@@ -182,7 +183,7 @@ def newton(problem: Problem, moving: list[FreeParameter], here: Settled) -> Sett
     return here
 
 
-def _triangle(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.ndarray:
+def tangent_factor(problem: Problem, moving: list[FreeParameter], here: Settled) -> np.ndarray:
     """Triangular factor of the weighted base columns, the free parameters' tangents and what is left."""
     solution, regression = here.solution, here.regression
     slopes = tangents(
@@ -196,48 +197,7 @@ def _triangle(problem: Problem, moving: list[FreeParameter], here: Settled) -> n
     for j, sigma in enumerate(solution.sigma):
         kept = regression.columns[:, j, solution.base.kept]
         factors.append(compress(np.hstack([kept, slopes[:, j]]), here.residual[:, j]) / sigma)
-    return triangular_factor(np.concatenate(factors))
-
-
-def apart_from(
-    problem: Problem, held: list[FreeParameter], here: Settled
-) -> tuple[np.ndarray, np.ndarray]:
-    """How far parameters would move from where they are held, and the standard errors, (m,) each.
-
-    Positions both, such as those of single joints' widths from the one that they share.
-    """
-    step = step_anywhere(_triangle(problem, held, here), len(held))
-    doubt = covariance_of(problem, held, here, here.theta)
-    return step, np.sqrt(np.diag(doubt)[-len(held) :])
-
-
-def covariance_of(
-    problem: Problem, moving: list[FreeParameter], here: Settled, theta: np.ndarray
-) -> np.ndarray:
-    """Covariance (p + m, p + m) of all columns and of free parameters' positions; NaN where inseparable."""
-    regression = here.regression
-    if moving:
-        pi = theta[: len(here.pi)]
-        slopes = tangents(
-            lambda place, free: problem.output(place, pi, theta, free),
-            here.place,
-            moving,
-            wide=True,
-        )
-        wide = Regression(
-            (*regression.names, *(f"{m.name}:{m.term}:{m.joints}" for m in moving)),
-            np.concatenate([regression.columns, regression.counted(slopes)], axis=2),
-            here.residual,
-            regression.moving,
-            regression.t,
-            regression.log,
-            regression.step,
-            share=regression.share,
-        )
-        solution = fit(wide, sigma=here.solution.sigma)
-    else:
-        solution = with_doubt(here.solution, regression)
-    names, kept = solution.base.names, solution.base.kept
-    covariance = np.full((len(names), len(names)), np.nan)
-    covariance[np.ix_(kept, kept)] = solution.covariance
-    return covariance
+    known = np.zeros((len(solution.prior), factors[0].shape[1]))
+    known[:, : solution.base.size] = solution.prior
+    known[:, -1] = -solution.prior @ solution.base.reduce(here.theta)
+    return triangular_factor(np.concatenate([*factors, known]))

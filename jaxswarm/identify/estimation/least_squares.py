@@ -46,6 +46,7 @@ class Fit:
         at_bound: Whether a base parameter sits on its physical bound, shape (b,).
         effective_samples: Independent residuals the data amount to.
         lower, upper: Bounds the base parameters were held to, each (b,); None: none.
+        prior: Rows of :attr:`Regression.prior` on the base parameters, (r, b).
     """
 
     base: BaseParameters
@@ -60,6 +61,7 @@ class Fit:
     effective_samples: float
     lower: np.ndarray | None = None
     upper: np.ndarray | None = None
+    prior: np.ndarray | None = None
 
     @property
     def theta(self) -> np.ndarray:
@@ -93,6 +95,7 @@ class Solved(NamedTuple):
     at_bound: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+    prior: np.ndarray
 
     @property
     def theta(self) -> np.ndarray:
@@ -132,13 +135,13 @@ def with_doubt(found: Solved, regression: Regression) -> Fit:
     factor, target = triangle[:size, :size], triangle[:size, size]
     error = found.residual / found.sigma
     scores = scored(factor, regression.columns, found.base.kept, found.sigma, error, regression.log)
-    covariance, effective = sandwich(factor, scores, error, regression.log)
+    covariance, effective = sandwich(factor, scores, error, regression.log, found.prior)
     covariance[found.at_bound, :] = 0.0
     covariance[:, found.at_bound] = 0.0
     cost = float(triangle[size, size] ** 2) if triangle.shape[0] > size else 0.0
     return Fit(
         found.base, found.values, covariance, found.sigma, factor, target, cost, found.residual,
-        found.at_bound, effective, found.lower, found.upper,
+        found.at_bound, effective, found.lower, found.upper, found.prior,
     )  # fmt: skip
 
 
@@ -164,14 +167,14 @@ def solved(
         base = find_base(weighted_factor(factors, scale)[:, :-1], regression.names)
     low, high = base_bounds(base, lower, upper)
     pick = np.append(base.kept, len(regression.names))
-    reduced = [f[:, pick] for f in factors]
+    reduced, prior = [f[:, pick] for f in factors], prior_on(base, regression.prior)
     # Parameters shared by the joints are counted where they act: equally among the rows.
     freedom = np.maximum(1.0, regression.rows_counted - base.size / joints)
     least = 1e-9 * np.maximum(np.abs(regression.torque).max(axis=0), 1e-12)
     new = scale if fixed or near is None else near
     for _ in range(1 if fixed else _ROUNDS):
         scale = new
-        triangle = weighted_factor(reduced, scale)
+        triangle = weighted_factor(reduced, scale, prior)
         values, at_bound = solve(triangle, low, high)
         if above is not None and (above[:, base.kept] @ values < 0).any():
             values, at_bound = solve_within(triangle, low, high, above[:, base.kept])
@@ -180,7 +183,14 @@ def solved(
         if np.abs(np.log(new / scale)).max() < _SETTLED:
             break
     residual = regression.target - regression.columns @ base.expand(values)
-    return Solved(base, values, scale, triangle, residual, at_bound, low, high)
+    return Solved(base, values, scale, triangle, residual, at_bound, low, high, prior)
+
+
+def prior_on(base: BaseParameters, prior: np.ndarray | None) -> np.ndarray:
+    """Rows (r, b) on the base parameters of those (r, m) on the first columns; none of None."""
+    if prior is None:
+        return np.zeros((0, base.size))
+    return np.pad(prior, ((0, 0), (0, len(base.names) - prior.shape[1])))[:, base.kept]
 
 
 def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:
@@ -196,7 +206,7 @@ def values_on(factors: list[np.ndarray], like: Fit) -> np.ndarray:
     free = np.full(size, np.inf)
     low = -free if like.lower is None else like.lower
     high = free if like.upper is None else like.upper
-    return solve(weighted_factor(factors, like.sigma), low, high)[0]
+    return solve(weighted_factor(factors, like.sigma, like.prior), low, high)[0]
 
 
 def base_bounds(base: BaseParameters, lower, upper) -> tuple[np.ndarray, np.ndarray]:

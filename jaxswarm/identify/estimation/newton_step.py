@@ -8,7 +8,7 @@ from jaxswarm.identify.estimation.factors import triangular_factor
 
 # A step goes no further than this part of a parameter's range. What the linear parameters leave of a tangent is
 # rounding below such a part of it, and leads nowhere: as singular values over the largest, and as a ridge.
-_REACH, _RANK, _RIDGE = 0.2, 1e-8, 1e-6
+REACH, _RANK, _RIDGE = 0.2, 1e-8, 1e-6
 
 
 def step_anywhere(triangle: np.ndarray, count: int) -> np.ndarray:
@@ -21,7 +21,7 @@ def step_anywhere(triangle: np.ndarray, count: int) -> np.ndarray:
     scale = np.linalg.norm(matrix, axis=0)
     scale[scale == 0] = 1.0
     step = lstsq(matrix / scale, target, rcond=_RANK) / scale
-    return np.clip(step[-count:], -_REACH, _REACH)
+    return np.clip(step[-count:], -REACH, REACH)
 
 
 def step_within(triangle: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, float]:
@@ -46,7 +46,7 @@ def step_within(triangle: np.ndarray, position: np.ndarray) -> tuple[np.ndarray,
     held = triangular_factor(np.column_stack([rows, np.append(target, np.zeros(count))]))
     # A width beyond the range of its joint's motion has so far to go, and may go on from there.
     least, most = -position, 1.0 - position
-    low = np.maximum(least, np.minimum(most, 0.0) - _REACH)
-    high = np.minimum(most, np.maximum(least, 0.0) + _REACH)
+    low = np.maximum(least, np.minimum(most, 0.0) - REACH)
+    high = np.minimum(most, np.maximum(least, 0.0) + REACH)
     step, _ = solve(held, low, high)
     return step, float(target @ target - np.square(target - matrix @ step).sum())

@@ -15,6 +15,7 @@ from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.event_rows import event_columns
 from jaxswarm.identify.forward.measuring_chain import low_torque_along, term_block
 from jaxswarm.identify.forward.regression import Regression, build_regression
+from jaxswarm.identify.forward.torque_prior import torque_prior
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -26,6 +27,7 @@ class Problem:
     Attributes:
         usual: Nonlinear parameters that stay at their usual values, by the number of their term and their name.
         inertias: Rows of :func:`link_inertias` by the terms' identities: every fit asks for the same.
+        prior: Rows of :func:`torque_prior`, (r, 10 n); None: they are made.
     """
 
     robot: Robot
@@ -34,6 +36,11 @@ class Problem:
     bounded: bool
     usual: frozenset[tuple[int | None, str]] = frozenset()
     inertias: dict = field(default_factory=dict, repr=False, compare=False)
+    prior: np.ndarray | None = field(default=None, repr=False, compare=False)
+
+    def __post_init__(self):
+        if self.prior is None:
+            object.__setattr__(self, "prior", torque_prior(self.robot, self.motions))
 
     def free(
         self, terms: tuple[Term, ...], widths: Sequence[FreeParameter] = ()
@@ -44,7 +51,8 @@ class Problem:
 
     def build(self, place: Place, pi) -> Regression:
         """The rows at a place."""
-        return build_regression(self.robot, place.terms, self.motions, place.width, pi, self.rigids)
+        logs = self.motions, place.width, pi, self.rigids
+        return build_regression(self.robot, place.terms, *logs, prior=self.prior)
 
     def left(self, rows: Regression, place: Place, theta: np.ndarray) -> np.ndarray:
         """What a model leaves (T, n) of rows that were built with its terms, by its torque alone.

@@ -8,7 +8,7 @@ from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.fitted import Fitted
 from jaxswarm.identify.estimation.least_squares import weighted_cost
 from jaxswarm.identify.estimation.problem import Problem
-from jaxswarm.identify.forward.regression import Diverged
+from jaxswarm.identify.forward.finite_columns import Diverged
 
 # Frequencies [Hz] that a swing begins at, and the damping ratio: strongly damped, a swing is told from one a
 # third off.

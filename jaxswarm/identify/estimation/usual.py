@@ -7,8 +7,9 @@ import numpy as np
 
 from jaxswarm.effects.alike import has, number_of
 from jaxswarm.effects.term import Term
+from jaxswarm.identify.estimation.free_covariance import apart_from
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, free_parameters, read
-from jaxswarm.identify.estimation.gauss_newton import Settled, apart_from
+from jaxswarm.identify.estimation.gauss_newton import Settled
 from jaxswarm.identify.estimation.problem import Problem
 
 # A shape is told from its usual one beyond so many standard errors. On a log whose exponent of Stribeck's curve

@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from jaxswarm.identify.estimation.free_covariance import apart_from
 from jaxswarm.identify.estimation.free_parameters import FreeParameter, width_parameter
-from jaxswarm.identify.estimation.gauss_newton import Settled, apart_from
+from jaxswarm.identify.estimation.gauss_newton import Settled
 from jaxswarm.identify.estimation.own_widths import apart
 from jaxswarm.identify.estimation.problem import Problem
 from jaxswarm.identify.estimation.sign_width import width_range

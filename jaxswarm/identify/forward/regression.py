@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jaxswarm.effects.term import Term
-from jaxswarm.errors import InputError
 from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.event_rows import event_columns
+from jaxswarm.identify.forward.finite_columns import check_finite, check_rows
 from jaxswarm.identify.forward.link_lag import (
     lag_slopes,
     slope_terms,
@@ -23,9 +23,6 @@ from jaxswarm.identify.forward.row_shares import row_shares
 from jaxswarm.identify.forward.written_down import report
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
-
-# Squares of larger numbers, summed over a log, leave the finite numbers.
-_MOST = 1e140
 
 
 @dataclass(frozen=True)
@@ -44,6 +41,8 @@ class Regression:
             where a soft joint or a load makes the torque nonlinear in the rigid parameters; None: zero.
         share: How much of a joint's row counts, (T, n): columns, torque and shift are multiplied by it. It is
             zero where the row is not used. None: all rows count whole.
+        prior: Rows whose products with the rigid parameters, the first columns', are taken to be about zero, to
+            one each, (r, 10 n); None: none.
     """
 
     names: tuple[str, ...]
@@ -55,6 +54,7 @@ class Regression:
     step: tuple[float, ...]
     shift: np.ndarray | None = None
     share: np.ndarray | None = None
+    prior: np.ndarray | None = None
 
     @property
     def target(self) -> np.ndarray:
@@ -106,11 +106,8 @@ class Regression:
             self.step,
             None if self.shift is None else self.shift[selected],
             None if self.share is None else self.share[selected],
+            self.prior,
         )
-
-
-class Diverged(InputError):
-    """The torque of a model leaves the finite numbers along a log: as a link that runs away."""
 
 
 def build_regression(
@@ -120,6 +117,7 @@ def build_regression(
     width: Sequence[float],
     pi: np.ndarray | None = None,
     rigids: Sequence[Rigid] | None = None,
+    prior: np.ndarray | None = None,
 ) -> Regression:
     """Stack the decimated rows of all logs.
 
@@ -130,6 +128,7 @@ def build_regression(
         width: Width of every joint's smooth sign, (n,).
         pi: Rigid parameters for loads and soft joints, (10 n,); None: zeros.
         rigids: Rigid columns of the logs where known.
+        prior: What is known of the rigid parameters before, as :attr:`Regression.prior`.
 
     Raises:
         InputError: If there are fewer rows than columns to determine.
@@ -140,7 +139,7 @@ def build_regression(
     for k, motion in enumerate(motions):
         rigid = None if rigids is None else rigids[k]
         columns.append(assemble(robot, terms, motion, width, pi, rigid, decimate=True, log=k))
-        _check_finite(columns[-1], terms, motion)
+        check_finite(columns[-1], terms, motion)
         kept = motion.decimator.kept(len(motion.t))
         torque.append(motion.low_torque)
         moving.append(is_moving(motion.dq)[kept])
@@ -150,7 +149,7 @@ def build_regression(
     every = np.concatenate(share)
     stacked = columns.pop() if len(columns) == 1 else np.concatenate(columns)
     stacked[:, :, event_columns(robot, terms)] = 0.0
-    _check_rows(stacked, motions[0].source)
+    check_rows(stacked, motions[0].source)
     whole = np.all(every == 1.0) and not any(t.law.recurring for t in terms)
     plain = Regression(
         column_names(robot, terms),
@@ -161,6 +160,7 @@ def build_regression(
         np.concatenate(log),
         tuple(float(m.decimator.factor / m.rate) for m in motions),
         share=None if whole else every,
+        prior=prior,
     )
     for held in (plain.columns, plain.torque):
         plain.counted(held, out=held)
@@ -194,7 +194,7 @@ def _with_slopes(
             bent *= plain.share[rows, :, None]
         bent[:, :, events] = 0.0
         plain.columns[rows] += bent
-        _check_finite(plain.columns[rows], terms, motion)
+        check_finite(plain.columns[rows], terms, motion)
     return replace(plain, shift=plain.counted(shift))
 
 
@@ -220,30 +220,3 @@ def _slopes(
     if any(loaded(t) for t in terms):
         parts.append(load_slopes(robot, terms, motion, width, pi, rigid, log))
     return sum(parts[1:], parts[0])
-
-
-def _check_rows(columns: np.ndarray, source: str) -> None:
-    """Refuse columns (T, n, p) of which there are more than rows."""
-    rows, joints, count = columns.shape
-    if rows * joints < count:
-        raise InputError(
-            f"{source}: {rows} independent samples of {joints} joints are fewer than the {count} "
-            "parameters; log a longer motion or declare fewer effects"
-        )
-
-
-def _check_finite(columns: np.ndarray, terms: tuple[Term, ...], motion: Motion) -> None:
-    """Name the terms that may have driven columns (T', n, p) of a log out of the finite numbers."""
-    # Smallest and largest are NaN where any is, and take no copy.
-    least, most = (f(columns, axis=(0, 2), initial=0.0) for f in (np.min, np.max))
-    bad = ~((least > -_MOST) & (most < _MOST))
-    if not bad.any():
-        return
-    joints = np.flatnonzero(bad)
-    behind = [t for t in terms if t.joint is None or t.joint in joints]
-    raise Diverged(
-        f"{motion.source}: the model has no finite torque on "
-        f"{', '.join(motion.joints[j] for j in joints)} with "
-        f"{', '.join(t.label(motion.joints) for t in behind) or 'these parameters'}; "
-        "log a stronger motion, or leave one of these effects out"
-    )
