@@ -23,7 +23,7 @@ def noisy(motion: Motion, share: float, rng: np.random.Generator) -> Motion:
     """
     ratio = motion.velocity_ratio
     drawn = rng.normal(size=(2, *motion.q.shape))
-    drawn *= share * _seen(motion, drawn)
+    drawn *= share * _seen(motion, drawn) if share else 0.0
     noise = _noise(motion)
     q = motion.q + noise * drawn[0]
     dq = None if ratio is None else motion.dq + noise / np.sqrt(ratio) * drawn[1]

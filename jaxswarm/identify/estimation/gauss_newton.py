@@ -197,7 +197,8 @@ def tangent_factor(problem: Problem, moving: list[FreeParameter], here: Settled)
     for j, sigma in enumerate(solution.sigma):
         kept = regression.columns[:, j, solution.base.kept]
         factors.append(compress(np.hstack([kept, slopes[:, j]]), here.residual[:, j]) / sigma)
-    known = np.zeros((len(solution.prior), factors[0].shape[1]))
-    known[:, : solution.base.size] = solution.prior
-    known[:, -1] = -solution.prior @ solution.base.reduce(here.theta)
+    # What is known before asks for no step: where the log tells a link's place from its masses by nothing, that
+    # drew it to its bound.
+    others = factors[0].shape[1] - solution.base.size
+    known = np.pad(solution.prior, ((0, 0), (0, others)))
     return triangular_factor(np.concatenate([*factors, known]))
