@@ -1,6 +1,7 @@
 """What a log hardly tells is held by torques that other motion would not ask for; what it tells stays."""
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_what_a_log_tells_stays(without_prior):
     np.testing.assert_allclose(held.std_error, free.std_error, rtol=1e-3)
 
 
-def test_torques_of_other_motion_are_some_times_the_largest_seen():
+def test_torques_of_other_motion_are_within_the_largest_seen():
     """By the true arm, whose log asks for what its other motion does, the rows are well below one each."""
     rows = torque_prior(rx60(), [logged(together(), 0.0)])
     size = np.linalg.norm(rows @ np.asarray(rx60().parameters).ravel())
@@ -86,8 +87,6 @@ def test_torques_of_other_motion_are_some_times_the_largest_seen():
 
 
 def test_a_joint_without_torque_holds_nothing():
-    from dataclasses import replace
-
     motion = logged(together(), 0.0)
     motion = replace(motion, tau=motion.tau * np.array([0.0, 1.0, 1.0]))
     assert np.isfinite(torque_prior(rx60(), [motion])).all()

@@ -21,21 +21,17 @@ def noisy(motion: Motion, share: float, rng: np.random.Generator) -> Motion:
     sign of its friction that noise was seven times a drift of friction that was there in motion, and "nothing
     missing" was said of it.
     """
-    ratio = motion.velocity_ratio
     drawn = rng.normal(size=(2, *motion.q.shape))
     drawn *= share * _seen(motion, drawn) if share else 0.0
-    noise = _noise(motion)
-    q = motion.q + noise * drawn[0]
-    dq = None if ratio is None else motion.dq + noise / np.sqrt(ratio) * drawn[1]
-    q, dq, ddq = _smoothed(motion, q, dq)
+    more, faster = _noise(motion, drawn)
+    given = None if faster is None else motion.dq + faster
+    q, dq, ddq = _smoothed(motion, motion.q + more, given)
     return replace(motion, q=q, dq=dq, ddq=ddq)
 
 
 def _seen(motion: Motion, drawn: np.ndarray) -> np.ndarray:
     """Part of the noise of the positions that a log shows at most, (T, n), by draws of it, (2, T, n)."""
-    ratio, noise = motion.velocity_ratio, _noise(motion)
-    dq = None if ratio is None else noise / np.sqrt(ratio) * drawn[1]
-    usual = np.sqrt((_smoothed(motion, noise * drawn[0], dq)[2] ** 2).mean(axis=0))
+    usual = np.sqrt((_smoothed(motion, *_noise(motion, drawn))[2] ** 2).mean(axis=0))
     length = max(3, round(_WINDOW * motion.rate))
     power = scipy.ndimage.uniform_filter1d(motion.ddq**2, length, axis=0)
     here = np.sqrt(np.maximum(power, 0.0))  # a running sum goes below zero
@@ -43,9 +39,11 @@ def _seen(motion: Motion, drawn: np.ndarray) -> np.ndarray:
     return np.where(part < _LESS, part, 1.0)
 
 
-def _noise(motion: Motion) -> np.ndarray:
-    assert motion.position_noise is not None  # asked for where it is known
-    return motion.position_noise
+def _noise(motion: Motion, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """Noise (T, n) of the positions, and of the velocities if they are logged, by draws (2, T, n)."""
+    noise, ratio = motion.position_noise, motion.velocity_ratio
+    assert noise is not None  # asked for where it is known
+    return noise * drawn[0], None if ratio is None else noise / np.sqrt(ratio) * drawn[1]
 
 
 def _smoothed(

@@ -67,11 +67,9 @@ def _part_inside(motion: Motion, left: np.ndarray, power: np.ndarray) -> np.ndar
     begin, end = _INSIDE * motion.torque_cutoff, motion.torque_cutoff
     inside = butterworth(left, motion.rate, begin, _ORDER, high=True)
     inside = butterworth(inside, motion.rate, end, _STEEP)
-    kept = motion.decimator.kept(len(motion.t))
-    long = _FREEDOM / (2.0 * (end - begin))
-    own = scipy.ndimage.uniform_filter1d(inside**2, max(3, round(long * motion.rate)), axis=0)[kept]
-    own *= motion.torque_cutoff / (end - begin)
-    rows = max(1, round(long * motion.rate / motion.decimator.factor))
+    samples = _FREEDOM / (2.0 * (end - begin)) * motion.rate
+    own = _power(motion, inside, end - begin, max(3, round(samples)))
+    rows = max(1, round(samples / motion.decimator.factor))
     above = scipy.ndimage.uniform_filter1d(np.maximum(power, 0.0), rows, axis=0)
     rings = above > times_by_chance(_FREEDOM, 1) * own
     return np.divide(own, above, out=np.ones_like(own), where=rings)
@@ -108,13 +106,21 @@ def _powers(
 ) -> list[np.ndarray]:
     """Powers (T', n) below the torque cutoff of what has as much per hertz as in bands [Hz] with one begin."""
     above = butterworth(left, motion.rate, bands[0][0], _ORDER, high=True)
-    length, kept = max(3, int(_span(motion) * motion.rate)), motion.decimator.kept(len(motion.t))
+    length = max(3, int(_span(motion) * motion.rate))
     powers = []
     for begin, end in bands:
         own = above if end >= 0.5 * motion.rate else butterworth(above, motion.rate, end, _ORDER)
-        power = scipy.ndimage.uniform_filter1d(own**2, length, axis=0)
-        powers.append(power[kept] * motion.torque_cutoff / (end - begin))
+        powers.append(_power(motion, own, end - begin, length))
     return powers
+
+
+def _power(motion: Motion, own: np.ndarray, width: float, length: int) -> np.ndarray:
+    """Power (T', n) below the torque cutoff of what has as much per hertz as (T, n) in a band of a width [Hz].
+
+    ``length``: samples over which it is averaged.
+    """
+    power = scipy.ndimage.uniform_filter1d(own**2, length, axis=0)
+    return power[motion.decimator.kept(len(motion.t))] * motion.torque_cutoff / width
 
 
 def _span(motion: Motion) -> float:

@@ -32,11 +32,9 @@ def held_within(search: Search, step: Step) -> bool:
     joints, current = [step.score.joint], search.current
     if isinstance(step.added.law, ExternalTorque):
         joints += np.flatnonzero(_is_loud(current, step.added)).tolist()
-    if not search.sticking.issuperset(joints) or any(m.held is None for m in current.motions):
-        return False
     every = np.concatenate([m.held for m in current.motions if m.held is not None])
     held = every[rows_within(current, step.added)][:, joints]
-    return bool((2 * held.sum(axis=0) > len(held)).all())
+    return search.sticking.issuperset(joints) and bool((2 * held.sum(axis=0) > len(held)).all())
 
 
 def like_other_rests(current: Estimate, event: Term) -> bool:
