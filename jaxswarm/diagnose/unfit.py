@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from jaxswarm.diagnose.decision.insufficient import undecidable
 from jaxswarm.diagnose.report.place import place
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.checks.check_log import without_relation
+from jaxswarm.identify.checks.relation import without_relation
 from jaxswarm.identify.checks.weak import WEAK, all_rest, resting_joints, too_short
 from jaxswarm.identify.report.summary import units
 from jaxswarm.logs.motion import Motion

@@ -11,7 +11,6 @@ from jaxswarm.identify.checks.late import (
     _IN_MOTION,
     _WITHOUT_FRICTION,
     _apart,
-    _apart_in_motion,
 )
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.rough_columns import strongest_line
@@ -103,7 +102,10 @@ def test_a_joint_that_moves_is_not_late_against_others_that_stick(arm):
     others = [j for j in range(arm.num_joints) if j != JOINT]
     log, tau = winding_up(others, 0.15)(arm)
     model, sigma = rough_of(arm, replace(log, tau=tau))
-    whole, moving = _apart(model.lateness(sigma))[JOINT], _apart_in_motion(model, sigma)[JOINT]
+    whole, moving = (
+        _apart(model.lateness(sigma))[JOINT],
+        _apart(model.lateness_in_motion(sigma))[JOINT],
+    )
     assert whole > 5e-3 and abs(moving) < 0.2 * whole
 
 

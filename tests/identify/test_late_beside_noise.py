@@ -8,7 +8,7 @@ import pytest
 from jaxswarm.effects.term import Term
 from jaxswarm.effects.torque_lag import lag
 from jaxswarm.identify.checks.check_log import against_robot
-from jaxswarm.identify.checks.late import _WITHOUT_NOISE, _apart, _apart_without_noise
+from jaxswarm.identify.checks.late import _WITHOUT_NOISE, _apart
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import samples_of
 from jaxswarm.identify.synthetic import Noise, random_links, synthetic_log
@@ -70,6 +70,9 @@ def test_noise_hides_a_delay_of_one_joint_alone_from_its_own_derivative(
     motions = prepare_segments(written(arm, change), Filtering())[1]
     model = Rough(arm, samples_of(motions))
     sigma = model.as_logged()[1]
-    apart, without = _apart(model.lateness(sigma))[1], _apart_without_noise(model, sigma)[1]
+    apart, without = (
+        _apart(model.lateness(sigma))[1],
+        _apart(model.lateness_without_noise(sigma))[1],
+    )
     assert apart > 0.012 and least < without / apart < most
     assert [one.check for one in against_robot(arm, motions)] == told

@@ -20,7 +20,6 @@ from jaxswarm.identify.checks.sound import NONE, UNLESS, UNRELATED, Tried, is_so
 from jaxswarm.logs.finding import Finding
 from jaxswarm.robot.model import Robot
 
-NO_RELATION = "no_relation"
 # A guess is believed that lowers the sum over the joints of the logarithm of what is left by this much,
 # half on one joint. On 110 clean logs of 26 arms no guess with braking friction lowered it at all, while
 # wrong ones lower it by 2 and more, of noisy slow logs by 0.9.
@@ -48,13 +47,10 @@ _SCALES = {"torque_scale": 0.55, "time_scale": 0.45, "encoder_scale": 0.8, ENCOD
 # A torque's scale is a valley: any other scale of it costs this part of that more. Where a joint disagrees with
 # the others for another reason, all scales that take its word from it help alike.
 _VALLEY = 0.5
-# Share of the torque left from which on motion explains nothing of so few joints: one law may rule them.
-_FEW_UNRELATED, _FEW = 0.8, 2
 # Travel [rad or m] below which a position is one number but for the rounding of its smoothing.
 STANDS = 1e-9
-# Rows per parameter that a fit has to have before it tells anything; and before it tells that nothing at all
-# is explained: noise has no band, which leaves few rows of it, and no clean log leaves more than a third.
-_ROWS_PER_PARAMETER, ROWS_OF_NOISE = 3.0, 2.0
+# Rows per parameter that a fit has to have before it tells anything.
+_ROWS_PER_PARAMETER = 3.0
 
 
 def enough(robot: Robot, samples: Samples, rows_each: float = _ROWS_PER_PARAMETER) -> bool:
@@ -197,16 +193,3 @@ def _told(robot: Robot, guess: Guess, found: Tried, logged: Tried) -> Finding:
     what += UNLESS if may_be_else else ""
     refused = not (guess.told_only or may_be_else)
     return Finding(guess.check, what, guess.remedy, refused=refused)
-
-
-def unrelated(rough: Rough) -> Finding | None:
-    """Whether the motion explains nothing of the torque, as of noise, or of torques of another log."""
-    logged, _ = rough.as_logged()
-    if logged.size < (_FEW_UNRELATED if len(logged.left) <= _FEW else UNRELATED):
-        return None
-    what = (
-        f"rigid body, friction and springs leave {100 * min(logged.size, 1.0):.0f} % of the torque: torque "
-        "and motion do not belong together"
-    )
-    remedy = "Check units, signs, clock and the order of the columns"
-    return Finding(NO_RELATION, what, remedy, refused=False)

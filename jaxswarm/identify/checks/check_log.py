@@ -5,21 +5,16 @@ from dataclasses import replace
 from functools import cache
 
 from jaxswarm.errors import InputError, nearest
-from jaxswarm.identify.checks.channels import (
-    NO_RELATION,
-    ROWS_OF_NOISE,
-    enough,
-    unrelated,
-    wrong_channels,
-)
+from jaxswarm.identify.checks.channels import enough, wrong_channels
 from jaxswarm.identify.checks.conventions import CONVENTION
 from jaxswarm.identify.checks.dead_encoder import dead_encoders
 from jaxswarm.identify.checks.dead_torque import dead_torque
 from jaxswarm.identify.checks.guesses import ENCODER_ZERO
 from jaxswarm.identify.checks.late import late_torque
 from jaxswarm.identify.checks.mounting import MOUNTING
+from jaxswarm.identify.checks.relation import NO_RELATION, Relation, relation_of, unrelated_by_few
 from jaxswarm.identify.checks.rough import Rough
-from jaxswarm.identify.checks.samples import Samples, fine_samples, samples_of
+from jaxswarm.identify.checks.samples import fine_samples, samples_of
 from jaxswarm.identify.checks.torque_unit import wrong_unit
 from jaxswarm.identify.checks.weak import WEAK, all_rest
 from jaxswarm.logs import frozen, lost, pace, spikes
@@ -122,7 +117,7 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
         return []
     samples = samples_of(motions)
     if not enough(robot, samples):
-        return dead_encoders(robot, samples) or _unrelated_by_few(robot, samples)
+        return dead_encoders(robot, samples) or unrelated_by_few(robot, samples)
     rough = Rough(robot, samples)
     fine = cache(lambda: Rough(robot, fine_samples(motions)))
     dead = dead_torque(robot, rough)
@@ -130,10 +125,13 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     channels = wrong_channels(robot, rough, fine, every_joint=contradicted)
     if dead is not None and contradicted and channels is None:
         return [dead]
-    # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong.
-    unit = None if channels else wrong_unit(robot, samples)
     told_only = channels is not None and not channels.refused  # what is left goes on with it
-    relation = None if told_only else unrelated(rough)
+    related = Relation(None, samples) if told_only else relation_of(robot, samples, rough)
+    relation = related.found
+    # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong,
+    # nor do those of a push.
+    belongs = samples if related.belongs is None else related.belongs
+    unit = None if channels else wrong_unit(robot, belongs)
     told = dead if relation is None and (channels is None or told_only) else None
     found = [one for one in (channels, unit, relation, told) if one is not None]
     # A unit that may be another one says nothing of the clocks; where more is wrong, nothing is known of them.
@@ -142,17 +140,3 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
         late = late_torque(robot, rough, fine(), interval)
         found += [] if late is None else [late]
     return found
-
-
-def without_relation(robot: Robot, motions: Sequence[Motion]) -> list[str]:
-    """A sentence if torques and motions of all logs have nothing to do with each other."""
-    found = _unrelated_by_few(robot, samples_of(motions))
-    return [f"{one.what}; {one.remedy[0].lower()}{one.remedy[1:]}" for one in found]
-
-
-def _unrelated_by_few(robot: Robot, samples: Samples) -> list[Finding]:
-    """What is told of torques and motions without relation, on fewer rows than other checks need."""
-    if not enough(robot, samples, ROWS_OF_NOISE):
-        return []
-    found = unrelated(Rough(robot, samples))
-    return [] if found is None else [found]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jaxswarm.identify.checks.channels import NO_RELATION
+from jaxswarm.identify.checks.relation import NO_RELATION
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.sound import UNRELATED
 from jaxswarm.logs.finding import Finding

@@ -88,10 +88,22 @@ class Rough(RoughFit):
         Args:
             sigma: Standard deviation of every joint's residual [N m or N], (n,).
         """
-        rigid, own = self._as_fitted(sigma)
-        fitted = self._columns.rigid @ rigid + np.einsum("rnk,nk->rn", self._columns.own, own)
+        fitted = self._fitted(sigma)
         rate = np.stack([self.samples.derivative(torque) for torque in fitted.T], axis=1)
         return self._by_rates(rate).lateness(sigma)
+
+    def residual(self, sigma: np.ndarray) -> np.ndarray:
+        """What the fit to the torques as logged leaves of them [N m or N], (R, n).
+
+        Args:
+            sigma: Standard deviation of every joint's residual [N m or N], (n,).
+        """
+        return self.samples.tau - self._fitted(sigma)
+
+    def _fitted(self, sigma: np.ndarray) -> np.ndarray:
+        """The torques (R, n) as fitted to those that are logged."""
+        rigid, own = self._as_fitted(sigma)
+        return self._columns.rigid @ rigid + np.einsum("rnk,nk->rn", self._columns.own, own)
 
     def _by_rates(self, rate: np.ndarray) -> "Rough":
         """The same model with other derivatives of the torques, (R, n)."""
