@@ -27,6 +27,7 @@ from jaxswarm.diagnose.selection.everyday import allow_for_everyday, everyday_ag
 from jaxswarm.diagnose.selection.finish import finish
 from jaxswarm.diagnose.selection.from_declared import declared_alone
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
+from jaxswarm.diagnose.selection.instead import far_less
 from jaxswarm.diagnose.selection.laws_at_rest import leave_out_instead_of_laws
 from jaxswarm.diagnose.selection.one_for_several import one_for_several
 from jaxswarm.diagnose.selection.readings import why_not
@@ -216,6 +217,10 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if after is None:
         search.refuse(term)
         return True
+    if instead := far_less(chosen, rivals, after, current):
+        rivals = [s for s in (chosen, *rivals) if s is not instead[0]]
+        chosen, after = instead
+        term = chosen.candidate.term
     near = near_ones(chosen, best, crossfit)
     if search.other and near:
         chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
