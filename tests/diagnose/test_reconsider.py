@@ -13,7 +13,7 @@ from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import passes
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import reselect as reconsider_module
-from jaxswarm.diagnose.selection.instead import leaves_less
+from jaxswarm.diagnose.selection.instead import far_less, leaves_less
 from jaxswarm.diagnose.selection.pair import pair
 from jaxswarm.diagnose.selection.refit import refit, refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again, reconsider
@@ -257,6 +257,21 @@ def test_of_two_laws_of_as_many_numbers_the_one_that_leaves_less_is_taken_near_t
     current = refit(before, (*before.model.terms, asked[0]))
     found = leaves_less(spring, [cubic], before, current, (), False)
     assert (found and found[0].candidate.term.effect) == named
+
+
+@pytest.mark.parametrize(
+    ("hidden", "named"), [("joint_spring", None), ("cubic_spring", "cubic_spring")]
+)
+def test_a_rival_that_leaves_far_less_once_fitted_is_taken_at_once(hidden, named):
+    values = {"joint_spring": {"k": 8.0, "tau0": 2.0}, "cubic_spring": {"k3": 60.0, "q0": 0.1}}
+    before, crossfit = declared_fit(log_with(Term(hidden, 1, values=values[hidden])))
+    asked = [Term("joint_spring", 1), Term("cubic_spring", 1)]
+    scores = score_terms(Linearization(before, crossfit), asked, 0)
+    spring, cubic = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
+    after = refit(before, (*before.model.terms, asked[0]))
+    found = far_less(spring, [cubic], after, before)
+    assert (found and found[0].candidate.term.effect) == named
+    assert far_less(spring, [], after, before) is None
 
 
 def test_a_law_that_holds_its_competitor_is_no_pair_with_it():

@@ -86,6 +86,17 @@ def test_torques_of_other_motion_are_within_the_largest_seen():
     assert 0.1 < size / np.sqrt(3.0) < 1.0
 
 
+def test_what_only_a_base_feels_is_held_more_loosely():
+    """The height of the first link's mass: no joint of a level arm feels it, a base that gives way does."""
+    motion = logged(together(), 0.0)
+    rows = torque_prior(rx60(), [motion])
+    height, beside = (np.linalg.norm(rows[:, column]) for column in (3, 11))
+    largest = np.abs(motion.low_torque).max()
+    # Ten times the largest torque holds 1 kg m on a base that is turned any way, of which two axes are asked.
+    assert height == pytest.approx(9.81 / (10.0 * largest), rel=0.3)
+    assert beside > 5.0 * height
+
+
 def test_a_joint_without_torque_holds_nothing():
     motion = logged(together(), 0.0)
     motion = replace(motion, tau=motion.tau * np.array([0.0, 1.0, 1.0]))
