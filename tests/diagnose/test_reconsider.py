@@ -269,9 +269,10 @@ def test_a_rival_that_leaves_far_less_once_fitted_is_taken_at_once(hidden, named
     scores = score_terms(Linearization(before, crossfit), asked, 0)
     spring, cubic = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
     after = refit(before, (*before.model.terms, asked[0]))
-    found = far_less(spring, [cubic], after, before)
-    assert (found and found[0].candidate.term.effect) == named
-    assert far_less(spring, [], after, before) is None
+    taken, fit, others = far_less(spring, [cubic], after, before)
+    assert taken is (spring if named is None else cubic) and (fit is after) == (named is None)
+    assert others == [cubic if named is None else spring]
+    assert far_less(spring, [], after, before) == (spring, after, [])
 
 
 def test_a_law_that_holds_its_competitor_is_no_pair_with_it():

@@ -10,7 +10,7 @@ from jaxswarm.identify import estimate, model_torque
 from jaxswarm.identify.forward.torque_prior import torque_prior
 from jaxswarm.logs.log import Log
 from jaxswarm.logs.motion import prepare
-from jaxswarm.robot import rx60
+from jaxswarm.robot import emps, rx60
 from jaxswarm.robot.logged import rigid_torque
 
 problem = importlib.import_module("jaxswarm.identify.estimation.problem")
@@ -101,3 +101,11 @@ def test_a_joint_without_torque_holds_nothing():
     motion = logged(together(), 0.0)
     motion = replace(motion, tau=motion.tau * np.array([0.0, 1.0, 1.0]))
     assert np.isfinite(torque_prior(rx60(), [motion])).all()
+
+
+def test_a_slide_alone_is_held_by_forces_of_its_size():
+    arm = emps()
+    q = 0.1 * np.sin(2.0 * T)[:, None]
+    motion = prepare(Log("made", arm.joints, T, q, tau=-40.0 * q, channels={}))
+    rows = torque_prior(arm, [motion])
+    assert rows.shape == (10, 10) and 1e-6 < np.abs(rows).max() < 1e3

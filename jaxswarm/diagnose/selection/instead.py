@@ -83,8 +83,8 @@ def leaves_less(
 
 def far_less(
     chosen: Score, rivals: Sequence[Score], after: Estimate, current: Estimate
-) -> tuple[Score, Estimate] | None:
-    """A rival that, all fitted, leaves far less than the chosen law does, where that leaves much; the best.
+) -> tuple[Score, Estimate, list[Score]]:
+    """The law to add, its fit, and the others: a rival that leaves far less once fitted, where much is left.
 
     What a law gains beside a model that stands still says little where it moves all of that: beside a base that
     swings its tilt gained 0.9 of what a sensor did that picks up the next joint, and fitted it left a third of
@@ -95,18 +95,15 @@ def far_less(
         rivals: Those that the log does not tell from it.
         current: The model without any of them.
     """
+    asked = [s for s in rivals if not s.candidate.term.law.recurring]
     if (over_noise(after) < NEAR).all():
-        return None
-    fits = [
-        (pick, refit_with(current, pick))
-        for pick in rivals
-        if not pick.candidate.term.law.recurring
-    ]
-    told = [(pick, fit) for pick, fit in fits if fit is not None]
-    costs = [cost(fit, slice(None), current) for _, fit in told]
-    if not costs or min(costs) > FAR_LESS * cost(after, slice(None), current):
-        return None
-    return told[int(np.argmin(costs))]
+        asked = []
+    fits = [(s, refit_with(current, s)) for s in asked]
+    told = [(s, fit, cost(fit, slice(None), current)) for s, fit in fits if fit is not None]
+    best = min(told, key=lambda one: one[2], default=None)
+    if best is None or best[2] > FAR_LESS * cost(after, slice(None), current):
+        return chosen, after, list(rivals)
+    return best[0], best[1], [s for s in (chosen, *rivals) if s is not best[0]]
 
 
 def surer(

@@ -48,7 +48,7 @@ from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import has
 from jaxswarm.effects.term import Term
-from jaxswarm.identify.estimation.estimate import Estimate, estimate
+from jaxswarm.identify.estimation.estimate import estimate
 from jaxswarm.logs.motion import Motion
 from jaxswarm.robot.model import Robot
 
@@ -124,7 +124,11 @@ def diagnose(
 
 
 def _told(search: Search) -> str:
-    return f"scoring candidates, {_error(search.current):.3g} % error so far"
+    """What is done, with the relative error [%] of all joints."""
+    rows = search.current
+    size = np.linalg.norm(rows.regression.torque)
+    error = float(100.0 * np.linalg.norm(rows.fit.residual) / max(float(size), 1e-300))
+    return f"scoring candidates, {error:.3g} % error so far"
 
 
 def _cross_fit(search: Search) -> CrossFit:
@@ -217,16 +221,13 @@ def _add_best(search: Search, best: list[Score]) -> bool:
     if after is None:
         search.refuse(term)
         return True
-    if instead := far_less(chosen, rivals, after, current):
-        rivals = [s for s in (chosen, *rivals) if s is not instead[0]]
-        chosen, after = instead
-        term = chosen.candidate.term
+    chosen, after, rivals = far_less(chosen, rivals, after, current)
+    term = chosen.candidate.term
     near = near_ones(chosen, best, crossfit)
     if search.other and near:
         chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
         term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
-    why = why_not(search, chosen, after)
-    if why is not None:
+    if why := why_not(search, chosen, after):
         search.refuse(term, why, by_all=bool(search.other))
         return True
     added = find_term(after, term)
@@ -244,12 +245,6 @@ def _add_best(search: Search, best: list[Score]) -> bool:
         add_further(search, Term(added.effect, added.other, added.joint), 1)
     search.ask_again(added.joint)
     return True
-
-
-def _error(one: Estimate) -> float:
-    """Relative error [%] of a fit, all joints."""
-    size = np.linalg.norm(one.regression.torque)
-    return float(100.0 * np.linalg.norm(one.fit.residual) / max(float(size), 1e-300))
 
 
 _LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _allow)

@@ -35,6 +35,8 @@ from jaxswarm.robot.model import Robot
 _TIMES = 1.0
 # The same of the moment on the base, which holds more than a joint: masses of the first link, too.
 _TIMES_BASE = 10.0
+# Least lever [m] of a force on the base: slides alone have no length.
+_LEVER = 1.0
 # Samples of other motion, and the share of a log's that are slower than what counts as its fastest. The
 # accelerations of the fastest are two standard deviations: noise alone is far below.
 _MOTIONS, _FAST = 256, 0.99
@@ -60,8 +62,8 @@ def torque_prior(robot: Robot, motions: Sequence[Motion]) -> np.ndarray:
     )
     rows = rigid_columns(robot, anywhere, speed, acceleration)[:, torque > 0.0]
     rows /= (_TIMES * np.sqrt(_MOTIONS) * torque[torque > 0.0])[:, None]
-    # The moment [N m] of the largest torque, or of the largest force on an arm's length.
-    moment = np.max(torque * np.where(turning, 1.0, robot.length))
+    # The moment [N m] of the largest torque, or of the largest force on the arm's length.
+    moment = np.max(torque * np.where(turning, 1.0, max(robot.length, _LEVER)))
     weight = _on_the_base(robot, anywhere, rng) / (
         _TIMES_BASE * np.sqrt(_MOTIONS) * max(moment, 1e-300)
     )
