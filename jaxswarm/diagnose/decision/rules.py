@@ -194,9 +194,9 @@ SAVED = 4.0
 # A change may be below its lower bound, often zero, and must differ from zero, by this many standard errors.
 CHANGE_DOUBT = 2.0
 
-# A rival that leaves no more than this part of the squared error that the chosen law leaves takes its place: a
-# tilt beside a soft base left 0.31 of what a crosstalk did; laws that are the same thing in two forms leave 0.7
-# and more of each other.
+# A rival that leaves no more than this part of the squared error that the chosen law leaves takes its place. By
+# one log, on which a tilt beside a soft base left 0.31 of what a crosstalk did: rivals gain alike to a few
+# percent before they are fitted, and what differs by a half afterwards is another model.
 FAR_LESS = 0.5
 
 # --- Whether an addition survives on other motion ------------------------------------------------------------

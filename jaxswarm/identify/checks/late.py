@@ -102,7 +102,7 @@ _SAMPLES = 1.0
 _REFUSED = 0.5
 # And where it leaves less than this share of the torque, by one of both models: what would remain is no
 # arm's then either. An imbalance looked 19 and 22 ms early, and left 0.19 and 0.28 with that as well. Of
-# 105 torques made 20 ms late or early, on 42 logs, that were refused, 103 leave 0.11 at most, two 0.15.
+# 105 torques made 20 ms late or early, on 42 logs, that were refused, two leave 0.15, all others 0.11 at most.
 _LEAVES_REFUSED = 0.17
 # A joint counts for this part of the best known one at least, so that all of them count where none tells much.
 _LEAST_EVIDENCE = 0.01
