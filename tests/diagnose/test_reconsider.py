@@ -243,18 +243,23 @@ def test_a_law_of_more_numbers_is_taken_where_it_leaves_less_once_all_is_fitted(
     assert leaves_less(spring, [cable], before, current, (), False) is None
 
 
+def two_springs(hidden, k3):
+    """Of a log with one of two springs: the declared fit, what either is worth, the fit with a straight one."""
+    values = {"joint_spring": {"k": 8.0, "tau0": 2.0}, "cubic_spring": {"k3": k3, "q0": 0.1}}
+    before, crossfit = declared_fit(log_with(Term(hidden, 1, values=values[hidden])))
+    asked = [Term("joint_spring", 1), Term("cubic_spring", 1)]
+    scores = score_terms(Linearization(before, crossfit), asked, 0)
+    spring, cubic = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
+    return before, spring, cubic, refit(before, (*before.model.terms, asked[0]))
+
+
 @pytest.mark.parametrize(
     ("hidden", "named"), [("joint_spring", None), ("cubic_spring", "cubic_spring")]
 )
 def test_of_two_laws_of_as_many_numbers_the_one_that_leaves_less_is_taken_near_the_noise_too(
     hidden, named
 ):
-    values = {"joint_spring": {"k": 8.0, "tau0": 2.0}, "cubic_spring": {"k3": 30.0, "q0": 0.1}}
-    before, crossfit = declared_fit(log_with(Term(hidden, 1, values=values[hidden])))
-    asked = [Term("joint_spring", 1), Term("cubic_spring", 1)]
-    scores = score_terms(Linearization(before, crossfit), asked, 0)
-    spring, cubic = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
-    current = refit(before, (*before.model.terms, asked[0]))
+    before, spring, cubic, current = two_springs(hidden, 30.0)
     found = leaves_less(spring, [cubic], before, current, (), False)
     assert (found and found[0].candidate.term.effect) == named
 
@@ -263,12 +268,7 @@ def test_of_two_laws_of_as_many_numbers_the_one_that_leaves_less_is_taken_near_t
     ("hidden", "named"), [("joint_spring", None), ("cubic_spring", "cubic_spring")]
 )
 def test_a_rival_that_leaves_far_less_once_fitted_is_taken_at_once(hidden, named):
-    values = {"joint_spring": {"k": 8.0, "tau0": 2.0}, "cubic_spring": {"k3": 60.0, "q0": 0.1}}
-    before, crossfit = declared_fit(log_with(Term(hidden, 1, values=values[hidden])))
-    asked = [Term("joint_spring", 1), Term("cubic_spring", 1)]
-    scores = score_terms(Linearization(before, crossfit), asked, 0)
-    spring, cubic = (next(s for s in scores if s.candidate.term.effect == t.effect) for t in asked)
-    after = refit(before, (*before.model.terms, asked[0]))
+    before, spring, cubic, after = two_springs(hidden, 60.0)
     taken, fit, others = far_less(spring, [cubic], after, before)
     assert taken is (spring if named is None else cubic) and (fit is after) == (named is None)
     assert others == [cubic if named is None else spring]

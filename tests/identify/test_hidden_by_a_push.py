@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from slide import run
 
+from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.identify.checks import late
 from jaxswarm.identify.checks.check_log import checked
 from jaxswarm.logs import read_log
@@ -47,19 +48,11 @@ def test_a_hard_push_does_not_make_motion_and_torque_strangers(pushed, arm):
 def test_it_is_diagnosed_as_a_push(pushed, tmp_path):
     log, out = tmp_path / "pushed.npz", tmp_path / "out"
     np.savez(log, t=pushed.t, q=pushed.q, tau=pushed.tau, joints=np.array(pushed.joints))
-    code, _, err = run(
-        "diagnose",
-        log,
-        "--robot",
-        "rx60",
-        "--declare",
-        "viscous_friction,coulomb_friction",
-        "--out",
-        out,
-    )
+    given = "--robot", "rx60", "--declare", USUAL_FRICTION, "--out", out
+    code, _, err = run("diagnose", log, *given)
     assert code == 0, err
     result = json.loads((out / "diagnosis.json").read_text())
-    (effect,) = [e for e in result["effects"]]
+    (effect,) = result["effects"]
     assert effect["effect"] == "contact"
     assert effect["parameters"]["start"]["value"] == pytest.approx(FIRST, abs=0.05)
 

@@ -101,6 +101,7 @@ def test_a_joint_without_torque_holds_nothing():
     motion = logged(together(), 0.0)
     motion = replace(motion, tau=motion.tau * np.array([0.0, 1.0, 1.0]))
     assert np.isfinite(torque_prior(rx60(), [motion])).all()
+    assert len(torque_prior(rx60(), [replace(motion, tau=0.0 * motion.tau)])) == 0
 
 
 def test_a_slide_alone_is_held_by_forces_of_its_size():

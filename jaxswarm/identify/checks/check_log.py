@@ -126,7 +126,7 @@ def against_robot(robot: Robot, motions: Sequence[Motion]) -> list[Finding]:
     if dead is not None and contradicted and channels is None:
         return [dead]
     told_only = channels is not None and not channels.refused  # what is left goes on with it
-    related = Relation(None, samples) if told_only else relation_of(robot, samples, rough)
+    related = Relation(None, samples) if told_only else relation_of(robot, rough)
     relation = related.found
     # Torques that do not go with the masses say nothing of their unit where the motion is known to be wrong,
     # nor do those of a push.

@@ -9,12 +9,13 @@ from scipy.ndimage import uniform_filter1d
 from jaxswarm.identify.checks.channels import enough
 from jaxswarm.identify.checks.rough import Rough
 from jaxswarm.identify.checks.samples import Samples, samples_of
-from jaxswarm.identify.checks.sound import UNRELATED
+from jaxswarm.identify.checks.sound import UNRELATED, Tried
 from jaxswarm.logs.finding import Finding
 from jaxswarm.logs.motion import Motion
+from jaxswarm.logs.runs import runs
 from jaxswarm.robot.model import Robot
 
-__all__ = ["NO_RELATION", "Relation", "relation_of", "without_relation"]
+__all__ = ["NO_RELATION", "Relation", "relation_of", "unrelated_by_few", "without_relation"]
 
 NO_RELATION = "no_relation"
 # Rows per parameter that a fit has to have before it tells that nothing at all is explained: noise has no band,
@@ -42,29 +43,31 @@ class Relation(NamedTuple):
     belongs: Samples | None
 
 
-def relation_of(robot: Robot, samples: Samples, rough: Rough | None = None) -> Relation:
+def relation_of(robot: Robot, rough: Rough) -> Relation:
     """Whether motion explains nothing of the torque, as of noise, or of torques of another log.
 
     Args:
         robot: Kinematics.
-        samples: Of the log, for a rough fit.
-        rough: That fit, where it is known.
+        rough: A rough fit to rows of the log.
     """
-    rough = Rough(robot, samples) if rough is None else rough
-    left = rough.as_logged()[0].size
-    if left < (_FEW_UNRELATED if robot.num_joints <= _FEW else UNRELATED):
+    samples, (logged, sigma) = rough.samples, rough.as_logged()
+    if logged.size < (_FEW_UNRELATED if robot.num_joints <= _FEW else UNRELATED):
         return Relation(None, samples)
-    what = f"rigid body, friction and springs leave {100 * min(left, 1.0):.0f} % of the torque"
-    apart = _but_for_pushes(robot, rough)
+    what = (
+        f"rigid body, friction and springs leave {100 * min(logged.size, 1.0):.0f} % of the torque"
+    )
+    apart = _but_for_pushes(robot, rough, logged, sigma)
     if apart is None:
         what += ": torque and motion do not belong together"
         remedy = "Check units, signs, clock and the order of the columns"
         return Relation(Finding(NO_RELATION, what, remedy, refused=False), None)
-    kept, rest = apart
-    times = ", ".join(f"{a:.4g} to {b:.4g} s" for a, b in _times(samples.t, ~kept))
-    what += f", {100 * rest:.0f} % without {times}: something else acts there"
+    kept, left = apart
+    first, past = runs(~kept)
+    ends = zip(samples.t[first], samples.t[past - 1], strict=True)
+    times = ", ".join(f"{a:.4g} to {b:.4g} s" for a, b in ends)
+    what += f", {100 * left:.0f} % without {times}: something else acts there"
     remedy = "Leave that time out, or let diagnose look for a push"
-    return Relation(Finding(NO_RELATION, what, remedy, refused=False), _taken(samples, kept))
+    return Relation(Finding(NO_RELATION, what, remedy, refused=False), samples.taken(kept))
 
 
 def without_relation(robot: Robot, motions: Sequence[Motion]) -> list[str]:
@@ -77,48 +80,36 @@ def unrelated_by_few(robot: Robot, samples: Samples) -> list[Finding]:
     """What is told of torques and motions without relation, on fewer rows than other checks need."""
     if not enough(robot, samples, _ROWS):
         return []
-    relation = relation_of(robot, samples)
+    relation = relation_of(robot, Rough(robot, samples))
     return [] if relation.found is None or relation.belongs is not None else [relation.found]
 
 
-def _but_for_pushes(robot: Robot, rough: Rough) -> tuple[np.ndarray, float] | None:
+def _but_for_pushes(
+    robot: Robot, rough: Rough, found: Tried, sigma: np.ndarray
+) -> tuple[np.ndarray, float] | None:
     """The rows (R,) without a few stretches, of which motion explains the torque, and what it leaves of it.
 
-    One stretch after the other, that which is explained worst by a fit without those before.
+    One stretch after the other, that which is explained worst by a fit without those before: ``rough`` with
+    what it leaves and its weights.
     """
     whole = rough.samples
     kept = np.ones(len(whole.t), bool)
     length = max(int(_STRETCH * len(kept)), 1)
     for _ in range(_MOST):
-        first = _worst(rough, length)
+        first = _worst(rough.samples.t, rough.residual(sigma) / (found.left * rough.spread), length)
         kept[np.flatnonzero(kept)[first : first + length]] = False
-        samples = _taken(whole, kept)
+        samples = whole.taken(kept)
         if not enough(robot, samples, _ROWS):
             return None
         rough = Rough(robot, samples)
-        left = rough.as_logged()[0].size
-        if left < _BELONGS:
-            return kept, left
+        found, sigma = rough.as_logged()
+        if found.size < _BELONGS:
+            return kept, found.size
     return None
 
 
-def _worst(rough: Rough, length: int) -> int:
-    """First row of the stretch of so many rows that a fit explains worst."""
-    found, sigma = rough.as_logged()
-    left = rough.residual(sigma) / (found.left * rough.spread)
-    steps = np.diff(rough.samples.t)
-    window = max(int(_LASTS / np.median(steps)), 1)
+def _worst(t: np.ndarray, left: np.ndarray, length: int) -> int:
+    """First row of the stretch of so many rows in which most is left, (R, n) in its own standard deviations."""
+    window = max(int(_LASTS / np.median(np.diff(t))), 1)
     power = uniform_filter1d(np.square(left).sum(axis=1), window)
     return int(np.argmax(np.convolve(power, np.ones(length), "valid")))
-
-
-def _taken(samples: Samples, rows: np.ndarray) -> Samples:
-    """Some rows of samples that are rows, by a mask (R,)."""
-    names = "t", "q", "dq", "ddq", "tau", "tau_rate"
-    return Samples(*(getattr(samples, name)[rows] for name in names))
-
-
-def _times(t: np.ndarray, rows: np.ndarray) -> list[tuple[float, float]]:
-    """First and last time [s] of every run of rows."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]]).astype(int)))
-    return [(float(t[a]), float(t[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]

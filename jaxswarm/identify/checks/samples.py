@@ -60,6 +60,11 @@ class Samples:
         """Every position (n,) times a scale, plus a zero [rad or m]; its derivatives go with it."""
         return replace(self, q=scale * self.q + zero, dq=scale * self.dq, ddq=scale * self.ddq)
 
+    def taken(self, rows: np.ndarray) -> "Samples":
+        """Some of the rows, by a mask (R,); of samples that are rows."""
+        names = "t", "q", "dq", "ddq", "tau", "tau_rate"
+        return Samples(*(getattr(self, name)[rows] for name in names))
+
     def faster(self, factor: float) -> "Samples":
         """The same positions with the clock running so many times as fast."""
         return replace(self, dq=factor * self.dq, ddq=factor**2 * self.ddq)

@@ -60,15 +60,13 @@ def torque_prior(robot: Robot, motions: Sequence[Motion]) -> np.ndarray:
         rng.standard_normal((_MOTIONS, n)) * _fast([getattr(m, name) for m in motions], motions) / 2
         for name in ("dq", "ddq")
     )
-    rows = rigid_columns(robot, anywhere, speed, acceleration)[:, torque > 0.0]
-    rows /= (_TIMES * np.sqrt(_MOTIONS) * torque[torque > 0.0])[:, None]
     # The moment [N m] of the largest torque, or of the largest force on the arm's length.
     moment = np.max(torque * np.where(turning, 1.0, max(robot.length, _LEVER)))
-    weight = _on_the_base(robot, anywhere, rng) / (
-        _TIMES_BASE * np.sqrt(_MOTIONS) * max(moment, 1e-300)
-    )
-    every = np.concatenate([rows.reshape(-1, 10 * n), weight.reshape(-1, 10 * n)])
-    return np.asarray(np.linalg.qr(every, mode="r"))
+    usual = np.append(_TIMES * torque, np.full(TURNS, _TIMES_BASE * moment))
+    acted = rigid_columns(robot, anywhere, speed, acceleration), _on_the_base(robot, anywhere, rng)
+    rows = np.concatenate(acted, axis=1)[:, usual > 0.0]
+    rows /= (np.sqrt(_MOTIONS) * usual[usual > 0.0])[:, None]
+    return np.asarray(np.linalg.qr(rows.reshape(-1, 10 * n), mode="r"))
 
 
 def _on_the_base(robot: Robot, q: np.ndarray, rng: np.random.Generator) -> np.ndarray:
