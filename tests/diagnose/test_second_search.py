@@ -8,6 +8,7 @@ import pytest
 from planted import BAND, blank, log_with, search_of, small_arm
 
 from jaxswarm.diagnose import diagnose
+from jaxswarm.diagnose.selection import of_some_joints
 from jaxswarm.diagnose.selection.sticking import give_up_if_it_sticks
 from jaxswarm.identify import estimate
 from jaxswarm.identify.estimation.standing import leave_out
@@ -95,7 +96,7 @@ def test_whether_rest_asks_for_more_is_asked_of_what_was_searched_already(
 ):
     """Of joints that never rest nothing changes; to search all laws anew took a tenth of the whole time."""
     asked, every = [], [replace(motion, held=np.zeros((len(found.regression.t), 2), bool))]
-    monkeypatch.setattr(with_rest, "score_terms", lambda lin, *of: asked.append(lin) or [])
+    monkeypatch.setattr(of_some_joints, "score_terms", lambda lin, *of: asked.append(lin) or [])
     search = search_of(found)
     assert not with_rest._asks_for_more(search, every, np.ones(2, bool))
     assert [lin.memory for lin in asked] == [search.memory]

@@ -18,7 +18,7 @@ from dataclasses import replace
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.evaluate import score_on
 from jaxswarm.diagnose.decision.remainder import over_noise
-from jaxswarm.diagnose.decision.rules import ASKED_ALONE, LOUD, NEAR, PRICE
+from jaxswarm.diagnose.decision.rules import ASKED_ALONE, FAR_MORE, LOUD, NEAR, PRICE
 from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
 from jaxswarm.diagnose.selection.refit import refit, refit_with
@@ -72,7 +72,8 @@ def _one_of_a_joint(search: Search) -> bool:
         numbers = sum(s.score.candidate.size for s in steps)
         for score in _asked_alone(search, before, joint):
             saved = numbers - score.candidate.size
-            after = refit_with(before, score) if saved > 0 else None
+            may = saved > 0 and not _leaves_far_more(score, before, current)
+            after = refit_with(before, score) if may else None
             if after is None or not does_as_well(after, current, saved):
                 continue
             if not no_worse(after, current, joint, other):
@@ -81,6 +82,12 @@ def _one_of_a_joint(search: Search) -> bool:
                 _replace(search, steps, chain([*rest, step_between(score, before, after)]))
                 return True
     return False
+
+
+def _leaves_far_more(score: Score, before: Estimate, several: Estimate) -> bool:
+    """Whether a law leaves far more of its joint to first order than a fit with several others does."""
+    left = cost(several, score.joint, several) / cost(before, score.joint, several)
+    return 1.0 - score.trained > FAR_MORE * left
 
 
 def _of_joints(steps: Sequence[Step]) -> Iterator[list[Step]]:

@@ -13,14 +13,11 @@ of the other one: "unexplained", seven times the noise, and 1.4 times with that 
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.eligible import eligible_terms
-from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import accepted, choose
-from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOUD, NEAR
 from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
+from jaxswarm.diagnose.selection.of_some_joints import accepted_on
 from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import (
@@ -100,10 +97,7 @@ def _with_laws(search: Search, moving: Estimate, asked: set[int]) -> Estimate | 
 
 def _with_law(search: Search, here: Estimate, asked: set[int]) -> Estimate | None:
     """The fit with the law of these joints that would be added, or the next one that can be fitted."""
-    terms, folds = eligible_terms(here.model, here.motions), cross_fit(here)
-    scores = score_terms(Linearization(here, folds, search.memory.aside()), terms, search.seed)
-    passed = accepted(scores, search.rules, search.added)
-    left = [s for s in passed if s.joint in asked or s.candidate.term.joint is None]
+    left, folds = accepted_on(search, here, asked, search.memory.aside())
     while left:
         best, _ = choose(left, search.rules, folds)
         after = refit_with(here, best)

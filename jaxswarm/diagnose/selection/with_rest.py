@@ -14,17 +14,14 @@ from functools import partial
 
 import numpy as np
 
-from jaxswarm.diagnose.candidates.eligible import eligible_terms
-from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import accepted
-from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ABOVE_NOISE, NEAR
 from jaxswarm.diagnose.decision.worth import Score, is_large
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.noise import noise_of, with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
+from jaxswarm.diagnose.selection.of_some_joints import accepted_on
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import give_up_if_it_sticks
@@ -109,9 +106,8 @@ def _asks_for_more(search: Search, every: Sequence[Motion], joints: np.ndarray) 
     logs = [replace(m, held=e.held) for m, e in zip(current.motions, every, strict=True)]
     beside = refit(replace(current, motions=tuple(logs)), current.model.terms)
     beside = with_motion_noise(beside, search.seed)
-    terms = eligible_terms(beside.model, beside.motions)
-    lin = Linearization(beside, cross_fit(beside), search.memory)
-    passed = accepted(score_terms(lin, terms, search.seed), search.rules, search.added)
+    asked = {int(j) for j in np.flatnonzero(joints)}
+    passed, _ = accepted_on(search, beside, asked, search.memory)
     return any(joints[s.joint] and is_large(s, search.rules) for s in passed)
 
 
