@@ -14,6 +14,7 @@ from benchmarks.worlds.intervals import interval_hits, true_values
 from benchmarks.worlds.laws import LAWS
 from benchmarks.worlds.world import World
 from jaxswarm.diagnose.run import diagnose_files
+from jaxswarm.diagnose.selection.what_moves import fit_of_what_moves
 from jaxswarm.effects import REGISTRY
 from jaxswarm.identify.predict import predict_file
 from jaxswarm.identify.run import identify_files
@@ -42,7 +43,7 @@ def score_world(world: World) -> dict:
             row["seconds"] = time.perf_counter() - start
             row |= _names(result, world)
             stage = "identify"
-            identify_files(log, robot, declare, folder / "declared")
+            identify_files(log, robot, declare, folder / "declared", settled=fit_of_what_moves)
             stage = "predict"
             row |= _errors(world, folder)
             row |= _edit(world, folder, truth, row)

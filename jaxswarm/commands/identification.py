@@ -1,5 +1,6 @@
 """Models from logs: ``identify``, ``predict``, and ``excite`` for the motion that shows most."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -76,6 +77,7 @@ def register(app: typer.Typer) -> None:
     ) -> None:
         """Identify a declared model from logs and score it on motion it was not fitted to."""
         start()
+        from jaxswarm.diagnose.selection.what_moves import fit_of_what_moves
         from jaxswarm.effects import register_from
         from jaxswarm.effects.bodies import with_free_base
         from jaxswarm.identify import print_identification
@@ -86,12 +88,12 @@ def register(app: typer.Typer) -> None:
             optimizer, runs, steps, whiten, seed, motion_cutoff, torque_cutoff,
             estimator, physical, prior, prior_weight, tuple(accept or ()),
         )  # fmt: skip
-        near = None if prior is None else Path(prior)
-        inputs = (*logs, validation, near, Path(robot), effects_from)
+        inputs = (*logs, validation, Path(prior) if prior else None, Path(robot), effects_from)
         with work(out, inputs, _IDENTIFIED) as status:
             if effects_from:
                 register_from(effects_from)
-            report = identify_files(logs, robot, effects, out, validation, options, status)
+            fit = partial(fit_of_what_moves, seed=seed)
+            report = identify_files(logs, robot, effects, out, validation, options, status, fit)
         console.notes([*report["logs"], *report["validation_logs"]])
         console.show(
             report, json, lambda: print_identification(console.safe(report), console.safe(out))

@@ -3,7 +3,7 @@
 import hashlib
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -162,6 +162,7 @@ def identify_files(
     validation: Path | None = None,
     options: Options | None = None,
     progress=lambda text: None,
+    settled: Callable[[Estimate], Estimate] = lambda found: found,
 ) -> dict:
     """Identify from log files and write ``model.json``, ``identification.json`` and pictures.
 
@@ -172,6 +173,7 @@ def identify_files(
         out: Folder to write to.
         validation: Log to score on; None: blocks of time held out in turn.
         options, progress: See :class:`Options`; called with one line before each step.
+        settled: Gives the fit that is told, such as one without rows in which friction holds joints.
 
     Returns:
         The content of ``identification.json``.
@@ -198,7 +200,7 @@ def identify_files(
         # A long log is as large as all that is made of it, and its samples are not asked for again.
         del read, logs, motions
         progress("fitting")
-        found = estimate_with_clocks(robot, terms, fitted)
+        found = settled(estimate_with_clocks(robot, terms, fitted))
         if unseen is not None:
             unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
         found, search = _searched(found, options, progress)

@@ -7,6 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from jaxswarm import outputs, plots
+from jaxswarm.diagnose.selection.what_moves import fit_of_what_moves
 from jaxswarm.effects.friction import USUAL_FRICTION
 from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.errors import InputError
@@ -134,7 +135,7 @@ def identify(
         scored, unseen = prepared(validation, robot, motions[0].filtering, terms, accept)
         refuse_shared(read, scored)
     progress("fitting")
-    found = estimate_with_clocks(robot, terms, list(motions))
+    found = fit_of_what_moves(estimate_with_clocks(robot, terms, list(motions)))
     if unseen is not None:
         unseen = [with_skew_of(part, found.motions[0]) for part in unseen]
     found, told, bodies = refined(found, options, progress)

@@ -13,11 +13,18 @@ from jaxswarm.diagnose.decision.rules import KNOWN, Rules
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection import elsewhere
+from jaxswarm.diagnose.selection import survives as survives_module
 from jaxswarm.diagnose.selection import unpredicted as unpredicted_module
 from jaxswarm.diagnose.selection.elsewhere import added_columns, errors_elsewhere
 from jaxswarm.diagnose.selection.refit import refit
 from jaxswarm.diagnose.selection.step import Step
-from jaxswarm.diagnose.selection.survives import harmful, more_in_all, stands_in, survives
+from jaxswarm.diagnose.selection.survives import (
+    harmful,
+    more_in_all,
+    outweighed,
+    stands_in,
+    survives,
+)
 from jaxswarm.diagnose.selection.tenable import can_swing
 from jaxswarm.diagnose.selection.unconfirmed import unconfirmed
 from jaxswarm.effects.term import Term
@@ -82,6 +89,36 @@ def test_a_law_that_raises_an_error_on_other_motion_is_refused_and_named(fits):
 def test_an_error_of_all_joints_is_more_in_units_of_the_noise_and_as_a_share(before, after, more):
     noise = np.array([0.1, 2.0, 30.0])
     assert more_in_all(np.array(after) * noise, np.array(before) * noise, noise) == more
+
+
+def test_a_small_rise_is_outweighed_by_what_others_lose():
+    """In units of the noise: a spring took its joint from 42 to 20 times it and raised another from 8 to 16."""
+    noise = np.array([0.1, 2.0, 30.0])
+    before, after = (np.array(x) * noise for x in ([8.3, 42.0, 13.0], [16.1, 20.4, 7.8]))
+    assert outweighed(before, after, noise).all()
+    assert not outweighed(after, before, noise)[1:].any()  # nothing but the first falls
+    half = np.array([8.3, 20.9, 7.8]) * noise
+    assert outweighed(half, np.array([16.1, 20.4, 7.8]) * noise, noise).tolist() == [
+        False,
+        True,
+        True,
+    ]
+
+
+def test_a_rise_in_regions_of_one_log_refuses_what_others_show_clearly(fits, monkeypatch):
+    before, true, _, other = fits
+    noise = survives_module.noise_of(before)
+    one, two = np.array([4.0, 40.0]) * noise, np.array([9.0, 10.0]) * noise
+    told = (one, two, two < one, two > one, "there")
+    monkeypatch.setattr(survives_module, "errors_elsewhere", lambda *of: [told])
+    monkeypatch.setattr(survives_module, "expected", lambda motion, noise, *fits: noise)
+    assert survives(before, true, 1) is None
+    assert harmful(before, [step(SPRING, before, true)], true) is None
+    # Another log is other motion, and is believed.
+    assert "raises the error of joint1 there" in survives(before, true, 1, [other])
+    less = (one, np.array([9.0, 38.0]) * noise, *told[2:])
+    monkeypatch.setattr(survives_module, "errors_elsewhere", lambda *of: [less])
+    assert "raises the error of joint1 there" in survives(before, true, 1)
 
 
 @pytest.mark.parametrize("begin", [3.0, 5.7])

@@ -9,6 +9,7 @@ from test_surface import slide_arrays
 
 import jaxswarm
 from jaxswarm.diagnose.run import diagnose_files
+from jaxswarm.diagnose.selection.what_moves import fit_of_what_moves
 from jaxswarm.identify.options import Options
 from jaxswarm.identify.run import identify_files
 from jaxswarm.outputs import to_json
@@ -55,7 +56,9 @@ def plain(result) -> dict:
 def test_identify(logs, tmp_path, estimator):
     terms, (log, other) = "viscous_friction,coulomb_friction", logs
     asked = Options(estimator=estimator, physical=True)
-    written = identify_files([log], "emps", terms, tmp_path / "out", other, asked)
+    written = identify_files(
+        [log], "emps", terms, tmp_path / "out", other, asked, settled=fit_of_what_moves
+    )
     given = jaxswarm.identify(
         log, "emps", terms, validation=other, estimator=estimator, physical=True
     )
