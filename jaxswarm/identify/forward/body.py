@@ -14,14 +14,14 @@ from jaxswarm.identify.forward.columns import (
     Moved,
     Rigid,
     is_kept,
-    last_of,
     load_along,
     low_columns,
     torque_of,
 )
 from jaxswarm.identify.forward.joint_series import Load
+from jaxswarm.identify.forward.latest import last_of
 from jaxswarm.identify.forward.lengths import filled
-from jaxswarm.identify.forward.link_lag import link_motion, true_motion
+from jaxswarm.identify.forward.link_lag import as_read, link_motion
 from jaxswarm.logs.motion import Motion
 from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns
@@ -120,8 +120,7 @@ def body_along(
     """The rigid body of a model along a log; ``rigid``: columns of the plain motion, where known."""
     if rigid is not None and not moves_links(terms):
         return Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
-    arm, true = arm_of(robot, terms), true_motion(terms, motion)
-    known = rigid if true is motion else None
+    arm, (true, known) = arm_of(robot, terms), as_read(terms, motion, rigid)
     moving = [t for t in terms if t.law.changes_rigid_columns]
     lag_alone = known is not None and all(isinstance(t.law, TransmissionLaw) for t in moving)
     unmoved = min(t.index for t in moving) if lag_alone else 0

@@ -5,10 +5,9 @@ of all links followed by the linear parameters of the terms in their order. Nonl
 load torque enter as given numbers. Torque and columns then pass the same decimator.
 """
 
-from collections.abc import Callable, Collection, Hashable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TypeVar
 
 import jax
 import numpy as np
@@ -18,7 +17,7 @@ from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.series import law_columns
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.joint_series import Load, filled_series, load_series
-from jaxswarm.identify.forward.latest import Latest
+from jaxswarm.identify.forward.latest import Latest, last_of
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.logs.filtering import Decimator
 from jaxswarm.logs.motion import Motion
@@ -27,7 +26,6 @@ from jaxswarm.programs import program
 from jaxswarm.robot.logged import rigid_columns, rigid_torque
 from jaxswarm.robot.model import Robot
 
-Kept = TypeVar("Kept")
 # Position, velocity and acceleration along a log, each (T, n).
 Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -102,22 +100,22 @@ class Rigid:
     Attributes:
         robot: What they are made with.
         motion: The log.
-        low: Through the decimator, shape (T', n, 10 n).
         sensed: What :mod:`jaxswarm.identify.forward.sensitivity` found, by joint, of the arm asked for last.
         swayed: What :mod:`jaxswarm.identify.forward.compliance` found about turns of the base.
         loads: The load torque that was asked for last, by its parameters: all laws of a model ask for one.
         moved: Motion of links that lag that was asked for last, by all that it follows from.
+        read: What is known of the log as its encoders should have said it, by the errors asked for last.
         laws: Decimated columns of laws by all that they follow from, the oldest first.
         reported: Those of ``low`` as drives write them down that were asked for last, by what says how.
     """
 
     robot: Robot
     motion: Motion
-    low: np.ndarray
     sensed: dict = field(default_factory=dict, repr=False, compare=False)
     swayed: dict = field(default_factory=dict, repr=False, compare=False)
     loads: dict = field(default_factory=dict, repr=False, compare=False)
     moved: dict = field(default_factory=dict, repr=False, compare=False)
+    read: dict = field(default_factory=dict, repr=False, compare=False)
     laws: Latest = field(default_factory=partial(Latest, _OF_LAWS), repr=False, compare=False)
     reported: dict = field(default_factory=dict, repr=False, compare=False)
 
@@ -125,6 +123,12 @@ class Rigid:
     def gravity(self) -> np.ndarray:
         """What they are made with, (3,)."""
         return np.asarray(self.robot.gravity)
+
+    @cached_property
+    def low(self) -> np.ndarray:
+        """Through the decimator, shape (T', n, 10 n)."""
+        moved = (self.motion.q, self.motion.dq, self.motion.ddq)
+        return low_columns(self.robot, moved, self.motion.decimator)
 
     @cached_property
     def full(self) -> np.ndarray:
@@ -149,6 +153,7 @@ class Rigid:
         self.sensed.clear()
         self.swayed.clear()
         self.moved.clear()
+        self.read.clear()
         self.reported.clear()
 
     def torque(self, pi: np.ndarray) -> np.ndarray:
@@ -205,16 +210,6 @@ class Rigid:
         return self.laws.of(place, make)
 
 
-def last_of(kept: dict, place: Hashable, make: Callable[[], Kept]) -> Kept:
-    """What was kept of a place, or is made and kept of it alone."""
-    known = kept.get(place)
-    if known is None:
-        known = make()
-        kept.clear()
-        kept[place] = known
-    return known
-
-
 def _times(columns: np.ndarray, pi: np.ndarray) -> np.ndarray:
     """Torque (T, n) of columns (T, n, p), in one product: a stack of small ones takes three times as long."""
     return (columns.reshape(-1, columns.shape[2]) @ pi).reshape(columns.shape[:2])
@@ -222,8 +217,7 @@ def _times(columns: np.ndarray, pi: np.ndarray) -> np.ndarray:
 
 def rigid_of(robot: Robot, motion: Motion) -> Rigid:
     """The rigid-body columns of a log in nominal gravity and motion."""
-    moved = (motion.q, motion.dq, motion.ddq)
-    return Rigid(robot, motion, low_columns(robot, moved, motion.decimator))
+    return Rigid(robot, motion)
 
 
 def load_along(arm: Robot, moved: Moved, pi: np.ndarray) -> Load:

@@ -2,8 +2,11 @@
 
 from collections.abc import Callable, Hashable
 from threading import Lock
+from typing import TypeVar
 
 import numpy as np
+
+Kept = TypeVar("Kept")
 
 
 class Latest:
@@ -42,3 +45,13 @@ class Latest:
             self._held[place] = made
             self._numbers += made.size
         return made
+
+
+def last_of(kept: dict, place: Hashable, make: Callable[[], Kept]) -> Kept:
+    """What was kept of a place, or is made and kept of it alone."""
+    known = kept.get(place)
+    if known is None:
+        known = make()
+        kept.clear()
+        kept[place] = known
+    return known

@@ -18,8 +18,9 @@ import scipy
 from jaxswarm.effects.deflection import deflection, substeps_of
 from jaxswarm.effects.kinds import MeasurementLaw, TransmissionLaw
 from jaxswarm.effects.misreading import misreading
-from jaxswarm.effects.term import Term, of_kind
-from jaxswarm.identify.forward.columns import Moved, Rigid
+from jaxswarm.effects.term import Term, of_kind, valued
+from jaxswarm.identify.forward.columns import Moved, Rigid, is_kept
+from jaxswarm.identify.forward.latest import last_of
 from jaxswarm.identify.forward.lengths import filled
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.sensitivity import sensitivity_of
@@ -128,9 +129,32 @@ def link_motion(
     return q, dq, ddq
 
 
+def as_read(
+    terms: tuple[Term, ...], motion: Motion, rigid: Rigid | None
+) -> tuple[Motion, Rigid | None]:
+    """A log as its encoders should have said it, and what is known of columns there.
+
+    A fit asks for dozens of widths by the same errors: beside a wrist of which one joint turns another and a
+    dead zone of a third joint, one took 127 s, and two thirds of that made the same columns.
+    """
+    wrong = _misread(terms)
+    if not wrong:
+        return motion, rigid
+    if rigid is None or motion.q is not rigid.motion.q or not is_kept(motion):
+        return true_motion(terms, motion), None
+    robot = rigid.robot
+    known = last_of(rigid.read, valued(wrong), lambda: Rigid(robot, true_motion(terms, motion)))
+    true = known.motion
+    return replace(motion, q=true.q, dq=true.dq, ddq=true.ddq), known
+
+
+def _misread(terms: tuple[Term, ...]) -> list[Term]:
+    return [t for t in of_kind(terms, MeasurementLaw) if t.law.excess is not None]
+
+
 def true_motion(terms: tuple[Term, ...], motion: Motion) -> Motion:
     """A log with what its encoders say too much taken off: links, friction and rotors follow that."""
-    wrong = [t for t in of_kind(terms, MeasurementLaw) if t.law.excess is not None]
+    wrong = _misread(terms)
     if not wrong:
         return motion
     q, dq, ddq = motion.q.copy(), motion.dq.copy(), motion.ddq.copy()

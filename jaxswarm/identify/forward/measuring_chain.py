@@ -12,9 +12,10 @@ import numpy as np
 from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term, of_kind, valued
 from jaxswarm.identify.forward.body import Body, body_along, body_basis, carried
-from jaxswarm.identify.forward.columns import Rigid, early_columns, last_of, term_columns
+from jaxswarm.identify.forward.columns import Rigid, early_columns, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.joint_series import Load
+from jaxswarm.identify.forward.latest import last_of
 from jaxswarm.identify.forward.own_columns import own_columns, placed
 from jaxswarm.identify.forward.written_down import in_order, mixed, on_joint, report, report_own
 from jaxswarm.logs.filtering import Decimator

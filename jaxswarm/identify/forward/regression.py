@@ -11,9 +11,9 @@ from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.event_rows import event_columns
 from jaxswarm.identify.forward.finite_columns import check_finite, check_rows
 from jaxswarm.identify.forward.link_lag import (
+    as_read,
     lag_slopes,
     slope_terms,
-    true_motion,
 )
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble
@@ -210,8 +210,7 @@ def _slopes(
     """What the torque of a log owes to the linear parameters by way of lags and loads, (T', n, p)."""
     parts = []
     if slope_terms(terms):
-        true = true_motion(terms, motion)
-        known = rigid if true is motion else None
+        true, known = as_read(terms, motion, rigid)
         slopes = lag_slopes(arm_of(robot, terms), terms, true, pi, known)
         rigid_part = motion.decimator.apply(report(terms, motion, slopes))
         others = sum(len(t.columns(robot.joints)) for t in terms)
