@@ -1,10 +1,11 @@
-"""A fit with its links where they are, and torques written down as they are; what depends on signs as it is.
+"""A fit with its links where they are, and its log read and written as it is; what depends on signs as it is.
 
-A lag follows from the rigid parameters, a filter of the torque from its own, and each fit with one moves the
-links or filters all columns some times and builds all rows anew. What the widths of signs and the shapes of
-laws change is a few columns. Which widths a log tells is asked of some ten such fits in a row, and none of
-them moves a link, or a filter, by more than its own doubt: on a log of 36,000 samples, with backlash, they
-took 15 to 45 s of fits of 20 to 50, on seven joints with a filter half of fits of 50 s.
+A lag follows from the rigid parameters, a filter of the torque or an encoder's error from its own, and each fit
+with one moves the links or makes all columns some times and builds all rows anew. What the widths of signs and
+the shapes of laws change is a few columns. Which widths a log tells is asked of some ten such fits in a row,
+and none of them moves a link, or a filter, by more than its own doubt: on a log of 36,000 samples, with
+backlash, they took 15 to 45 s of fits of 20 to 50, on seven joints with a filter half of fits of 50 s. Of a
+wrist whose one joint turns another, beside a dead zone, they took four fifths of 51 s.
 """
 
 from collections.abc import Sequence
@@ -23,10 +24,8 @@ from jaxswarm.identify.forward.regression import Regression
 
 
 def links_can_be_held(terms: tuple[Term, ...]) -> bool:
-    """Whether links move, or torques are written down, by the parameters of a model, and no law sees them."""
-    written = of_kind(terms, MeasurementLaw)
-    misread = moves_links(tuple(written))
-    return bool(moves_links(terms) or written) and not misread and not uses_load(terms)
+    """Whether links move, or logs are read and written, by parameters of a model, and no law sees its load."""
+    return bool(moves_links(terms) or of_kind(terms, MeasurementLaw)) and not uses_load(terms)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from jaxswarm.identify.forward.columns import Rigid, early_columns, term_columns
 from jaxswarm.identify.forward.compliance import compliance_columns
 from jaxswarm.identify.forward.joint_series import Load
 from jaxswarm.identify.forward.latest import last_of
+from jaxswarm.identify.forward.link_lag import as_read
 from jaxswarm.identify.forward.own_columns import own_columns, placed
 from jaxswarm.identify.forward.written_down import in_order, mixed, on_joint, report, report_own
 from jaxswarm.logs.filtering import Decimator
@@ -231,6 +232,7 @@ def term_block(
     rigid: Rigid,
 ) -> np.ndarray:
     """Decimated columns of one term of a model, (T', n, k); links are taken as stiff for its load."""
-    body = Body(robot, (motion.q, motion.dq, motion.ddq), motion, pi, rigid, rigid)
+    true, known = as_read(terms, motion, rigid)
+    body = Body(robot, (true.q, true.dq, true.ddq), true, pi, known, known)
     load = body.load({term.index}) if term.law.uses_load else None
     return _block(terms, term, body, width, load, motion.decimator.apply)
