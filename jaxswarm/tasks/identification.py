@@ -104,6 +104,9 @@ def identify(
 ) -> Fitted:
     """Identify the rigid body and declared effects, by weighted least squares unless told otherwise.
 
+    Where motion alone is near its noise, rows in which dry friction holds joints for moments are not fitted:
+    ``held_at_rest`` says in which share of the time.
+
     Args:
         logs: A log or several, as :class:`jaxswarm.Log` or files.
         robot: A robot, a built-in name or a file; kinematics suffice.
