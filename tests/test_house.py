@@ -119,3 +119,12 @@ def test_arrows_between_the_rooms_of_a_wing_are_few(wing):
         return 1 + max((floor(below) for above, below in arrows if above == one), default=0)
 
     assert max(floor(one) for one, _ in arrows) <= FLOORS[wing]
+
+
+@pytest.mark.parametrize("path", FILES, ids=name)
+def test_no_module_gives_a_constant_twice(path):
+    """Rules that asked for a limit of 0.25 went by another of its name, 0.5, further down in the file."""
+    targets = [t for n in parsed(path).body if isinstance(n, ast.Assign) for t in n.targets]
+    names = [n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name)]
+    constants = [n for n in names if n.isupper()]
+    assert sorted(constants) == sorted(set(constants))

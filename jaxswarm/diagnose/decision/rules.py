@@ -201,7 +201,7 @@ CHANGE_DOUBT = 2.0
 # A rival that leaves no more than this part of the squared error that the chosen law leaves takes its place. By
 # one log, on which a tilt beside a soft base left 0.31 of what a crosstalk did: rivals gain alike to a few
 # percent before they are fitted, and what differs by a half afterwards is another model.
-FAR_LESS = 0.5
+AT_MOST_HALF = 0.5
 
 # --- Whether an addition survives on other motion ------------------------------------------------------------
 # An error may grow by so much, where it is above so many times the noise; and has to fall to this share on

@@ -6,7 +6,7 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.competing import plainness
 from jaxswarm.diagnose.decision.remainder import over_noise
-from jaxswarm.diagnose.decision.rules import FAR_LESS, NEAR, PRICE
+from jaxswarm.diagnose.decision.rules import AT_MOST_HALF, NEAR, PRICE
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.selection.extended import extended
 from jaxswarm.diagnose.selection.plainer import cost, does_as_well
@@ -101,7 +101,7 @@ def far_less(
     fits = [(s, refit_with(current, s)) for s in asked]
     told = [(s, fit, cost(fit, slice(None), current)) for s, fit in fits if fit is not None]
     best = min(told, key=lambda one: one[2], default=None)
-    if best is None or best[2] > FAR_LESS * cost(after, slice(None), current):
+    if best is None or best[2] > AT_MOST_HALF * cost(after, slice(None), current):
         return chosen, after, list(rivals)
     return best[0], best[1], [s for s in (chosen, *rivals) if s is not best[0]]
 
