@@ -10,15 +10,20 @@ from jaxswarm.diagnose.decision.significance import certainty
 from jaxswarm.effects.term import Term
 
 
+def shows_on_all(term: Term) -> bool:
+    """Whether a law has no joint, or shows on all of them, as a wrong zero does."""
+    return term.joint is None or not term.law.shows_on_own_joint
+
+
 def told_on(term: Term, shares: np.ndarray) -> tuple[int, slice]:
     """Where a law shows most, by shares (n,), and the joints by which it is judged.
 
     A joint effect is a matter of its own joint; others may gain, or lose, through shared parameters, which a
     short log knows badly: a ripple of 94 % of its joint's error drowned in that of five others.
     """
-    if term.joint is None or not term.law.shows_on_own_joint:
+    if shows_on_all(term):
         return int(np.argmax(shares)), slice(None)
-    return term.joint, slice(term.joint, term.joint + 1)
+    return term.index, slice(term.index, term.index + 1)
 
 
 def can_be(

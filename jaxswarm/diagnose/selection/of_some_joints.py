@@ -8,10 +8,10 @@ from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.evaluate import score_terms
+from jaxswarm.diagnose.decision.judged import shows_on_all
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -24,12 +24,8 @@ def accepted_on(
     as long. The level is that of a test among all.
     """
     every, folds = eligible_terms(found.model, found.motions), cross_fit(found)
-    terms = [t for t in every if _may_show_on(t, joints)]
+    terms = [t for t in every if shows_on_all(t) or t.joint in joints]
     among = search.rules.significance * len(terms) / max(len(every), 1)
     scores = score_terms(Linearization(found, folds, memory), terms, search.seed)
     passed = accepted(scores, replace(search.rules, significance=among), search.added)
     return [s for s in passed if s.joint in joints or s.candidate.term.joint is None], folds
-
-
-def _may_show_on(term: Term, joints: Collection[int]) -> bool:
-    return term.joint is None or not term.law.shows_on_own_joint or term.joint in joints

@@ -17,6 +17,7 @@ from dataclasses import replace
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.evaluate import score_on
+from jaxswarm.diagnose.decision.judged import shows_on_all
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import ASKED_ALONE, FAR_MORE, LOUD, NEAR, PRICE
 from jaxswarm.diagnose.decision.worth import Score, passes
@@ -27,7 +28,6 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, step_between
 from jaxswarm.diagnose.selection.survives import survives
 from jaxswarm.effects.alike import lacking
-from jaxswarm.effects.term import Term
 from jaxswarm.identify.estimation.estimate import Estimate
 
 
@@ -47,7 +47,7 @@ def _one_of_the_arm(search: Search) -> bool:
     if not added or not (over_noise(search.current) > LOUD).any():
         return False
     kept, steps = search.steps[: added[0]], search.steps[added[0] :]
-    if any(_of_the_arm(step.added) for step in steps):
+    if any(shows_on_all(step.added) for step in steps):
         return False
     before = steps[0].before
     for score in _asked_alone(search, before, None, steps[0].score.worth):
@@ -118,11 +118,6 @@ def _replace(search: Search, gone: Sequence[Step], steps: list[Step]) -> None:
     search.ask_again(None)  # what was refused was refused beside laws that are gone
 
 
-def _of_the_arm(term: Term) -> bool:
-    """Whether a law has no joint, or shows on all of them, as a wrong zero does."""
-    return term.joint is None or not term.law.shows_on_own_joint
-
-
 def _asked_alone(
     search: Search, before: Estimate, joint: int | None, least: float = 0.0
 ) -> list[Score]:
@@ -134,7 +129,7 @@ def _asked_alone(
     terms = [
         t
         for t in eligible_terms(before.model, before.motions)
-        if (_of_the_arm(t) if joint is None else t.joint == joint)
+        if (shows_on_all(t) if joint is None else t.joint == joint)
         and not (t.law.recurring or t.law.everyday)
         and t.identity not in refused
     ]

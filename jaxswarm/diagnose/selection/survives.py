@@ -113,8 +113,7 @@ def survives(
     if not predicts and not elsewhere:
         return UNSHOWN
     for number, (one, two, falls, rises, where) in enumerate(elsewhere):
-        worse = rises & (two > HARM_ON_THE_WAY * one) & (two > ABOVE_NOISE * noise)
-        worse &= bool(other) | ~outweighed(one, two, noise)
+        worse = rises & _grows(one, two, noise, HARM_ON_THE_WAY, other)
         floor = noise
         if other and (worse.any() or more_in_all(two, one, noise)):
             floor = expected(other[number], noise, before, after)
@@ -127,6 +126,18 @@ def survives(
         if more_in_all(two, one, floor):
             return f"does not lower the error of all joints {where}"
     return None
+
+
+def _grows(
+    before: np.ndarray,
+    error: np.ndarray,
+    noise: np.ndarray,
+    times: float,
+    other: Sequence[Motion],
+) -> np.ndarray:
+    """Whether each joint's error (n,) is so many times what it was, above the noise, and weighs in one log."""
+    more = (error > times * before) & (error > ABOVE_NOISE * noise)
+    return more if other else more & ~outweighed(before, error, noise)
 
 
 def outweighed(before: np.ndarray, error: np.ndarray, noise: np.ndarray) -> np.ndarray:
@@ -170,8 +181,7 @@ def harmful(
     noise = noise_of(final)
     names = final.model.robot.joints
     for number, (one, two, _, rises, where) in enumerate(errors_elsewhere(declared, final, other)):
-        worse = rises & (two > HARM * one) & (two > ABOVE_NOISE * noise)
-        worse &= bool(other) | ~outweighed(one, two, noise)
+        worse = rises & _grows(one, two, noise, HARM, other)
         if other and worse.any():
             worse &= two > ABOVE_NOISE * expected(other[number], noise, declared, final)
         if not worse.any():

@@ -10,11 +10,7 @@ from jaxswarm.identify.forward.body import arm_of
 from jaxswarm.identify.forward.columns import Rigid
 from jaxswarm.identify.forward.event_rows import event_columns
 from jaxswarm.identify.forward.finite_columns import check_finite, check_rows
-from jaxswarm.identify.forward.link_lag import (
-    as_read,
-    lag_slopes,
-    slope_terms,
-)
+from jaxswarm.identify.forward.link_lag import as_read, lag_slopes, slope_terms
 from jaxswarm.identify.forward.load_slopes import load_slopes, loaded
 from jaxswarm.identify.forward.measuring_chain import assemble
 from jaxswarm.identify.forward.metrics import is_moving
