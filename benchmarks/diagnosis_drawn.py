@@ -81,6 +81,7 @@ LATER = {
     "offset_drift": Drawn("rate", {"tc": _log(5.0, 20.0)}),
     "offset_change": Drawn("tau", {"t0": _uniform(6.0, 14.0)}),
     "relaxing_spring": Drawn("k", {"tc": _log(0.1, 1.0)}, most=2000.0),
+    "drive_lag": Drawn("tc", {}, 0.002, 0.1),
 }
 KNOWN = DRAWN | LATER
 # Effects of the whole arm, and those between a joint and the next one.

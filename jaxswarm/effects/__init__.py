@@ -6,6 +6,7 @@ from jaxswarm.effects import cable_coupling as cable_coupling
 from jaxswarm.effects import contact as contact
 from jaxswarm.effects import cubic_spring as cubic_spring
 from jaxswarm.effects import dead_zone_spring as dead_zone_spring
+from jaxswarm.effects import drive_lag as drive_lag
 from jaxswarm.effects import dwell_friction as dwell_friction
 from jaxswarm.effects import encoder_eccentricity as encoder_eccentricity
 from jaxswarm.effects import encoder_offset as encoder_offset

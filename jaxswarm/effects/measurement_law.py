@@ -26,6 +26,8 @@ class MeasurementLaw(Effect):
         excess: ``excess(p, q, q_other)``: what the encoder of its joint says too much [rad or m] where the
             joint is at q and the partner's encoder says q_other, zero for neutral parameters; None: encoders
             are true.
+        slow: Whether it is a filter of one joint's torque. What was true is then what was written down with a
+            multiple of its rate, however slow the filter is, and the measured torque tells the rate.
         scales: Whether it only scales the torque of its joint: the links that it moves may take that up.
     """
 
@@ -35,6 +37,7 @@ class MeasurementLaw(Effect):
     late: Callable[[Mapping], float] | None = None
     excess: Callable[[Mapping, jax.Array, jax.Array], jax.Array] | None = None
     scales: bool = False
+    slow: bool = False
     alike: bool = False
 
     @property

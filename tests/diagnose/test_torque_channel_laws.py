@@ -15,13 +15,18 @@ from jaxswarm.effects.term import Term, parse_terms
 from jaxswarm.identify import estimate
 from jaxswarm.logs.motion import prepare
 
-LAWS = ("torque_constant_saturation", "torque_dead_band", "torque_lag", "time_delay", "drive_gain")
+LAWS = (
+    *("torque_constant_saturation", "torque_dead_band", "torque_lag", "time_delay", "drive_gain"),
+    "drive_lag",
+)
 DOUBLES = ("load_dependent_friction", "joint_spring", "cubic_spring", "asymmetric_friction")
 PLANTED = [
     Term("torque_constant_saturation", 1, values={"c": 0.004}),
     Term("torque_constant_saturation", 2, values={"c": -0.02}),
     Term("torque_dead_band", 1, values={"d": 0.6}),
     Term("torque_lag", values={"tc": 0.012, "seconds": 0.006}),
+    Term("drive_lag", 1, values={"tc": 0.01}),
+    Term("drive_lag", 2, values={"tc": 0.08}),
 ]
 
 
@@ -126,6 +131,21 @@ def test_a_filter_takes_the_place_of_the_delay_it_was_taken_for():
     (lag,) = [t for t in both.model.terms if t.joint is None]
     assert lag.effect == "torque_lag"
     assert lag.values["tc"] == pytest.approx(0.02, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("truth", "law"),
+    [
+        (Term("drive_lag", 1, values={"tc": 0.03}), "drive_lag"),
+        (Term("hysteresis", 1, values={"fc": 4.0, "x0": 0.05}), "hysteresis"),
+        (Term("torque_lag", values={"tc": 0.03, "seconds": 0.0}), "time_delay"),
+    ],
+    ids=lambda x: x if isinstance(x, str) else x.effect,
+)
+def test_a_filter_in_one_drive_is_told_from_what_is_late_beside_it(truth, law):
+    asked = ("drive_lag", "hysteresis", "time_delay")
+    best = passing(ask(fitted(elbow_log(truth)), *asked))[0]
+    assert best.candidate.term.effect == law
 
 
 def test_what_extends_an_addition_is_asked_with_its_like_alone():

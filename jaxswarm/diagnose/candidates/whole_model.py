@@ -36,7 +36,8 @@ def measurement_candidate(lin: Linearization, term: Term) -> Candidate:
         return Candidate(term, lin.on_all(columns), columns.shape[2])
 
     def slopes(k):
-        output, step = lin.outputs[k], 1.0 / lin.found.motions[k].rate
+        motion = lin.found.motions[k]
+        output, step = motion.tau if law.slow else lin.outputs[k], 1.0 / motion.rate
         if term.joint is not None:
             output = output[:, [term.joint, term.other] if law.crosses else term.joint]
         # Continued straight by a sample: what a delay brings in at the ends is not known.
