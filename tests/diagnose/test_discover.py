@@ -16,7 +16,7 @@ from jaxswarm.diagnose.discovery.problem import joint_problem
 from jaxswarm.diagnose.discovery.sums import polished, unexplained
 from jaxswarm.diagnose.report.result import to_result
 from jaxswarm.diagnose.report.text import next_steps, verdict_sentence
-from jaxswarm.diagnose.selection import stepwise
+from jaxswarm.diagnose.selection import add_best
 from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.outcome import outcome_of
 from jaxswarm.effects.dimensions import parse_unit, unit_of
@@ -76,7 +76,7 @@ def test_a_law_of_no_catalog_is_found(name):
 
 def test_what_stood_in_for_the_law_is_taken_back(monkeypatch):
     """As if a ripple of few periods had been believed."""
-    monkeypatch.setattr(stepwise, "one_place", lambda *a: None)
+    monkeypatch.setattr(add_best, "one_place", lambda *a: None)
     before = diagnose_log(planted("magnet"))
     after, _ = discover(before)
     assert added(before), "a law of the catalog is bent to the magnet"

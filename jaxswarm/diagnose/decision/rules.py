@@ -142,6 +142,8 @@ LOUD = 1.25
 # Friction holds a joint for moments where the rest is left with less than this part of the squared multiple of
 # its noise: on 15 joints of another simulator with true stiction 0.01 to 0.40.
 STICKS = 0.5
+# Rows in which joints hardly move are lent where they are left with so many times what motion is left with.
+REST_STANDS_OUT = 2.0
 # A law that acts in motion at this part of what it does where its joint hardly moves, and more, takes this part
 # of the share that it takes off all rows off those of motion, else friction holds the joint: false ones took
 # 0.12 to 0.2 of it, those of 12 logs that were true, with true stick and slip, 0.8 and more.

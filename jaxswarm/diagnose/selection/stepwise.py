@@ -14,11 +14,11 @@ from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.journal import Journal
 from jaxswarm.diagnose.candidates.linearization import Linearization
-from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.rules import Rules
-from jaxswarm.diagnose.decision.worth import Score, runners_up
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
+from jaxswarm.diagnose.selection.add_best import add_best
 from jaxswarm.diagnose.selection.both_ends import add_both_ends
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.clock import allow_for_skew
@@ -26,24 +26,17 @@ from jaxswarm.diagnose.selection.diagnosis import Diagnosis
 from jaxswarm.diagnose.selection.everyday import allow_for_everyday, everyday_again
 from jaxswarm.diagnose.selection.finish import finish
 from jaxswarm.diagnose.selection.from_declared import declared_alone
-from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
-from jaxswarm.diagnose.selection.instead import far_less
 from jaxswarm.diagnose.selection.laws_at_rest import leave_out_instead_of_laws
+from jaxswarm.diagnose.selection.motion_first import found_in_motion
 from jaxswarm.diagnose.selection.one_for_several import one_for_several
-from jaxswarm.diagnose.selection.readings import why_not
-from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.reselect import choose_again
-from jaxswarm.diagnose.selection.rivals_elsewhere import best_elsewhere, told_elsewhere
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.step import find_term, near_ones, step_between
 from jaxswarm.diagnose.selection.sticking import leave_out_sticks
 from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws, put_back
-from jaxswarm.diagnose.selection.survives import one_place, stands_in
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
-from jaxswarm.diagnose.selection.unseen_order import worse_than_waves
 from jaxswarm.diagnose.selection.with_rest import with_rest
 from jaxswarm.diagnose.selection.within_bounds import within_bounds
 from jaxswarm.effects.alike import has
@@ -97,8 +90,16 @@ def diagnose(
         with declared_alone(robot, declared, logs) as alone:
             progress("fitting the declared model")
             start = estimate(robot, declared, logs, bounded=False)
-            search = Search(start, start, rules, seed, memory, other, progress, budget)
-            run_rounds(search, question, most)
+            told = rules, seed, memory, other, progress, budget
+            search = Search(start, start, *told)
+            # With rest a model of every row is asked for.
+            found = sticks is _sticks and found_in_motion(
+                Search(start, start, *told), partial(run_rounds, question=question, most=most)
+            )
+            if found:
+                search = found
+            else:
+                run_rounds(search, question, most)
             while not search.given_up and (take_back(search) or sticks(search)):
                 run_rounds(search, question, most)
             if not search.given_up:
@@ -155,7 +156,7 @@ def _act(search: Search, passed: list[Score]) -> bool:
     if add_both_ends(search, passed):
         return True
     if passed:
-        return _add_best(search, passed)
+        return add_best(search, passed)
     if everyday_again(search) or one_for_several(search) or _choose_again(search):
         return True
     return not search.budget.spent and add_two_laws(search)
@@ -206,45 +207,6 @@ def _choose_again(search: Search) -> bool:
     if changed:
         search.withdrawn = tuple(s.added for s in former if s.added.identity not in held)
     return changed
-
-
-def _add_best(search: Search, best: list[Score]) -> bool:
-    """Add the best candidate if it proves itself; always another round."""
-    current, crossfit = search.current, search.folds
-    chosen, rivals = choose(best, search.rules, crossfit)
-    term = chosen.candidate.term
-    if stands_in(chosen, current, crossfit, search.seed):
-        search.refuse(term)
-        return True
-    search.progress(f"adding {term.label(current.model.robot.joints)}")
-    after = refit_with(current, chosen) or told_elsewhere(current, chosen, search.other)
-    if after is None:
-        search.refuse(term)
-        return True
-    chosen, after, rivals = far_less(chosen, rivals, after, current)
-    term = chosen.candidate.term
-    near = near_ones(chosen, best, crossfit)
-    if search.other and near:
-        chosen, after, rivals = best_elsewhere(current, chosen, after, rivals, near, search.other)
-        term, near = chosen.candidate.term, near_ones(chosen, best, crossfit)
-    if why := why_not(search, chosen, after):
-        search.refuse(term, why, by_all=bool(search.other))
-        return True
-    added = find_term(after, term)
-    seen = one_place(after, added, search.rules, search.seed)
-    if why := seen or worse_than_waves(search, chosen, after):
-        search.refuse(term, why)
-        return True
-    others = runners_up(chosen, search.scores, search.banned)
-    step = step_between(chosen, current, after, tuple(rivals), others, near)
-    search.steps.append(step)
-    search.current = after
-    if added.law.recurring:
-        add_further(search, replace(added, values={}), MOST_EVENTS)
-    if added.law.mutual:
-        add_further(search, Term(added.effect, added.other, added.joint), 1)
-    search.ask_again(added.joint)
-    return True
 
 
 _LACKING = Question(_told, _cross_fit, _eligible, _held, _act, _allow)

@@ -50,7 +50,7 @@ def leave_out_sticks(search: Search) -> bool:
     The sign keeps its width: it is what tells of the rows that are left out.
     """
     known = set(search.sticking)
-    every = search.lent is None and not any(_known(m).any() for m in search.current.motions)
+    every = not search.lent and not any(_known(m).any() for m in search.current.motions)
     after = _fit_of_what_moves(search)
     if after is not None:
         search.of_all_rows |= every
