@@ -39,6 +39,8 @@ register(
         report=jax.jit(_report),
         probe={"tc": 0.002},
         slow=True,
+        # Of one joint alone it is that of all.
+        min_joints=2,
         shown_against="torque rate",
     )
 )

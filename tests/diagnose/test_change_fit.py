@@ -12,7 +12,7 @@ from scipy import stats
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.report.text import verdict_sentence
 from jaxswarm.diagnose.run_against import conclude_comparison
-from jaxswarm.diagnose.selection.change_apply import changes_of, doubt_of
+from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of
 from jaxswarm.diagnose.selection.change_fit import fit_changes
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.earlier_model import freeze
@@ -118,6 +118,16 @@ def test_a_change_beyond_the_bounds_of_its_parameters_is_refused_by_name():
     told = doubt_of(change, ("revolute",) * 3)
     assert "fc would be -" in told and " N m, outside [0, 10000]" in told
     assert " N, outside [0, 10000]" in doubt_of(change, ("prismatic",) * 3)
+
+
+def test_a_base_that_gives_way_without_swinging_is_doubted_by_what_it_has():
+    """It has no frequencies: a change chosen beside others was refused with a traceback."""
+    base = Term("base_compliance", None, values={"cx": 0.0, "cy": 1e-5})
+    errors = {"cx": 1e-6, "cy": 1e-6}
+    change = Change(base, errors, False, None, (), {}, {}, None)
+    assert doubt_of(change, ("revolute",)) is None
+    told = doubt_of(replace(change, std_errors={"cx": 1e-5, "cy": 1e-5}), ("revolute",))
+    assert "no larger than its doubt" in told
 
 
 def test_what_changed_is_told_apart_from_what_is_new():

@@ -7,6 +7,7 @@ from elbow import ask, elbow, elbow_log, fitted, passing
 from planted import BAND
 from scipy import signal
 
+from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.decision.competing import accepted
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.selection.refit import refit_with
@@ -146,6 +147,14 @@ def test_a_filter_in_one_drive_is_told_from_what_is_late_beside_it(truth, law):
     asked = ("drive_lag", "hysteresis", "time_delay")
     best = passing(ask(fitted(elbow_log(truth)), *asked))[0]
     assert best.candidate.term.effect == law
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+def test_a_filter_in_one_drive_is_no_change_since_an_earlier_model(earlier):
+    """A measured torque holds all that changed: a load that was put down was told as others."""
+    found = fitted(elbow_log())
+    asked = {t.effect for t in eligible_terms(found.model, found.motions, earlier)}
+    assert ("drive_lag" in asked) != earlier
 
 
 def test_what_extends_an_addition_is_asked_with_its_like_alone():

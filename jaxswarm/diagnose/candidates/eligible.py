@@ -7,7 +7,7 @@ import numpy as np
 from jaxswarm.diagnose.candidates.position_laws import leaves_room
 from jaxswarm.effects import REGISTRY
 from jaxswarm.effects.base import Effect
-from jaxswarm.effects.kinds import BodyChange, TorqueLaw
+from jaxswarm.effects.kinds import BodyChange, MeasurementLaw, TorqueLaw
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward.metrics import is_moving
 from jaxswarm.identify.forward.model import Model
@@ -33,6 +33,8 @@ def eligible_terms(
             continue
         if joints < law.min_joints and not against_model:
             continue  # the rigid parameters say the same
+        if against_model and isinstance(law, MeasurementLaw) and law.slow:
+            continue  # drives keep their filters, and a torque that was measured holds all that changed
         if not all(name in m.channels for name in law.requires for m in motions):
             continue
         fits = [

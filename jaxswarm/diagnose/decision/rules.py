@@ -102,7 +102,8 @@ LOST, LOST_SHARE = 8.0, 0.96
 # Part of a joint's RMS error that two laws may leave which are added at once, each for the other's sake: of
 # friction by the load and a drag that hid each other at 3.7 times the noise a sixth was left.
 # They are asked for beyond the second number times the noise: of less a quarter is below what any model leaves.
-PAIR_LEAVES, PAIR_ASKED = 0.25, 3.0
+# They are fitted if they leave the third part of it to first order: of 13 fits none came a third below that.
+PAIR_LEAVES, PAIR_ASKED, PAIR_TO_FIRST_ORDER = 0.25, 3.0, 0.5
 # An event is none where a function of the motion predicts this share of what its joint lacks without any, and
 # takes as much off its windows: a cushion and a torque by the sum of two positions gave 0.97 to 1.0, 0 a push.
 BY_STATE = 0.6
@@ -142,7 +143,7 @@ LOUD = 1.25
 # Friction holds a joint for moments where the rest is left with less than this part of the squared multiple of
 # its noise: on 15 joints of another simulator with true stiction 0.01 to 0.40.
 STICKS = 0.5
-# Rows in which joints hardly move are lent where they are left with so many times what motion is left with.
+# Rest is lent where it is left with so many times what motion is left with.
 REST_STANDS_OUT = 2.0
 # A law that acts in motion at this part of what it does where its joint hardly moves, and more, takes this part
 # of the share that it takes off all rows off those of motion, else friction holds the joint: false ones took

@@ -109,7 +109,8 @@ def doubt_of(change: Change, kinds: tuple[str, ...]) -> str | None:
     term, errors = change.term, change.std_errors
     values = {**term.values, **change.now}
     spread = {**errors, **change.now_errors}
-    for p in term.law.parameters:
+    # A base that gives way without swinging has no frequencies.
+    for p in (p for p in term.law.parameters if p.name in values):
         slack = CHANGE_DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
         if not p.lower - slack <= values[p.name] <= p.upper:
             unit = physical_unit(p.unit, "revolute" if term.joint is None else kinds[term.joint])
