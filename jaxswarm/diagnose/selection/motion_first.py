@@ -39,6 +39,7 @@ def found_in_motion(search: Search, run: Callable[[Search], None]) -> Search | N
     """
     if not _lend_rest(search):
         return None
+    search.progress("asking what motion alone lacks")
     run(search)
     while not search.given_up and take_back(search):
         run(search)
