@@ -90,11 +90,11 @@ def diagnose(
         with declared_alone(robot, declared, logs) as alone:
             progress("fitting the declared model")
             start = estimate(robot, declared, logs, bounded=False)
-            told = rules, seed, memory, other, progress, budget
-            search = Search(start, start, *told)
-            # With rest a model of every row is asked for.
+            given = rules, seed, memory, other, progress, budget
+            search = Search(start, start, *given)
+            # The second search is for a model of every row.
             found = sticks is _sticks and found_in_motion(
-                Search(start, start, *told), partial(run_rounds, question=question, most=most)
+                Search(start, start, *given), partial(run_rounds, question=question, most=most)
             )
             if found:
                 search = found
