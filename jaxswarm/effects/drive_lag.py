@@ -15,12 +15,11 @@ import jax.numpy as jnp
 from jaxswarm.effects.base import register
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.parameter import Parameter
-from jaxswarm.effects.torque_lag import lag
+from jaxswarm.effects.torque_lag import filtered
 
 
 def _report(p, x, step):
-    x = jnp.asarray(x)
-    return jnp.where(p["tc"] > 0.0, lag(x, p["tc"], step), x)
+    return filtered(jnp.asarray(x), p["tc"], step)
 
 
 register(

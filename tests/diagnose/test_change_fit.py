@@ -12,7 +12,7 @@ from scipy import stats
 from jaxswarm.diagnose.candidates.candidate import Candidate
 from jaxswarm.diagnose.report.text import verdict_sentence
 from jaxswarm.diagnose.run_against import conclude_comparison
-from jaxswarm.diagnose.selection.change_apply import Change, changes_of, doubt_of
+from jaxswarm.diagnose.selection.change_apply import changes_of, doubt_of
 from jaxswarm.diagnose.selection.change_fit import fit_changes
 from jaxswarm.diagnose.selection.changes import compare
 from jaxswarm.diagnose.selection.earlier_model import freeze
@@ -122,11 +122,19 @@ def test_a_change_beyond_the_bounds_of_its_parameters_is_refused_by_name():
 
 def test_a_base_that_gives_way_without_swinging_is_doubted_by_what_it_has():
     """It has no frequencies: a change chosen beside others was refused with a traceback."""
-    base = Term("base_compliance", None, values={"cx": 0.0, "cy": 1e-5})
-    errors = {"cx": 1e-6, "cy": 1e-6}
-    change = Change(base, errors, False, None, (), {}, {}, None)
+    motion = motion_of(small_arm(), 1, 0.05, 12.0, 11)
+    more = replace(motion, tau=motion.tau.copy())
+    more.tau[:, 0] += 5.0 * np.tanh(motion.dq[:, 0] / 0.01)
+    before = freeze(earlier(100), [more])
+    names = ["fc_joint1:coulomb_friction", "fc_joint2:coulomb_friction"]
+    columns = (
+        1e3 * before.regression.columns[:, :, [before.regression.names.index(n) for n in names]]
+    )
+    firm = Candidate(Term("base_compliance", None), (columns,) * 3, 2, signed=True)
+    (change,) = changes_of(before, [(firm, None, ())])
+    assert change.term.values["cx"] == pytest.approx(5e-3, rel=0.2)
     assert doubt_of(change, ("revolute",)) is None
-    told = doubt_of(replace(change, std_errors={"cx": 1e-5, "cy": 1e-5}), ("revolute",))
+    told = doubt_of(replace(change, std_errors={"cx": 5e-3, "cy": 5e-3}), ("revolute",))
     assert "no larger than its doubt" in told
 
 

@@ -12,7 +12,6 @@ from jaxswarm.diagnose.folds.partial_out import CrossFit
 from jaxswarm.diagnose.selection.change_fit import Coefficients, fit_changes
 from jaxswarm.diagnose.selection.changed_model import apply_change
 from jaxswarm.diagnose.selection.earlier_model import earlier_covariance
-from jaxswarm.effects.parameter import assumed
 from jaxswarm.effects.term import Term, physical_unit
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.identify.estimation.events import window_errors
@@ -109,8 +108,7 @@ def doubt_of(change: Change, kinds: tuple[str, ...]) -> str | None:
     term, errors = change.term, change.std_errors
     values = {**term.values, **change.now}
     spread = {**errors, **change.now_errors}
-    # A base that gives way without swinging has no frequencies.
-    for p in (p for p in term.law.parameters if p.name in values):
+    for p in term.law.parameters:
         slack = CHANGE_DOUBT * np.nan_to_num(spread.get(p.name, 0.0))
         if not p.lower - slack <= values[p.name] <= p.upper:
             unit = physical_unit(p.unit, "revolute" if term.joint is None else kinds[term.joint])
@@ -132,9 +130,9 @@ def _values(term: Term, own: slice, found: Coefficients, joints) -> tuple[dict, 
     neutral, names = term.law.neutral(), term.law.candidate_names(joints)
     doubt = np.sqrt(np.diag(found.covariance)[own])
     pairs = zip(names, found.values[own], strict=False)
-    # Its choices and its shape are those that its columns were made with.
+    # Its choices and its shape are those that its columns were made with; of no swing a base names none.
     told = {n: float(neutral.get(n, 0.0) + x) for n, x in pairs}
-    table = {**assumed(term.law.parameters), **term.values, **told}
+    table = {**neutral, **term.values, **told}
     return table, {n: float(x) for n, x in zip(names, doubt, strict=False)} if names else {}
 
 

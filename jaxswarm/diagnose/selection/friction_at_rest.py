@@ -58,3 +58,21 @@ def much_nearer(before: Estimate, after: Estimate) -> np.ndarray:
 def rms_in(left: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """RMS (n,) of what is left (T, n) in some rows of every joint."""
     return np.sqrt(np.where(rows, left**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))
+
+
+def within_friction(left: np.ndarray, friction: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Whether what is left (T, n) in some rows of every joint is no more than its friction (T, n), (n,)."""
+    return rms_in(left, rows) <= np.abs(friction).max(axis=0)
+
+
+def left_out(before: Estimate, after: Estimate) -> np.ndarray:
+    """Rows (T, n) that a fit uses no more."""
+    return before.regression.used_rows & ~after.regression.used_rows
+
+
+def rest_exceeds(
+    left: np.ndarray, before: Estimate, after: Estimate, times: float = 1.0
+) -> np.ndarray:
+    """Whether more than so many times as much is left (T, n) in rows no more used as in others, (n,)."""
+    rest = rms_in(left, left_out(before, after))
+    return rest > times * rms_in(left, after.regression.used_rows)

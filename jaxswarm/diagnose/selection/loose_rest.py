@@ -24,8 +24,8 @@ from jaxswarm.diagnose.folds.noise import row_noise
 from jaxswarm.diagnose.selection.friction_at_rest import (
     left_and_friction,
     much_nearer,
-    rms_in,
     with_all_held,
+    within_friction,
 )
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.identify.estimation.estimate import Estimate
@@ -69,7 +69,7 @@ def _is_held(before: Estimate, after: Estimate) -> np.ndarray:
     rest = after.regression.shares < before.regression.shares
     if (over_noise(after)[~rest.any(axis=0)] > NEAR).any():
         return np.zeros(rest.shape[1], bool)
-    return much_nearer(before, after) & (rms_in(left, rest) <= np.abs(friction).max(axis=0))
+    return much_nearer(before, after) & within_friction(left, friction, rest)
 
 
 def loosened(

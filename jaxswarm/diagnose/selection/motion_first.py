@@ -17,17 +17,21 @@ import numpy as np
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOST, REST_STANDS_OUT
 from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.selection.friction_at_rest import left_and_friction, rms_in
+from jaxswarm.diagnose.selection.friction_at_rest import (
+    left_and_friction,
+    left_out,
+    rest_exceeds,
+    within_friction,
+)
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import (
-    fit_of_rows,
+    fits_of_motion,
     go_on_from,
     loud_joints,
-    motion_alone,
 )
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving, tells_motion
+from jaxswarm.identify.estimation.standing import tells_motion
 
 
 def found_in_motion(search: Search, run: Callable[[Search], None]) -> Search | None:
@@ -50,13 +54,9 @@ def _lend_rest(search: Search) -> bool:
     """Leave out where joints hardly move, for a while; whether much is left there, and motion lacks a law."""
     current = search.current = with_motion_noise(search.current, search.seed)
     asked = loud_joints(search)
-    rows = hardly_moving(current.motions)
     if not asked:
         return False
-
-    def what_moves(joints: set[int]) -> Estimate:
-        return fit_of_rows(search, current, motion_alone(current.motions, rows, joints))
-
+    what_moves = fits_of_motion(search)
     moving = what_moves(asked)
     held = asked & set(np.flatnonzero(_stands_out(current, moving)))
     if not held & set(np.flatnonzero(over_noise(moving) > LOST)):
@@ -69,7 +69,6 @@ def _lend_rest(search: Search) -> bool:
 def _stands_out(before: Estimate, after: Estimate) -> np.ndarray:
     """Whether each joint, (n,), is left with far more where the fit after uses no row, within its friction."""
     left, friction = left_and_friction(after)
-    out = before.regression.used_rows & ~after.regression.used_rows
-    rest, motion = rms_in(left, out), rms_in(left, after.regression.used_rows)
-    within = rest <= np.abs(friction).max(axis=0)
-    return tells_motion(after.regression.used_rows) & within & (rest > REST_STANDS_OUT * motion)
+    held = within_friction(left, friction, left_out(before, after))
+    held &= tells_motion(after.regression.used_rows)
+    return held & rest_exceeds(left, before, after, REST_STANDS_OUT)

@@ -85,6 +85,7 @@ def diagnose(
         most: int,
         goes_on: Callable = _always,
         sticks: Callable[[Search], bool] = _sticks,
+        in_motion: bool = False,
     ) -> Search:
         question = replace(_LACKING, act=partial(_act_if, goes_on))
         with declared_alone(robot, declared, logs) as alone:
@@ -92,8 +93,7 @@ def diagnose(
             start = estimate(robot, declared, logs, bounded=False)
             given = rules, seed, memory, other, progress, budget
             search = Search(start, start, *given)
-            # The second search is for a model of every row.
-            found = sticks is _sticks and found_in_motion(
+            found = in_motion and found_in_motion(
                 Search(start, start, *given), partial(run_rounds, question=question, most=most)
             )
             if found:
@@ -107,7 +107,7 @@ def diagnose(
         return search
 
     most = max(_LEAST_ROUNDS, _ROUNDS_PER_JOINT * robot.num_joints)
-    search = with_rest(searched(motions, most), motions, searched)
+    search = with_rest(searched(motions, most, in_motion=True), motions, searched)
     return Diagnosis(
         within_bounds(search.declared) if search.steps else search.current,
         search.current,

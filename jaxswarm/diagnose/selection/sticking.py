@@ -23,9 +23,12 @@ from jaxswarm.diagnose.folds.noise import row_noise, with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.friction_at_rest import (
     left_and_friction,
+    left_out,
     much_nearer,
+    rest_exceeds,
     rms_in,
     with_all_held,
+    within_friction,
 )
 from jaxswarm.diagnose.selection.loose_rest import with_loose_rest
 from jaxswarm.diagnose.selection.refit import fit_from, refit
@@ -98,6 +101,13 @@ def motion_alone(
 ) -> list[Motion]:
     """The logs without the rows in which some joints hardly move; of all joints those are ``slow``, (T', n)."""
     return leave_out(motions, slow, np.isin(np.arange(slow[0].shape[1]), list(joints)))
+
+
+def fits_of_motion(search: Search) -> Callable[[set[int]], Estimate]:
+    """The current model fitted without the rows in which given joints hardly move, as a function of these."""
+    current = search.current
+    rows = hardly_moving(current.motions)
+    return lambda joints: fit_of_rows(search, current, motion_alone(current.motions, rows, joints))
 
 
 def loud_joints(search: Search) -> set[int]:
@@ -181,11 +191,10 @@ def is_held(before: Estimate, after: Estimate) -> np.ndarray:
     Motion alone has to tell what the model does there. Of seven joints that moved one by one it did not: four
     were left out at rest, and the errors of three joints on another log rose up to four times.
     """
-    every, out = before.regression, _left_out(before, after)
+    every, out = before.regression, left_out(before, after)
     left, friction = left_and_friction(after)
-    near = much_nearer(before, after)
-    within = rms_in(left, out) <= np.abs(friction).max(axis=0)
-    held = near & tells_motion(after.regression.used_rows) & within
+    tells = tells_motion(after.regression.used_rows)
+    held = much_nearer(before, after) & tells & within_friction(left, friction, out)
     if not held.any():
         return held
     return held & is_foretold(every.columns, np.where(every.used_rows, left, 0.0), out)
@@ -199,12 +208,7 @@ def stands_out(before: Estimate, after: Estimate) -> np.ndarray:
     without that law knew 0.95 N m, and left 1.16 N m at rest, 2.4 times as much as in motion.
     """
     left, _ = left_and_friction(after)
-    return rms_in(left, _left_out(before, after)) > rms_in(left, after.regression.used_rows)
-
-
-def _left_out(before: Estimate, after: Estimate) -> np.ndarray:
-    """Rows (T, n) that a fit uses no more."""
-    return before.regression.used_rows & ~after.regression.used_rows
+    return rest_exceeds(left, before, after)
 
 
 def go_on_from(search: Search, after: Estimate, joints: Iterable[int]) -> None:

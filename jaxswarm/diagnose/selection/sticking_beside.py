@@ -22,14 +22,13 @@ from jaxswarm.diagnose.selection.refit import refit_with
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import (
     fit_of_rows,
+    fits_of_motion,
     go_on_from,
     is_held,
     loud_joints,
-    motion_alone,
     stands_out,
 )
 from jaxswarm.identify.estimation.estimate import Estimate
-from jaxswarm.identify.estimation.standing import hardly_moving
 
 
 def leave_out_beside_laws(search: Search) -> bool:
@@ -40,11 +39,7 @@ def leave_out_beside_laws(search: Search) -> bool:
     current, asked = search.current, loud_joints(search)
     if search.budget.spent or not asked:
         return False
-    rows = hardly_moving(current.motions)
-
-    def what_moves(joints: set[int]) -> Estimate:
-        return fit_of_rows(search, current, motion_alone(current.motions, rows, joints))
-
+    what_moves = fits_of_motion(search)
     moving = what_moves(asked)
     loud = set(np.flatnonzero(stands_out(current, moving) & (over_noise(moving) > LOUD)))
     if not asked & loud:

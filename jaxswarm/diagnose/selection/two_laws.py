@@ -10,9 +10,12 @@ laws of that joint none finds a partner with which it is left below 3.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import jax
+
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.candidates.position_laws import imitates
+from jaxswarm.diagnose.candidates.propose import propose_all
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.evaluate import score_if_passing, score_terms
 from jaxswarm.diagnose.decision.remainder import over_noise
@@ -148,8 +151,8 @@ def _may_explain(search: Search, one: Score, terms: Sequence[Term]) -> bool:
 
     most = PAIR_TO_FIRST_ORDER**2 * left(search.folds.whole)
     return any(
-        left(folds.whole.with_columns(s.candidate.columns[0])) <= most
-        for s in score_terms(lin, terms, search.seed)
+        left(folds.whole.with_columns(other.columns[0])) <= most
+        for other in propose_all(lin, tuple(terms), jax.random.key(search.seed))
     )
 
 
