@@ -42,7 +42,7 @@ DRAWN = {
     "hysteresis": Drawn("fc", {"x0": _log(0.03, 0.15)}),
     "torque_offset": Drawn("tau0", {}),
     "thermal_drift": Drawn("fc", {"tc": _log(5.0, 20.0)}),
-    "transmission_coupling": Drawn("b", {"fc": _zero, "ia": _zero}),
+    "transmission_coupling": Drawn("b", {"fc": _zero, "fd": _zero, "ia": _zero}),
     "quadratic_drag": Drawn("c", {}),
     "nonlinear_viscous_friction": Drawn("c", {"alpha": _uniform(0.3, 0.6)}),
     "coulomb_friction": Drawn("fc", {}),

@@ -27,7 +27,7 @@ SIZES = {
     "thermal_drift": {"fc": 3.0, "tc": 10.0},
     "torque_ripple": {"sine": 0.8, "cosine": 0.3, "n": 24.0},
     "joint_spring": {"k": 12.0, "tau0": 1.0},
-    "transmission_coupling": {"b": 3.0, "fc": 1.0, "ia": 0.0},
+    "transmission_coupling": {"b": 3.0, "fc": 1.0, "fd": 0.0, "ia": 0.0},
     "time_delay": {"seconds": 0.006},
     "drive_gain": {"gain": 1.1},
     "base_tilt": {"gx": 0.4, "gy": -0.2},

@@ -42,5 +42,6 @@ def draw_series(rng: np.random.Generator, length: int = 64) -> Sample:
         "dq_other": other,
         "ddq_other": ddq_other,
         "direction_sum": np.tanh((dq + other) / _WIDTH),
+        "direction_difference": np.tanh((dq - other) / _WIDTH),
     }
     return make_sample(**fields)

@@ -33,7 +33,12 @@ def one_of_each(joint: int, other: int) -> tuple[Term, ...]:
         Term("load_dependent_friction", joint, values={"mu": 0.08, "inertial": 1.0}),
         Term("hysteresis", joint, values={"fc": 5.0, "x0": 0.06}),
         Term("thermal_drift", joint, values={"fc": 5.0, "tc": 12.0}),
-        Term("transmission_coupling", joint, other, values={"b": 5.0, "fc": 0.0, "ia": 0.0}),
+        Term(
+            "transmission_coupling",
+            joint,
+            other,
+            values={"b": 5.0, "fc": 0.0, "fd": 0.0, "ia": 0.0},
+        ),
         Term("quadratic_drag", joint, values={"c": 2.5}),
         Term("time_delay", values={"seconds": 0.008}),
     )

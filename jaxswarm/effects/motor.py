@@ -122,16 +122,34 @@ register(
             ),
             Parameter("fc", "N m", -1e4, 1e4, True, 0.0, "dry, of the motor both joints turn"),
             Parameter(
+                *(
+                    "fd",
+                    "N m",
+                    -1e4,
+                    1e4,
+                    True,
+                    0.0,
+                    "dry, of a motor that turns with their difference",
+                ),
+                # Which way axes point is how a robot is described: one of the two is usually nothing.
+                usual=True,
+            ),
+            Parameter(
                 "ia", "kg m^2", -1e3, 1e3, True, 0.0, "inertia, per acceleration of the partner"
             ),
         ),
-        summary="b dq_other + fc sign(dq + dq_other) + ia ddq_other",
+        summary="b dq_other + fc sign(dq + dq_other) + fd sign(dq - dq_other) + ia ddq_other",
         reference="Janot, Vandanjon, Gautier 2014, IEEE TCST 22(1) (wrist of the TX40)",
         meaning=(
             "The motion of another joint is felt in this one, as in wrists whose drives run "
             "through each other; check the coupling ratio in the controller."
         ),
-        torque=lambda p, s: p["b"] * s.dq_other + p["fc"] * s.direction_sum + p["ia"] * s.ddq_other,
+        torque=lambda p, s: (
+            p["b"] * s.dq_other
+            + p["fc"] * s.direction_sum
+            + p["fd"] * s.direction_difference
+            + p["ia"] * s.ddq_other
+        ),
         uses_direction=True,
         shown_against="partner velocity",
     )

@@ -49,7 +49,8 @@ class Parameter:
         hidden_by: Another parameter that leaves this one undetermined unless it is zero.
         shown_by: Linear parameters without each of which it does nothing: where one is not told from zero, the
             fit has put this one where noise is explained best, and no standard error tells how far that is off.
-        usual: Whether nearly all arms have its nominal value: it stays at that unless a log tells another.
+        usual: Whether nearly all arms have its nominal value: it stays at that unless a log tells another, and
+            that is what a model has which does not name it. A linear one is fitted like others.
         lies: ``"place"`` or ``"width"`` on the way of the joint: a search looks for it among the positions
             seen; ``"torque"``: a choice, the largest one of the joint; None: anywhere between its bounds.
         another_at: Bounds, ``"lower"`` or ``"upper"``, at which the law is another one: a fit that has run

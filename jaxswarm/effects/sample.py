@@ -21,7 +21,8 @@ class Sample(NamedTuple, Generic[A]):
         static_load: The same without its inertial part: gravity, Coriolis and centrifugal torque.
         temperature: Temperature channel [deg C], NaN where the log has none.
         dq_other, ddq_other: Velocity and acceleration of the partner joint of a coupling law.
-        direction_sum: Smooth sign of ``dq + dq_other``, the way a motor driven by both joints turns.
+        direction_sum, direction_difference: Smooth signs of ``dq + dq_other`` and ``dq - dq_other``, the way a
+            motor driven by both joints turns.
         state: The law's own memory, zero for laws without; a tuple for laws with several.
         q_other: Position of the partner joint of a coupling law.
     """
@@ -37,6 +38,7 @@ class Sample(NamedTuple, Generic[A]):
     dq_other: A
     ddq_other: A
     direction_sum: A
+    direction_difference: A
     state: A
     q_other: A
 

@@ -59,6 +59,7 @@ def sample_of(plant: Plant, acting: Acting, q, dq, t, temperature, **more) -> Sa
         q_other=like if other is None else q[other],
         dq_other=dq_other,
         direction_sum=jnp.tanh((dq[j] + dq_other) / plant.width[j]),
+        direction_difference=jnp.tanh((dq[j] - dq_other) / plant.width[j]),
         **more,
     )
     return jax.tree.map(lambda value: like + value, Sample(**fields))

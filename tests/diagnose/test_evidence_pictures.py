@@ -35,7 +35,10 @@ def drawn(term, motion):
         (Term("rotor_inertia", 0, values={"ia": 0.5}), 0.5),
         (Term("drive_gain", 0, values={"gain": 1.25}), 0.2),
         (Term("torque_crosstalk", 0, 1, values={"c": 0.3}), 0.3),
-        (Term("transmission_coupling", 0, 1, values={"b": 3.0, "fc": 0.0, "ia": 0.0}), 3.0),
+        (
+            Term("transmission_coupling", 0, 1, values={"b": 3.0, "fc": 0.0, "fd": 0.0, "ia": 0.0}),
+            3.0,
+        ),
     ],
 )
 def test_what_is_a_matter_of_one_variable_is_drawn_as_a_line_against_it(term, slope, motion):

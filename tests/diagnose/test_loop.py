@@ -20,7 +20,7 @@ PLANTED = [
     Term("stribeck_friction", 1, values={"df": 3.0, "vs": 0.12, "delta": 2.0}),
     Term("hysteresis", 0, values={"fc": 4.0, "x0": 0.07}),
     Term("thermal_drift", 0, values={"fc": 3.0, "tc": 5.0}),
-    Term("transmission_coupling", 1, 0, values={"b": 2.0, "fc": 0.0, "ia": 0.0}),
+    Term("transmission_coupling", 1, 0, values={"b": 2.0, "fc": 0.0, "fd": 0.0, "ia": 0.0}),
     Term("quadratic_drag", 0, values={"c": 1.5}),
 ]
 

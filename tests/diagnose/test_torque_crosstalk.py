@@ -33,7 +33,10 @@ def crosstalk(joint: int, other: int, c: float) -> Term:
 
 def coupling(joint: int, other: int, **values: float) -> Term:
     return Term(
-        "transmission_coupling", joint, other, values={"b": 0.0, "fc": 0.0, "ia": 0.0, **values}
+        "transmission_coupling",
+        joint,
+        other,
+        values={"b": 0.0, "fc": 0.0, "fd": 0.0, "ia": 0.0, **values},
     )
 
 
@@ -57,11 +60,15 @@ def test_a_share_of_another_torque_is_named_with_its_size_and_leaves_nothing(tru
 
 
 @pytest.mark.parametrize(
-    "truth", [coupling(1, 2, b=1.0), coupling(1, 0, ia=0.3)], ids=["viscous", "of inertia"]
+    "truth",
+    [coupling(1, 2, b=1.0), coupling(1, 0, ia=0.3), coupling(1, 2, fc=1.0), coupling(1, 2, fd=1.0)],
+    ids=["viscous", "of inertia", "dry", "dry, of axes that point apart"],
 )
 def test_a_coupling_is_no_crosstalk(truth):
-    place, rivals, _ = told(fitted(elbow_log(truth)))
+    place, rivals, after = told(fitted(elbow_log(truth)))
     assert place == truth.place and not rivals
+    found = find_term(after, truth).values
+    assert found == pytest.approx(truth.values, rel=0.02, abs=0.02)
 
 
 @cache

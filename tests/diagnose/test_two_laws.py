@@ -22,7 +22,7 @@ from jaxswarm.logs.motion import prepare
 RIPPLE = Term("torque_ripple", 1, values={"sine": 2.0, "cosine": 1.0, "n": 9.0})
 BY_PLACE = Term("position_dependent_friction", 1, values={"sine": 2.0, "cosine": 1.0, "n": 5.0})
 DRAG = Term("quadratic_drag", 1, values={"c": 4.0})
-COUPLING = Term("transmission_coupling", 1, 0, values={"b": 1.0, "fc": 1.0, "ia": 0.3})
+COUPLING = Term("transmission_coupling", 1, 0, values={"b": 1.0, "fc": 1.0, "fd": 0.0, "ia": 0.3})
 SPRING = Term("joint_spring", 1, values={"k": 8.0, "tau0": -1.0})
 CABLE = Term("cable_coupling", 1, 0, values={"k": 4.0, "kc": 5.0, "tau0": 1.0})
 DRIFT = Term("thermal_drift", 1, values={"fc": 5.0, "tc": 6.0})

@@ -80,9 +80,9 @@ def value(name, parameters, **sample):
         ("friction_change", {"fc": 2.0, "t0": 9.0}, {"t": 8.9, "direction": -1.0}, 0.0),
         (
             "transmission_coupling",
-            {"b": 1.0, "fc": 2.0, "ia": 0.5},
-            {"dq_other": 3.0, "direction_sum": -1.0, "ddq_other": 2.0},
-            2.0,
+            {"b": 1.0, "fc": 2.0, "fd": 3.0, "ia": 0.5},
+            {"dq_other": 3.0, "direction_sum": -1.0, "direction_difference": 0.5, "ddq_other": 2.0},
+            3.5,
         ),
     ],
 )  # fmt: skip
@@ -107,6 +107,22 @@ def test_friction_never_drives(name, dq, load, static, width, unit):
     }
     power = value(name, p, dq=dq, direction=np.tanh(dq / width), load=load, static_load=static) * dq
     assert power >= -1e-12 * abs(power)
+
+
+@given(st.lists(st.floats(-10, 10, allow_subnormal=False), min_size=7, max_size=7))
+def test_a_coupling_is_one_law_whichever_way_the_axes_point(drawn):
+    b, fc, fd, ia, dq, dq_other, ddq_other = drawn
+
+    def torque(dq, dq_other, ddq_other, **values):
+        return value(
+            "transmission_coupling", values, dq_other=dq_other, ddq_other=ddq_other,
+            direction_sum=np.tanh(dq + dq_other), direction_difference=np.tanh(dq - dq_other),
+        )  # fmt: skip
+
+    here = torque(dq, dq_other, ddq_other, b=b, fc=fc, fd=fd, ia=ia)
+    turned = {"b": -b, "fc": fd, "fd": fc, "ia": -ia}
+    assert torque(dq, -dq_other, -ddq_other, **turned) == pytest.approx(here, abs=1e-4)
+    assert torque(-dq, dq_other, ddq_other, **turned) == pytest.approx(-here, abs=1e-4)
 
 
 def test_derived_parameters_state_the_same_law():

@@ -66,6 +66,18 @@ def test_a_file_from_before_a_law_had_a_shape_has_the_usual_one(content, tmp_pat
     np.testing.assert_allclose(model_torque(again, motion), torque, atol=1e-9)
 
 
+def test_a_file_from_before_axes_could_point_apart_says_the_same(model, content, tmp_path):
+    older = copy.deepcopy(content)
+    coupling = next(t for t in older["terms"] if t["effect"] == "transmission_coupling")
+    coupling["values"]["fc"] = 2.0
+    values = {**coupling["values"], "fd": 0.0}
+    whole = write(tmp_path / "whole.json", {**older, "terms": [{**coupling, "values": values}]})
+    del coupling["values"]["fd"]
+    part = write(tmp_path / "part.json", {**older, "terms": [coupling]})
+    motion = make_motion(model.robot, length=50)
+    np.testing.assert_array_equal(*(model_torque(load_model(x), motion) for x in (whole, part)))
+
+
 def test_missing_and_unreadable_files(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         load_model(tmp_path / "model.json")

@@ -63,6 +63,7 @@ def test_every_law_takes_its_share_of_the_torque():
             dq_other=other * dq[1],
             ddq_other=other * ddq[1],
             direction_sum=jnp.tanh((dq[0] + other * dq[1]) / 0.05),
+            direction_difference=jnp.tanh((dq[0] - other * dq[1]) / 0.05),
             state=0.3,
         )
         sample = sample._replace(state=remembered(acting.law, sample.state))

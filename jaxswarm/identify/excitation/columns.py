@@ -158,7 +158,8 @@ def _law_columns(term: Term, t, q, dq, ddq, width, load, tangents=False) -> jax.
         static_load=zero if load is None else load[1][j],
         temperature=zero + jnp.nan,
         dq_other=dq[other], ddq_other=ddq[other],
-        direction_sum=jnp.tanh((dq[j] + dq[other]) / width), state=zero,
+        direction_sum=jnp.tanh((dq[j] + dq[other]) / width),
+        direction_difference=jnp.tanh((dq[j] - dq[other]) / width), state=zero,
         q_other=q[other],
     )  # fmt: skip
     known = {**term.law.nominal(), **term.values}

@@ -68,6 +68,7 @@ def _of_motion(motion: Motion, joint: int, other: int | None) -> Sample[np.ndarr
         dq_other=zero,
         ddq_other=zero,
         direction_sum=zero,
+        direction_difference=zero,
         state=zero,
         q_other=zero,
     )
@@ -83,17 +84,18 @@ def _of_partner(motion: Motion, other: int) -> dict:
 def _signs(motion: Motion, width: Sequence[float], joint: int, other: int | None) -> dict:
     """The smooth signs (T,) of :func:`joint_series` by name, that of a sum where there is a partner."""
     own = {"direction": direction(motion.dq[:, joint], width[joint], motion.driven)}
-    return own if other is None else own | _sign_of_sum(motion, width, joint, other)
+    return own if other is None else own | _signs_of_both(motion, width, joint, other)
 
 
-def _sign_of_sum(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
-    both = motion.dq[:, joint] + motion.dq[:, other]
-    return {"direction_sum": direction(both, width[joint], motion.driven)}
+def _signs_of_both(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
+    own, partner = motion.dq[:, joint], motion.dq[:, other]
+    both = {"direction_sum": own + partner, "direction_difference": own - partner}
+    return {name: direction(dq, width[joint], motion.driven) for name, dq in both.items()}
 
 
 def partner_series(motion: Motion, width: Sequence[float], joint: int, other: int) -> dict:
     """The fields (T,) of :func:`joint_series` that a partner fills, by name."""
-    return _of_partner(motion, other) | _sign_of_sum(motion, width, joint, other)
+    return _of_partner(motion, other) | _signs_of_both(motion, width, joint, other)
 
 
 def load_series(load: Load, joint: int) -> dict:

@@ -111,11 +111,15 @@ def _fields(item: Any, width: Sequence[float], slot: int | None) -> dict[str, st
         "q_other": "0.0" if other is None else f"q[{other}]",
         "dq_other": "0.0" if other is None else f"dq[{other}]",
         "ddq_other": "0.0" if other is None else f"ddq[{other}]",
-        "direction_sum": f"tanh(dq[{j}] / {width[j]:.17g})"
-        if other is None
-        else f"tanh((dq[{j}] + dq[{other}]) / {width[j]:.17g})",
+        "direction_sum": _sign_of_both(j, "+", other, width),
+        "direction_difference": _sign_of_both(j, "-", other, width),
         "state": "0.0" if slot is None else f"state[{slot}]",
     }
+
+
+def _sign_of_both(j: int, sign: str, other: int | None, width: Sequence[float]) -> str:
+    own = f"dq[{j}]" if other is None else f"(dq[{j}] {sign} dq[{other}])"
+    return f"tanh({own} / {width[j]:.17g})"
 
 
 def _law(
