@@ -60,13 +60,20 @@ def told_as(term: Term, log: Log, extra: np.ndarray) -> Search:
     tau[:, 1] += extra
     motion = prepare(replace(log, tau=tau), BAND)
     before = with_motion_noise(estimate(small_arm(), blank(), [motion], bounded=False))
-    crossfit = cross_fit(before)
-    (score,) = score_terms(Linearization(before, crossfit), [term], 0)
-    after = with_motion_noise(refit_with(before, score))
-    step = Step(find_term(after, term), score, (), (), before, after, ())
-    search = Search(after, before, Rules(), 0, Memory(), (), lambda text: None, Budget())
-    search.steps, search.crossfit = [step], cross_fit(after)
+    search = Search(before, before, Rules(), 0, Memory(), (), lambda text: None, Budget())
+    search.crossfit = cross_fit(before)
+    add(search, term)
     return search
+
+
+def add(search: Search, term: Term) -> None:
+    """As if a term had been added to what a search has."""
+    before = search.current
+    (score,) = score_terms(Linearization(before, search.folds), [term], 0)
+    search.current = with_motion_noise(refit_with(before, score))
+    added = find_term(search.current, score.candidate.term)
+    search.steps.append(Step(added, score, (), (), before, search.current, ()))
+    search.crossfit = cross_fit(search.current)
 
 
 def test_what_explains_all_that_is_missing_stays():
@@ -108,6 +115,34 @@ def test_nearly_all_is_one_whatever_is_left():
     assert search.current.fit.sigma[1] / search.crossfit.noise[1] > 8.0
     take_back_shadows(search)
     assert [s.added.effect for s in search.steps] == ["joint_spring"]
+
+
+WAVES = [Term("torque_ripple", 1, values={"sine": 9.0, "cosine": 0.0, "n": n}) for n in (7.0, 19.0)]
+
+
+@pytest.mark.parametrize(("unknown", "stays"), [(2.0, True), (8.0, False)])
+def test_orders_of_a_ripple_count_together_where_the_rest_is_very_far(unknown, stays):
+    """Of a wrong wrist one order was told, at 18 times the noise: it had taken half."""
+    log = log_with(*WAVES)
+    search = told_as(RIPPLE, log, unknown * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5))
+    add(search, RIPPLE)
+    assert search.current.fit.sigma[1] / search.crossfit.noise[1] > 8.0
+    take_back_shadows(search)
+    assert len(search.steps) == 2 * stays
+
+
+@pytest.mark.parametrize(("unknown", "stays"), [(0.0, True), (2.0, False)])
+def test_a_force_of_its_own_period_that_takes_half_is_none_where_the_rest_is_very_far(
+    unknown, stays
+):
+    """Beside a supply that sagged three of them were told, and the joints left at 10 to 30 times the noise."""
+    force = Term("periodic_force", 1, values={"sine": 3.0, "cosine": 0.0, "hertz": 3.1, "log": 0.0})
+    log = log_with(force)
+    search = told_as(
+        Term("periodic_force", 1), log, unknown * np.sin(7.3 * log.t) * np.sin(3.1 * log.t**1.5)
+    )
+    take_back_shadows(search)
+    assert len(search.steps) == stays
 
 
 @pytest.mark.parametrize(("elsewhere", "stays"), [(12.0, False), (0.6, True)])

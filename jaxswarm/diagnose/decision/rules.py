@@ -97,7 +97,7 @@ A_THIRD, FAR_LESS = 1.0 / 3.0, 0.25
 # Nor is one on a joint that is left beyond the first multiple of its noise, unless it took the second share of
 # the squared error: in a world of Pinocchio's dynamics 11 of 12 additions left beyond 8 times the noise with
 # more than a fifth of the RMS were false names; the right one was a ripple, of which more orders are found one
-# by one. Between 2 and 4 times, 8 of 15 were right.
+# by one: all of a law and a place count together. Between 2 and 4 times, 8 of 15 were right.
 LOST, LOST_SHARE = 8.0, 0.96
 # Part of a joint's RMS error that two laws may leave which are added at once, each for the other's sake: of
 # friction by the load and a drag that hid each other at 3.7 times the noise a sixth was left.

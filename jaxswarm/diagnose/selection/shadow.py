@@ -8,9 +8,10 @@ from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOST, LOST_SHARE, NEAR, SMALL_PART
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
 from jaxswarm.diagnose.selection.may_not_stay import model_without, standing
-from jaxswarm.diagnose.selection.refit import share_left
+from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
+from jaxswarm.diagnose.selection.without_steps import terms_without
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -23,18 +24,21 @@ def shadow(search: Search) -> tuple[Step, str] | None:
         law = step.added.law
         acts = {step.score.joint, step.added.joint}
         far = [j for j in acts if j is not None and left[j] > NEAR]
-        if law.in_one_log or law.everyday or not far:
+        event = law.in_one_log and (law.recurring or bool(search.other))
+        if event or law.everyday or not far:
             continue
         rest = model_without(current, step)
         taken = 1.0 - share_left(current, rest)
+        together = taken if search.other else _taken_together(search, step, taken)
         if search.other:
             small = taken < SMALL_PART
             taken = np.ones_like(taken)
             if small[far].any():
                 taken[small] = _most_elsewhere(rest, current, search.other)[small]
         for j in far:
-            lost = left[j] > LOST and not law.several and not search.other
-            told.append((taken[j], LOST_SHARE if lost else search.rules.share, j, step))
+            told.append((taken[j], search.rules.share, j, step))
+            if left[j] > LOST and not search.other:
+                told.append((together[j], LOST_SHARE, j, step))
     told = [item for item in told if item[0] < item[1]]
     if not told:
         return None
@@ -43,6 +47,19 @@ def shadow(search: Search) -> tuple[Step, str] | None:
     where = " on other motion" if search.other else ""
     part = f"takes {100 * share:.0f} % off the squared error of {name}{where}"
     return step, f"{part}, which stays {left[joint]:.1f} times its noise"
+
+
+def _taken_together(search: Search, step: Step, alone: np.ndarray) -> np.ndarray:
+    """The part (n,) of the squared errors that all additions of a law and a place take: orders, and tones.
+
+    A ripple is found order by order, and each takes what is its own.
+    """
+    current = search.current
+    group = [s for s in standing(search) if s.added.place == step.added.place]
+    if len(group) == 1:
+        return alone
+    terms = terms_without(group, current.model.terms)
+    return 1.0 - share_left(current, refit_once(current, terms))
 
 
 def _most_elsewhere(before: Estimate, after: Estimate, other: Sequence[Motion]) -> np.ndarray:
