@@ -27,6 +27,7 @@ from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.sticking import (
     fits_of_motion,
     go_on_from,
+    leave_out_where_lost,
     loud_joints,
 )
 from jaxswarm.diagnose.selection.take_back import take_back
@@ -45,7 +46,7 @@ def found_in_motion(search: Search, run: Callable[[Search], None]) -> Search | N
         return None
     search.progress("asking what motion alone lacks")
     run(search)
-    while not search.given_up and take_back(search):
+    while not search.given_up and (leave_out_where_lost(search) or take_back(search)):
         run(search)
     return search if search.steps else None
 

@@ -33,7 +33,7 @@ from jaxswarm.diagnose.selection.reselect import choose_again
 from jaxswarm.diagnose.selection.rounds import Question, run_rounds
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
-from jaxswarm.diagnose.selection.sticking import leave_out_sticks
+from jaxswarm.diagnose.selection.sticking import leave_out_sticks, leave_out_where_lost
 from jaxswarm.diagnose.selection.sticking_beside import leave_out_beside_laws, put_back
 from jaxswarm.diagnose.selection.take_back import take_back
 from jaxswarm.diagnose.selection.two_laws import add_two_laws
@@ -100,7 +100,9 @@ def diagnose(
                 search = found
             else:
                 run_rounds(search, question, most)
-            while not search.given_up and (take_back(search) or sticks(search)):
+            while not search.given_up and (
+                leave_out_where_lost(search) or take_back(search) or sticks(search)
+            ):
                 run_rounds(search, question, most)
             if not search.given_up:
                 finish(search, alone)
