@@ -58,6 +58,22 @@ def test_rows_come_back_once_the_law_is_found_that_explains_them(monkeypatch):
     assert not leave_out_beside_laws(search) and not put_back(search)
 
 
+def test_rows_in_which_friction_was_found_to_hold_a_joint_stay_out(monkeypatch):
+    """Two joints on a cable were left at 5 and 12 times their noise again, and the cable was taken back."""
+    declared, told = late()
+    told_beside(monkeypatch, told)
+    search = search_of(declared)
+    every = declared.regression.used_rows
+    assert leave_out_beside_laws(search)
+    without = search.current.regression.used_rows
+    search.sticking.add(0)
+    assert put_back(search)
+    rows = search.current.regression.used_rows
+    np.testing.assert_array_equal(rows[:, 0], without[:, 0])
+    np.testing.assert_array_equal(rows[:, 1], every[:, 1])
+    assert without[:, 0].sum() < every[:, 0].sum()
+
+
 def test_rows_that_the_law_does_not_explain_stay(monkeypatch):
     declared, _ = late()
     told_beside(monkeypatch, declared)

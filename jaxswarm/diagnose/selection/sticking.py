@@ -53,7 +53,7 @@ def leave_out_sticks(search: Search) -> bool:
     The sign keeps its width: it is what tells of the rows that are left out.
     """
     known = set(search.sticking)
-    every = not search.lent and not any(_known(m).any() for m in search.current.motions)
+    every = not search.lent and not any(known_held(m).any() for m in search.current.motions)
     after = _fit_of_what_moves(search)
     if after is not None:
         search.of_all_rows |= every
@@ -183,7 +183,7 @@ def settle_signs(search: Search, alone: Callable[[], Estimate]) -> None:
     start, terms = np.asarray(current.model.robot.parameters).ravel(), current.model.terms
     if search.steps:
         joints = np.isin(np.arange(current.model.robot.num_joints), list(search.sticking))
-        every = tuple(replace(m, held=_known(m) & ~joints) for m in current.motions)
+        every = tuple(replace(m, held=known_held(m) & ~joints) for m in current.motions)
         width = refit(replace(current, motions=every), terms).model.width
     else:
         width = alone().model.width
@@ -191,7 +191,8 @@ def settle_signs(search: Search, alone: Callable[[], Estimate]) -> None:
     search.crossfit = cross_fit(search.current)
 
 
-def _known(motion: Motion) -> np.ndarray:
+def known_held(motion: Motion) -> np.ndarray:
+    """Samples (T, n) of a fitted log in which joints are held."""
     assert motion.held is not None  # it was fitted
     return motion.held
 
