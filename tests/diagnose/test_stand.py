@@ -3,14 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
-from planted import BAND, blank, log_with, small_arm
+import pytest
+from planted import BAND, blank, log_with, search_of, small_arm
 
 from jaxswarm.diagnose.candidates.linearization import Linearization
 from jaxswarm.diagnose.decision.evaluate import score_terms
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
-from jaxswarm.diagnose.selection.stand import events_of_laws
+from jaxswarm.diagnose.selection.stand import events_of_laws, that_may_stand
 from jaxswarm.effects.term import Term
 from jaxswarm.identify import estimate
 from jaxswarm.logs.motion import prepare
@@ -41,6 +42,20 @@ def push(log):
 def by_place(log):
     """Friction by the position [N m]."""
     return 4.0 * np.sign(speed(log)) * np.sin(log.q[:, 1])
+
+
+@pytest.mark.parametrize(("way", "stands"), [(1e-4, False), (0.02, True)])
+def test_bristles_of_the_least_way_there_is_are_not_fitted(way, stands):
+    """They are friction that holds a joint: each of 25 fits came to nothing, some after 15 s."""
+    asked = Term("hysteresis", 1)
+    log = prepare(log_with(replace(asked, values={"fc": 4.0, "x0": 0.05})), BAND)
+    found = with_motion_noise(estimate(small_arm(), blank(), [log]))
+    search = search_of(found, crossfit=cross_fit(found))
+    (score,) = score_terms(Linearization(found, search.folds), [asked], 0)
+    placed = replace(score.candidate, term=replace(asked, values={"x0": way}))
+    left = that_may_stand(search, [replace(score, candidate=placed)])
+    assert bool(left) == stands
+    assert search.is_refused(asked) == (not stands) and not search.refused
 
 
 def test_a_window_that_a_law_tells_from_other_times_is_no_event():

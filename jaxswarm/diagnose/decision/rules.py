@@ -102,8 +102,8 @@ LOST, LOST_SHARE = 8.0, 0.96
 # Part of a joint's RMS error that two laws may leave which are added at once, each for the other's sake: of
 # friction by the load and a drag that hid each other at 3.7 times the noise a sixth was left.
 # They are asked for beyond the second number times the noise: of less a quarter is below what any model leaves.
-# They are fitted if to first order they leave no more than the last number: no fit of 13 came a third below it.
-PAIR_LEAVES, PAIR_ASKED, PAIR_TO_FIRST_ORDER = 0.25, 3.0, 0.5
+# They are fitted if first order leaves at most the last number times that: no fit of 13 came a third below it.
+PAIR_LEAVES, PAIR_ASKED, PAIR_TO_FIRST_ORDER = 0.25, 3.0, 2.0
 # An event is none where a function of the motion predicts this share of what its joint lacks without any, and
 # takes as much off its windows: a cushion and a torque by the sum of two positions gave 0.97 to 1.0, 0 a push.
 BY_STATE = 0.6

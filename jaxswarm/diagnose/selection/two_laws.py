@@ -24,6 +24,7 @@ from jaxswarm.diagnose.decision.rules import (
     PAIR_ASKED,
     PAIR_LEAVES,
     PAIR_TO_FIRST_ORDER,
+    Rules,
 )
 from jaxswarm.diagnose.decision.worth import Score, passes
 from jaxswarm.diagnose.folds.partial_out import Fold, cross_fit
@@ -37,6 +38,7 @@ from jaxswarm.diagnose.selection.tenable import (
     goes_beyond,
     is_certain,
     unphysical_beside,
+    winds_up,
 )
 from jaxswarm.effects.alike import has, lacking, without
 from jaxswarm.effects.kinds import TorqueLaw
@@ -126,7 +128,7 @@ def _pairs(search: Search, joint: int) -> list[_Pair]:
     terms = _own(search, current, joint)
     lin = Linearization(current, search.folds, search.memory)
     asked = score_terms(lin, terms, search.seed)
-    alone = sorted((s for s in asked if passes(s, 1, search.rules)), key=lambda s: s.p_value)
+    alone = sorted(_passing(asked, 1, search.rules), key=lambda s: s.p_value)
     first = alone[:_MOST_FIRST]
     names = current.model.robot.joints
     told = []
@@ -136,6 +138,16 @@ def _pairs(search: Search, joint: int) -> list[_Pair]:
             continue
         told.append(_partner(search, one, len(asked), len(first) * max(search.asked, len(asked))))
     return [found for found in told if found is not None and found.places not in search.pairs]
+
+
+def _passing(asked: Sequence[Score], tests: int, rules: Rules) -> list[Score]:
+    """Those that pass as one of so many, but for bristles of the least way there is."""
+    return [s for s in asked if passes(s, tests, rules) and winds_up(s.candidate.term)]
+
+
+def _may_leave(over: float) -> float:
+    """Multiple of the noise that two laws may leave on a joint that is left with this one."""
+    return min(NEAR, PAIR_LEAVES * over)
 
 
 def _may_explain(search: Search, one: Score, terms: Sequence[Term]) -> bool:
@@ -149,7 +161,8 @@ def _may_explain(search: Search, one: Score, terms: Sequence[Term]) -> bool:
     def left(fold: Fold) -> float:
         return float((fold.residual[:, one.joint] ** 2).sum())
 
-    most = PAIR_TO_FIRST_ORDER**2 * left(search.folds.whole)
+    over = over_noise(search.current)[one.joint]
+    most = (PAIR_TO_FIRST_ORDER * _may_leave(over) / over) ** 2 * left(search.folds.whole)
     return any(
         left(folds.whole.with_columns(other.columns[0])) <= most
         for other in propose_all(lin, tuple(terms), jax.random.key(search.seed))
@@ -163,12 +176,12 @@ def _partner(search: Search, one: Score, own: int, pairs: int) -> _Pair | None:
     """
     current, rules, seed = search.current, search.rules, search.seed
     joint = one.joint
-    most = min(NEAR, PAIR_LEAVES * over_noise(current)[joint])
+    most = _may_leave(over_noise(current)[joint])
     # Without the other it may come to values that no law has.
     middle = refit_in_place(current, one.candidate.term)
     folds = cross_fit(middle)
     asked = score_terms(Linearization(middle, folds), _own(search, middle, joint), seed)
-    passed = [s for s in asked if passes(s, pairs, rules)]
+    passed = _passing(asked, pairs, rules)
     if not passed:
         return None
     two, rivals = choose(passed, rules, folds)
