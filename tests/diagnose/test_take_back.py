@@ -15,6 +15,7 @@ from jaxswarm.diagnose.folds.noise import with_motion_noise
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.budget import Budget
 from jaxswarm.diagnose.selection.refit import refit, refit_with
+from jaxswarm.diagnose.selection.shadow import of_lost_joints
 from jaxswarm.diagnose.selection.stand import that_may_stand
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, competitors, find_term
@@ -107,6 +108,20 @@ def test_half_is_no_name_where_the_rest_is_very_far_above_the_noise():
     assert left > 8.0 and search.current.fit.sigma[1] < 0.8 * before
     take_back_shadows(search)
     assert not search.steps
+
+
+@pytest.mark.parametrize(("unknown", "lost"), [(2.0, True), (2.0, False), (0.0, True)])
+def test_what_would_be_taken_back_again_is_not_added_again(unknown, lost):
+    """Of a wrist that no law explained a dozen laws took a part each, one after the other: 20 minutes."""
+    search = searched(unknown)
+    take_back_shadows(search)
+    assert search.lost == ({1} if unknown else set())
+    search.current, search.crossfit = search.declared, cross_fit(search.declared)
+    search.lost = {1} if lost else set()
+    scores = score_terms(Linearization(search.declared, search.folds), [OFFSET], 0)
+    told = of_lost_joints(search, scores)
+    assert [s for s, _ in told] == (scores if unknown and lost else [])
+    assert all("squared error of joint2, which stays" in why for _, why in told)
 
 
 def test_nearly_all_is_one_whatever_is_left():

@@ -6,12 +6,14 @@ import numpy as np
 
 from jaxswarm.diagnose.decision.remainder import over_noise
 from jaxswarm.diagnose.decision.rules import LOST, LOST_SHARE, NEAR, SMALL_PART
+from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.selection.elsewhere import errors_elsewhere
 from jaxswarm.diagnose.selection.may_not_stay import model_without, standing
 from jaxswarm.diagnose.selection.refit import refit_once, share_left
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step
 from jaxswarm.diagnose.selection.without_steps import terms_without
+from jaxswarm.effects.kinds import TransmissionLaw
 from jaxswarm.identify.estimation.estimate import Estimate
 from jaxswarm.logs.motion import Motion
 
@@ -42,11 +44,39 @@ def shadow(search: Search) -> tuple[Step, str] | None:
     told = [item for item in told if item[0] < item[1]]
     if not told:
         return None
-    share, _, joint, step = min(told, key=lambda item: item[0])
+    share, least, joint, step = min(told, key=lambda item: item[0])
+    if least == LOST_SHARE:
+        search.lost.add(joint)
     name = current.model.robot.joints[joint]
     where = " on other motion" if search.other else ""
-    part = f"takes {100 * share:.0f} % off the squared error of {name}{where}"
-    return step, f"{part}, which stays {left[joint]:.1f} times its noise"
+    return step, _why(share, f"{name}{where}", left[joint])
+
+
+def of_lost_joints(search: Search, passed: Sequence[Score]) -> list[tuple[Score, str]]:
+    """Laws that would be taken back again, of joints from which one was already, and why.
+
+    A joint that no law explains has many that explain a part of it. Each was added, had others beside it, and
+    was taken back, in searches of their own: on a wrist of which one joint turns another a dozen of them
+    took 20 minutes. What two laws explain together is asked of two.
+    """
+    over, told = over_noise(search.current), []
+    for one in passed:
+        law, joint = one.candidate.term.law, one.joint
+        # Of a link on a spring first order tells little.
+        known = law.shows_on_own_joint and not isinstance(law, TransmissionLaw)
+        if joint not in search.lost or not known or law.in_one_log or law.everyday:
+            continue
+        share = max(one.share, one.trained)
+        left = over[joint] * np.sqrt(max(0.0, 1.0 - share))
+        if share < LOST_SHARE and left > LOST:
+            name = search.current.model.robot.joints[joint]
+            told.append((one, _why(share, name, left)))
+    return told
+
+
+def _why(share: float, joint: str, left: float) -> str:
+    part = f"takes {100 * share:.0f} % off the squared error of {joint}"
+    return f"{part}, which stays {left:.1f} times its noise"
 
 
 def _taken_together(search: Search, step: Step, alone: np.ndarray) -> np.ndarray:

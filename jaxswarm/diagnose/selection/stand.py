@@ -17,6 +17,7 @@ from jaxswarm.diagnose.decision.sharpness import (
 from jaxswarm.diagnose.decision.worth import Score
 from jaxswarm.diagnose.folds.free_parts import coefficients, free_parts
 from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.selection.shadow import of_lost_joints
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.tenable import winds_up
 from jaxswarm.diagnose.selection.without_end import jumps_for_events
@@ -46,7 +47,7 @@ def that_may_stand(search: Search, passed: Sequence[Score]) -> list[Score]:
     standing = in_all_motion(search, passed)
     refused = [(s, _STRAY) for s in stray] + [(s, _BENT) for s in bent]
     refused += [(s, _UNSEEN) for s in unseen] + [(s, _NO_EVENT) for s in motion]
-    refused += [(s, _NO_LOAD) for s in loads]
+    refused += [(s, _NO_LOAD) for s in loads] + of_lost_joints(search, passed)
     for one, why in refused:
         search.refuse(one.candidate.term, why)
     _ask_in_place(search, bent)

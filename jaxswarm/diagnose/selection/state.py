@@ -27,6 +27,7 @@ class Search:
         unproven: Those of them that were refused by what every joint tells: on other motion, or by noisy rows.
         gone: Kinds of terms of a joint that were taken back once.
         barred: Those that were so twice, or for another law's, and are not asked any more.
+        lost: Joints from which a law was taken back since very much was left there, see :mod:`.shadow`.
         kept_out: Joints where a law was refused for one that is there, beside which it might imitate any.
         unseen: By joint, waves that were refused beside its model as no whole period of them is seen.
         outdone: Laws that were refused for them.
@@ -61,6 +62,7 @@ class Search:
     unproven: set = field(default_factory=set)
     gone: set = field(default_factory=set)
     barred: set = field(default_factory=set)
+    lost: set[int] = field(default_factory=set)
     kept_out: set = field(default_factory=set)
     unseen: dict[int | None, Score] = field(default_factory=dict)
     outdone: list[Outdone] = field(default_factory=list)
