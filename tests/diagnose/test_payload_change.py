@@ -8,7 +8,7 @@ from elbow import ask, elbow, elbow_log, fitted, passing
 from planted import BAND
 
 from jaxswarm.diagnose.candidates.eligible import eligible_terms
-from jaxswarm.diagnose.candidates.window import _look, _untold
+from jaxswarm.diagnose.candidates.window import _explained, _look, _untold
 from jaxswarm.diagnose.decision.carried import is_carried
 from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit, refit_with
@@ -24,6 +24,23 @@ BODY = {
     **{"m": 1.5, "mcx": 0.15, "mcy": 0.0, "mcz": 0.05},
     **{"Ixx": 0.01, "Ixy": 0.0, "Iyy": 0.02, "Ixz": 0.0, "Iyz": 0.0, "Izz": 0.02, "log": 0.0},
 }
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-21, 1e-13])
+def test_a_window_without_a_fitted_row_explains_nothing(rounding):
+    """On a log of six joints such a window ended the diagnosis, or explained 1e275 times everything."""
+    rng = np.random.default_rng(0)
+    x, q, r = (
+        rng.normal(size=(40, 3)),
+        np.linalg.qr(rng.normal(size=(40, 5)))[0],
+        rng.normal(size=40),
+    )
+    held = np.stack([q.T @ x, rounding * rng.normal(size=(5, 3))])
+    inner = np.stack([x.T @ r, 1e-13 * rng.normal(size=3)])
+    gains = _explained(np.stack([x.T @ x, np.zeros((3, 3))]), inner, held)
+    free = x - q @ (q.T @ x)
+    assert gains[0] == pytest.approx(x.T @ r @ np.linalg.solve(free.T @ free, x.T @ r))
+    assert 0.0 <= gains[1] < 1e-9 * gains[0]
 
 
 @pytest.mark.parametrize("end", [8.1, 1e5], ids=["put down", "kept"])

@@ -133,9 +133,14 @@ def _running(
 
 
 def _explained(squares: np.ndarray, inner: np.ndarray, held: np.ndarray) -> np.ndarray:
-    """h^T (G - P^T P)^-1 h for many G (m, d, d), h (m, d) and P (m, b, d)."""
-    size = squares.shape[-1]
-    ridge = _RIDGE * np.trace(squares, axis1=1, axis2=2)[:, None, None] + 1e-300
-    free = squares - np.swapaxes(held, 1, 2) @ held
-    solved = np.linalg.solve(free + ridge * np.eye(size), inner[:, :, None])
-    return np.einsum("md,md->m", inner, solved[:, :, 0])
+    """h^T (G - P^T P)^-1 h for many G (m, d, d), h (m, d) and P (m, b, d).
+
+    Sums of a window are differences of sums up to its ends: where no row of it is fitted, or the model holds
+    all of it, rounding leaves anything there, zero and less. That explains nothing.
+    """
+    whole = np.trace(squares, axis1=1, axis2=2)
+    ridge = _RIDGE * whole + np.finfo(float).eps * whole.max()
+    size, directions = np.linalg.eigh(squares - np.swapaxes(held, 1, 2) @ held)
+    along = np.einsum("mdk,md->mk", directions, inner)
+    told = np.where(size > 0.0, size + ridge[:, None], np.inf)
+    return (along**2 / told).sum(axis=1)
