@@ -39,7 +39,8 @@ def note(name, seconds, **more):
     if name.endswith("jaxpr_trace_duration"):
         traced.append(name)
 jax.monitoring.register_event_duration_secs_listener(note)
-moved = Sample(*np.linspace(-1.0, 1.0, 13 * 8).reshape(13, 8))
+fields = len(Sample._fields)
+moved = Sample(*np.linspace(-1.0, 1.0, fields * 8).reshape(fields, 8))
 values = {"vs": np.float64(0.1), "delta": np.float64(2.0)}
 found = np.asarray(_law(get_law("stribeck_friction"), values, moved))
 print(json.dumps([len(traced), found.tolist()]))
@@ -47,7 +48,8 @@ print(json.dumps([len(traced), found.tolist()]))
 
 
 def series(count: int = 8) -> Sample:
-    return Sample(*np.linspace(-1.0, 1.0, 13 * count).reshape(13, count))
+    fields = len(Sample._fields)
+    return Sample(*np.linspace(-1.0, 1.0, fields * count).reshape(fields, count))
 
 
 @pytest.fixture

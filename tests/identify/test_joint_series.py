@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jaxswarm.effects.sample import Sample
 from jaxswarm.effects.term import Term
 from jaxswarm.identify.forward import joint_series
 from jaxswarm.identify.forward.columns import term_columns
@@ -72,7 +73,7 @@ def test_a_load_is_that_of_the_model_that_asks(motion, made):
 
 
 def test_what_is_kept_is_bounded(motion, monkeypatch):
-    monkeypatch.setattr(joint_series, "_MOST", 13 * 1024 * 3)
+    monkeypatch.setattr(joint_series, "_MOST", len(Sample._fields) * 1024 * 3)
     for size in np.linspace(0.1, 0.9, 9):
         columns("coulomb_friction", motion, (size, size))
     assert len(joint_series._kept) == 3
