@@ -21,6 +21,7 @@ from jaxswarm.logs.motion import Motion
 def shadow(search: Search) -> tuple[Step, str] | None:
     """The addition that takes least off its joint's error, if it is such, and why; None if none is."""
     current, left = search.current, over_noise(search.current)
+    lost = set() if search.other else {int(j) for j in np.flatnonzero(left > LOST)}
     told = []
     for step in standing(search):
         law = step.added.law
@@ -31,22 +32,20 @@ def shadow(search: Search) -> tuple[Step, str] | None:
             continue
         rest = model_without(current, step)
         taken = 1.0 - share_left(current, rest)
-        together = taken if search.other else _taken_together(search, step, taken)
+        if lost & set(far):
+            together = _taken_together(search, step, taken)
+            told += [(together[j], LOST_SHARE, j, step) for j in lost & set(far)]
         if search.other:
             small = taken < SMALL_PART
             taken = np.ones_like(taken)
             if small[far].any():
                 taken[small] = _most_elsewhere(rest, current, search.other)[small]
-        for j in far:
-            told.append((taken[j], search.rules.share, j, step))
-            if left[j] > LOST and not search.other:
-                told.append((together[j], LOST_SHARE, j, step))
+        told += [(taken[j], search.rules.share, j, step) for j in far]
     told = [item for item in told if item[0] < item[1]]
     if not told:
         return None
-    share, least, joint, step = min(told, key=lambda item: item[0])
-    if least == LOST_SHARE:
-        search.lost.add(joint)
+    share, _, joint, step = min(told, key=lambda item: item[0])
+    search.lost |= lost & {joint}
     name = current.model.robot.joints[joint]
     where = " on other motion" if search.other else ""
     return step, _why(share, f"{name}{where}", left[joint])
