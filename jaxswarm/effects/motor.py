@@ -122,15 +122,7 @@ register(
             ),
             Parameter("fc", "N m", -1e4, 1e4, True, 0.0, "dry, of the motor both joints turn"),
             Parameter(
-                *(
-                    "fd",
-                    "N m",
-                    -1e4,
-                    1e4,
-                    True,
-                    0.0,
-                    "dry, of a motor that turns with their difference",
-                ),
+                *("fd", "N m", -1e4, 1e4, True, 0.0, "dry, of a motor their difference turns"),
                 # Which way axes point is how a robot is described: one of the two is usually nothing.
                 usual=True,
             ),

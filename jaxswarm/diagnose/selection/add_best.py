@@ -4,8 +4,6 @@ from dataclasses import replace
 
 from jaxswarm.diagnose.decision.competing import choose
 from jaxswarm.diagnose.decision.worth import Score, runners_up
-from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.further import MOST_EVENTS, add_further
 from jaxswarm.diagnose.selection.instead import far_less
 from jaxswarm.diagnose.selection.readings import why_not
@@ -63,7 +61,6 @@ def add_best(search: Search, best: list[Score]) -> bool:
     # friction are asked first.
     came_back = search.lent is not None and not search.lent
     if came_back and not isinstance(added.law, TorqueLaw):
-        search.current = with_motion_noise(after, search.seed)
-        search.crossfit = cross_fit(search.current)
+        search.go_on(after)
         leave_out_sticks(search)
     return True

@@ -19,8 +19,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from jaxswarm.diagnose.decision.rules import SAVED
-from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.alike import lacking
 from jaxswarm.identify.estimation.estimate import Estimate, estimate
@@ -62,8 +60,7 @@ def keep_declared_widths(search: Search, alone: Callable[[], Estimate]) -> None:
             joints = kept
             continue
         if more.sum() <= chance:
-            search.current = with_motion_noise(after, search.seed)
-            search.crossfit = cross_fit(search.current)
+            search.go_on(after)
         return
 
 

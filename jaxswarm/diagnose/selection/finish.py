@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 
-from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.as_declared import keep_declared_widths
 from jaxswarm.diagnose.selection.clock import settle_clocks
 from jaxswarm.diagnose.selection.doubt_of_motion import with_doubt_of_motion
@@ -44,12 +42,11 @@ def _as_identified(search: Search, found: Estimate) -> None:
     Clocks found among candidates differ from these by a part of their doubt, which was a sixth of a joint's
     error on other motion of a world.
     """
-    search.current = search.declared = with_motion_noise(found, search.seed)
-    search.crossfit = cross_fit(search.current)
+    search.go_on(found)
+    search.declared = search.current
 
 
 def _hold_within_bounds(search: Search) -> None:
     held = within_bounds(search.current)
     if held is not search.current:
-        search.current = with_motion_noise(held, search.seed)
-        search.crossfit = cross_fit(search.current)
+        search.go_on(held)

@@ -14,8 +14,6 @@ import jax
 import numpy as np
 
 from jaxswarm import cores
-from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.effects.kinds import MeasurementLaw
 from jaxswarm.effects.term import Term
@@ -81,8 +79,7 @@ def fit_from_declared(search: Search, alone: Callable[[], Estimate]) -> None:
     if weighted_cost(again.fit.residual, sigma) + _CHANCE < weighted_cost(
         current.fit.residual, sigma
     ):
-        search.current = with_motion_noise(again, search.seed)
-        search.crossfit = cross_fit(search.current)
+        search.go_on(again)
 
 
 def _fit_at(current: Estimate, width: tuple[float, ...], like: Motion) -> Estimate:

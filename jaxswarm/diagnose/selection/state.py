@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 from jaxswarm.diagnose.candidates.cache import Memory
 from jaxswarm.diagnose.decision.rules import Rules
 from jaxswarm.diagnose.decision.worth import Score
-from jaxswarm.diagnose.folds.partial_out import CrossFit
+from jaxswarm.diagnose.folds.noise import with_motion_noise
+from jaxswarm.diagnose.folds.partial_out import CrossFit, cross_fit
 from jaxswarm.diagnose.selection.budget import Budget, Spent
 from jaxswarm.diagnose.selection.diagnosis import Outdone
 from jaxswarm.diagnose.selection.step import Step
@@ -43,6 +44,7 @@ class Search:
         everyday, everyday_again: Whether what every drive has was asked already, and beside what was added.
         settled: Whether every choice was made again already.
         sticking: Joints whose rows are left out where friction holds them for a moment.
+        unheld: The model beside which friction was found to hold no further joint for moments; None: none.
         of_all_rows: Whether that was found of a model of all rows: a search with all of them comes no further.
         lent: The logs as they were before a law was asked for without some of their rows, which come back;
             None: that was not done yet; none: they came back.
@@ -79,6 +81,7 @@ class Search:
     everyday_again: bool = False
     settled: bool = False
     sticking: set[int] = field(default_factory=set)
+    unheld: Estimate | None = None
     of_all_rows: bool = False
     lent: Sequence[Motion] | None = None
     withdrawn: tuple[Term, ...] = ()
@@ -94,6 +97,11 @@ class Search:
         if self.crossfit is None:
             raise ValueError("no round has begun: there are no folds yet")
         return self.crossfit
+
+    def go_on(self, found: Estimate) -> None:
+        """Go on from a fit, with the noise of its rows and its own folds."""
+        self.current = with_motion_noise(found, self.seed)
+        self.crossfit = cross_fit(self.current)
 
     @property
     def added(self) -> list[Term]:

@@ -84,7 +84,7 @@ def diagnose(
         logs: Sequence[Motion],
         most: int,
         goes_on: Callable = _always,
-        sticks: Callable[[Search], bool] = _sticks,
+        sticks: Callable[[Search], bool] | None = None,
         in_motion: bool = False,
     ) -> Search:
         question = replace(_LACKING, act=partial(_act_if, goes_on))
@@ -100,8 +100,9 @@ def diagnose(
                 search = found
             else:
                 run_rounds(search, question, most)
+            at_once, in_the_end = sticks or leave_out_sticks, sticks or _sticks
             while not search.given_up and (
-                leave_out_where_lost(search) or take_back(search) or sticks(search)
+                leave_out_where_lost(search, at_once) or take_back(search) or in_the_end(search)
             ):
                 run_rounds(search, question, most)
             if not search.given_up:

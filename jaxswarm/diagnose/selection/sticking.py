@@ -63,15 +63,19 @@ def leave_out_sticks(search: Search) -> bool:
     return after is not None
 
 
-def leave_out_where_lost(search: Search) -> bool:
+def leave_out_where_lost(
+    search: Search, sticks: Callable[[Search], bool] = leave_out_sticks
+) -> bool:
     """Leave out sticks where something was added and very much is left, before that is judged by it.
+
+    ``sticks`` is what the search does where friction holds joints: one for a model of every row is given up.
 
     A cable over two joints took 0.95 off one of them, which rows that friction held left at 12 times its noise:
     as too little it was taken back, and a dozen others in its place, for eight minutes.
     """
     over = over_noise(search.current)
     acts = {j for s in search.steps for j in (s.score.joint, s.added.joint) if j is not None}
-    return any(over[j] > LOST for j in acts) and leave_out_sticks(search)
+    return any(over[j] > LOST for j in acts) and sticks(search)
 
 
 def give_up_if_it_sticks(search: Search) -> bool:
@@ -87,6 +91,8 @@ def give_up_if_it_sticks(search: Search) -> bool:
 def _fit_of_what_moves(search: Search) -> Estimate | None:
     """The fit without the rows in which friction holds joints that nothing explains; None if it holds none."""
     current = search.current
+    if search.unheld is current:
+        return None
     asked = loud_joints(search)
     if asked:
         structure = find_material(current, search.folds, search.seed)
@@ -97,7 +103,9 @@ def _fit_of_what_moves(search: Search) -> Estimate | None:
     def fitted(motions: Sequence[Motion]) -> Estimate:
         return fit_of_rows(search, current, motions)
 
-    return without_sticks(search, asked, fitted) or with_loose_rest(search, asked, fitted)
+    after = without_sticks(search, asked, fitted) or with_loose_rest(search, asked, fitted)
+    search.unheld = current if after is None else None
+    return after
 
 
 def fit_of_rows(search: Search, found: Estimate, motions: Sequence[Motion]) -> Estimate:
@@ -187,8 +195,7 @@ def settle_signs(search: Search, alone: Callable[[], Estimate]) -> None:
         width = refit(replace(current, motions=every), terms).model.width
     else:
         width = alone().model.width
-    search.current = with_motion_noise(fit_from(current, start, terms, width), search.seed)
-    search.crossfit = cross_fit(search.current)
+    search.go_on(fit_from(current, start, terms, width))
 
 
 def known_held(motion: Motion) -> np.ndarray:

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-from jaxswarm.diagnose.folds.noise import with_motion_noise
-from jaxswarm.diagnose.folds.partial_out import cross_fit
 from jaxswarm.diagnose.selection.refit import refit_once
 from jaxswarm.diagnose.selection.state import Search
 from jaxswarm.diagnose.selection.step import Step, chain, terms_before
@@ -23,6 +21,5 @@ def go_on_without(search: Search, gone: Sequence[Step]) -> None:
     """Go on without some additions, by what is told before and after the others as it is without them."""
     terms = terms_without(gone, search.current.model.terms)
     kept = [s for s in search.steps if not any(s is one for one in gone)]
-    search.current = with_motion_noise(refit_once(search.current, terms), search.seed)
+    search.go_on(refit_once(search.current, terms))
     search.steps = chain(kept) if kept else []
-    search.crossfit = cross_fit(search.current)

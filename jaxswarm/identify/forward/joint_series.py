@@ -46,7 +46,7 @@ def joint_series(
 ) -> Sample[np.ndarray]:
     """What a law on ``joint`` (with partner ``other``) sees along a log: a Sample of (T,) NumPy arrays.
 
-    ``width`` is that of every joint's smooth sign, (n,); a sum of velocities takes the joint's own.
+    ``width`` is that of every joint's smooth sign, (n,); those of two velocities take the joint's own.
     """
     own = _of_motion(motion, joint, other)._replace(**_signs(motion, width, joint, other))
     return own if load is None else own._replace(**load_series(load, joint))
@@ -82,7 +82,7 @@ def _of_partner(motion: Motion, other: int) -> dict:
 
 
 def _signs(motion: Motion, width: Sequence[float], joint: int, other: int | None) -> dict:
-    """The smooth signs (T,) of :func:`joint_series` by name, that of a sum where there is a partner."""
+    """The smooth signs (T,) of :func:`joint_series` by name, those of both where there is a partner."""
     own = {"direction": direction(motion.dq[:, joint], width[joint], motion.driven)}
     return own if other is None else own | _signs_of_both(motion, width, joint, other)
 

@@ -101,25 +101,27 @@ void {name}_effects(double t, const double *q, const double *dq, const double *d
 def _fields(item: Any, width: Sequence[float], slot: int | None) -> dict[str, str]:
     """C expression of every field of a sample."""
     j, other = item.joint, item.other
+
+    def sign(velocity: str) -> str:
+        return f"tanh({velocity} / {width[j]:.17g})"
+
+    def both(way: str) -> str:
+        return f"dq[{j}]" if other is None else f"(dq[{j}] {way} dq[{other}])"
+
     return {
         "t": "t",
         **{
             name: f"{name}[{j}]"
             for name in ("q", "dq", "ddq", "load", "static_load", "temperature")
         },
-        "direction": f"tanh(dq[{j}] / {width[j]:.17g})",
+        "direction": sign(f"dq[{j}]"),
         "q_other": "0.0" if other is None else f"q[{other}]",
         "dq_other": "0.0" if other is None else f"dq[{other}]",
         "ddq_other": "0.0" if other is None else f"ddq[{other}]",
-        "direction_sum": _sign_of_both(j, "+", other, width),
-        "direction_difference": _sign_of_both(j, "-", other, width),
+        "direction_sum": sign(both("+")),
+        "direction_difference": sign(both("-")),
         "state": "0.0" if slot is None else f"state[{slot}]",
     }
-
-
-def _sign_of_both(j: int, sign: str, other: int | None, width: Sequence[float]) -> str:
-    own = f"dq[{j}]" if other is None else f"(dq[{j}] {sign} dq[{other}])"
-    return f"tanh({own} / {width[j]:.17g})"
 
 
 def _law(
